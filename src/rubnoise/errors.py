@@ -1,0 +1,25 @@
+"""Everything rubnoise refuses or fails at, each with the exit code the command line returns for it."""
+
+
+class RubnoiseError(Exception):
+    """A failure that is reported as one clear text, without a traceback; exit code 1."""
+
+    exit_code = 1
+
+
+class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedError" says it twice)
+    """Something refused before the first event: usage, invalid input, an output that cannot be written; exit code 2."""
+
+    exit_code = 2
+
+
+class ScenarioRefused(Refused):
+    """A scenario whose problems are listed in the message, all of them at once."""
+
+
+class OutputRefused(Refused):
+    """An output path that exists already, is no regular file, or cannot be written."""
+
+
+class RunFileRefused(Refused):
+    """A result file that is missing, foreign, damaged or of a newer format."""
