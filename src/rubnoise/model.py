@@ -1,0 +1,81 @@
+"""The physics of one run: frozen inputs in working units (um, s, kg) and what follows from them at once."""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import Literal
+
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.sizes import SizeLaw
+from rubnoise.contact.strengths import ConstantStrength
+
+Start = Literal["stationary", "empty"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slider:
+    """The oscillator that holds the slider: m x'' + c x' + k x = F (kg, N s/m, N/m; force in uN, x in um)."""
+
+    mass: float
+    stiffness: float
+    damping: float
+    start: Literal["equilibrium", "rest"] = "equilibrium"
+    coupling: Literal["one-way"] = "one-way"
+
+    @property
+    def natural_angular_frequency(self) -> float:
+        """sqrt(k/m) in rad/s."""
+        return sqrt(self.stiffness / self.mass)
+
+    @property
+    def natural_frequency(self) -> float:
+        """sqrt(k/m) / 2 pi in Hz."""
+        return self.natural_angular_frequency / (2.0 * pi)
+
+    @property
+    def damping_ratio(self) -> float:
+        """c / (2 sqrt(k m)); 1 is critical."""
+        return self.damping / (2.0 * sqrt(self.stiffness * self.mass))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """Everything a run or the theory needs to know, and nothing else.
+
+    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), the sliding distance and the tick
+    (um). Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
+    """
+
+    mean_real_contact_area: float
+    mean_junction_count: float
+    calibration: Literal["paper", "exact", "matched"]
+    calibrated_diameter: float
+    sizes: SizeLaw
+    births: PoissonBirths
+    strengths: ConstantStrength | None
+    sliding_speed: float | None
+    distance: float
+    start: Start
+    slider: Slider | None
+    tick: float
+    tick_count: int
+    pulse: Literal["lens"] = "lens"
+
+    @property
+    def mean_life_distance(self) -> float:
+        """L_jm = 2 d_m in um (paper Eq. 13)."""
+        return 2.0 * self.calibrated_diameter
+
+    @property
+    def mean_birth_spacing(self) -> float:
+        """s_jm = L_jm / N_jm in um (paper, second Eq. 12)."""
+        return self.births.mean
+
+    @property
+    def birth_rate(self) -> float:
+        """Births per um of sliding, N_jm / (2 d_m) for Poisson births."""
+        return 1.0 / self.births.mean
+
+    @property
+    def tick_duration(self) -> float | None:
+        """Time in s from one tick to the next, or None without a sliding speed."""
+        return None if self.sliding_speed is None else self.tick / self.sliding_speed

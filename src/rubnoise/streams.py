@@ -1,0 +1,40 @@
+"""Named streams of random numbers: what is drawn for one purpose never shifts what is drawn for another."""
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+STREAM_VERSION = 1
+"""Which numbers a seed stands for; a change to any stream, its use or its order raises it."""
+
+SEED_LIMIT = 2**53
+"""Seeds lie below this, so that JSON, HDF5 and TOML readers that hold integers in doubles keep them exactly."""
+
+
+class Stream(IntEnum):
+    """One purpose of random numbers; the value is the second word of the Philox key and never changes."""
+
+    FIRST_BIRTH = 1
+    GAPS = 2
+    DIAMETERS = 3
+    STRENGTHS = 4
+    START_COUNT = 5
+    START_DIAMETERS = 6
+    START_AGES = 7
+
+
+def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:
+    """Return the generator of one stream at the beginning of one block.
+
+    Philox 4x64-10 (Salmon et al. 2011, doi:10.1145/2063384.2063405) keyed by (seed, stream), with the block in the third
+    word of its counter: any block's numbers are reached without drawing those before it.
+    """
+    key = np.array([seed, int(stream)], dtype=np.uint64)
+    counter = np.array([0, 0, block, 0], dtype=np.uint64)
+    return np.random.Generator(np.random.Philox(key=key, counter=counter))
+
+
+def uniforms(seed: int, stream: Stream, block: int, count: int) -> NDArray[np.float64]:
+    """Return ``count`` numbers uniform on [0, 1), multiples of 2^-53: integer arithmetic, the same bits everywhere."""
+    return generator(seed, stream, block).random(count)
