@@ -1,0 +1,22 @@
+"""Event-driven simulation of the vibrations excited by adhesive micro-junctions during sliding."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rubnoise.api import exact, load, open, run, simulate  # noqa: A004  (rubnoise.open reads like h5py.File)
+
+__version__ = "0.1.0"
+__all__ = ["__version__", "exact", "load", "open", "run", "simulate"]
+
+
+def __getattr__(name: str) -> object:
+    """Return a public name on its first use, so that importing rubnoise costs nothing (PEP 562)."""
+    if name not in __all__:
+        message = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(message)
+    return getattr(import_module("rubnoise.api"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

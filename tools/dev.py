@@ -1,0 +1,79 @@
+"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test` or `lint`.
+
+The first call makes `.venv` and installs what the command needs; later calls find it there (tools/bootstrap.py).
+Nothing but Python 3.11 or newer and its pip, or venv with ensurepip, is needed; nothing is written outside `.venv`.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # PYTHONSAFEPATH and -P leave it out
+
+from bootstrap import PROGRAM, PYTHON, ROOT, SetupFailed, set_up
+
+if TYPE_CHECKING:
+    from typing import NoReturn
+
+LOCKS = {"run": ("run",), "test": ("run", "test"), "lint": ("run", "test")}
+USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
+
+  run [ARGUMENTS]    rubnoise run, with every argument passed on (try: run --help)
+  test [ARGUMENTS]   the tests, with every argument passed on to pytest
+  lint               ruff and mypy
+"""
+
+
+def main(arguments: list[str]) -> int:
+    """Set up what the command needs, then become it; return an exit code only where that was not to be."""
+    command, rest = (arguments[0], arguments[1:]) if arguments else ("", [])
+    if command not in LOCKS:
+        asked = command in ("-h", "--help", "help")
+        print(USAGE, end="", file=sys.stdout if asked else sys.stderr)
+        return 0 if asked else 2
+    signal.signal(signal.SIGTERM, _terminated)
+    try:
+        set_up(LOCKS[command])
+        return {"run": run, "test": test, "lint": lint}[command](rest)
+    except SetupFailed as problem:
+        print(f"dev.py: {problem}", file=sys.stderr)
+        return 1
+    except OSError as problem:
+        print(f"dev.py: set-up failed: {problem}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("dev.py: interrupted; the same command starts again.", file=sys.stderr)
+        return 130
+
+
+def _terminated(number: int, _frame: object) -> NoReturn:
+    raise SystemExit(128 + number)
+
+
+def run(arguments: list[str]) -> NoReturn:
+    """Become `rubnoise run`, so that signals and the exit code are its own."""
+    os.execv(PROGRAM, [str(PROGRAM), "run", *arguments])
+
+
+def test(arguments: list[str]) -> NoReturn:
+    """Become pytest in the project's folder, with one worker process for each core."""
+    os.chdir(ROOT)
+    os.execv(PYTHON, [str(PYTHON), "-m", "pytest", "--numprocesses=auto", "--dist=worksteal", *arguments])
+
+
+def lint(arguments: list[str]) -> int:
+    """Run every check, also after one that fails, and return 1 if any did."""
+    if arguments:
+        print("dev.py: lint takes no arguments", file=sys.stderr)
+        return 2
+    checks = (["ruff", "check"], ["ruff", "format", "--check"], ["mypy"])
+    return max([min(1, subprocess.call([str(PYTHON), "-m", *check], cwd=ROOT)) for check in checks])
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,46 @@
+"""Resolve the dependencies of pyproject.toml anew into tools/run.lock and tools/test.lock.
+
+`python3 tools/relock.py [--upgrade]`, with uv on the PATH. The locks hold for every supported Python and platform,
+name neither an index nor a path, and carry the hashes of the files on the public index. The tests' lock holds only what
+tests and lint need on top of a run.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+COMPILE = ["uv", "pip", "compile", "pyproject.toml", "--no-config", "--default-index=https://pypi.org/simple"]
+FOR_EVERYONE = ["--universal", "--python-version=3.11", "--generate-hashes", "--quiet"]
+
+
+def main(arguments: list[str]) -> int:
+    """Write both locks, the run's first, because it constrains the tests'."""
+    if not shutil.which("uv"):
+        print("relock.py: uv is needed on the PATH (https://docs.astral.sh/uv/)", file=sys.stderr)
+        return 1
+    if failed := resolve("run", ["--group=build", *arguments]):
+        return failed
+    shared = [f"--no-emit-package={name}" for name in names(ROOT / "tools" / "run.lock")]
+    return resolve("test", ["--group=test", "--constraints=tools/run.lock", *shared, *arguments])
+
+
+def names(lock: Path) -> list[str]:
+    """Return the names of the packages in a lock, each once."""
+    return sorted(set(re.findall(r"^([\w.-]+)==", lock.read_text(encoding="utf-8"), re.MULTILINE)))
+
+
+def resolve(name: str, options: list[str]) -> int:
+    """Write one lock from the public index alone, whatever this machine is configured to use."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PIP_", "UV_"))}
+    told = ["--custom-compile-command=python3 tools/relock.py", f"--output-file=tools/{name}.lock"]
+    return subprocess.call(
+        [*COMPILE, *FOR_EVERYONE, *told, *options], cwd=ROOT, env=environment, stdout=subprocess.DEVNULL
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
