@@ -1,0 +1,166 @@
+"""Where a result may be written: what is refused before anything is created, and how a file gets its final name."""
+
+import fcntl
+import os
+import shutil
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from rubnoise.errors import OutputRefused, RubnoiseError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputPaths:
+    """The names that belong to one result, all in its folder."""
+
+    final: Path
+    part: Path
+    making: Path
+    lock: Path
+
+    @classmethod
+    def of(cls, path: str | os.PathLike[str]) -> Self:
+        """Return the names that go with a path; later changes of the working directory do not move them."""
+        final = Path(path).absolute()
+        return cls(
+            final=final,
+            part=final.with_name(f"{final.name}.part"),
+            making=final.with_name(f".{final.name}.making"),
+            lock=final.with_name(f".{final.name}.lock"),
+        )
+
+
+def check_output(path: str | os.PathLike[str], *, force: bool) -> OutputPaths:
+    """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
+
+    Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
+    ``force``, a file that exists already, be it whole or the part of a run that did not finish.
+    """
+    try:
+        paths = OutputPaths.of(path)
+        _check_folder(paths.final.parent)
+        for name in (paths.final, paths.part, paths.making, paths.lock):
+            _check_regular(name)
+    except (OSError, ValueError) as problem:
+        raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
+    if not force:
+        _check_absent(paths)
+    return paths
+
+
+@contextmanager
+def sole_writer(paths: OutputPaths) -> Iterator[None]:
+    """Hold the lock of a result; raises OutputRefused while another process writes it."""
+    descriptor = _locked(paths)
+    try:
+        yield
+    finally:
+        # Removed while still held: who waits with the same inode open sees that the name is gone and starts over.
+        paths.lock.unlink(missing_ok=True)
+        os.close(descriptor)
+
+
+def reserve(descriptor: int, size: int) -> None:
+    """Take the space of a whole file from the disk now; raises OutputRefused where there is not enough."""
+    missing = size - os.fstat(descriptor).st_blocks * 512
+    free = shutil.disk_usage(descriptor).free
+    if missing > free:
+        raise OutputRefused(f"the result needs {size:,} bytes, and the disk has {free:,} free")
+    if sys.platform != "darwin":
+        try:
+            os.posix_fallocate(descriptor, 0, size)
+        except OSError as problem:
+            raise OutputRefused(f"no room for the {size:,} bytes of the result: {_reason(problem)}") from problem
+
+
+def give_final_name(paths: OutputPaths, *, force: bool) -> None:
+    """Rename the whole part file to its final name and see the folder onto the disk.
+
+    Without ``force`` a file that appeared meanwhile is left alone: RubnoiseError, and the part stays.
+    """
+    if force:
+        paths.part.replace(paths.final)
+    else:
+        _rename_to_absent(paths)
+    folder = os.open(paths.final.parent, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def _rename_to_absent(paths: OutputPaths) -> None:
+    try:
+        os.link(paths.part, paths.final)
+    except OSError as problem:
+        if os.path.lexists(paths.final):
+            raise OutputAppearedError(
+                f"{paths.final} appeared during the run and is left as it is; the whole result is {paths.part}"
+            ) from problem
+        # File systems without hard links offer no rename that spares an existing file either.
+        paths.part.rename(paths.final)
+    else:
+        paths.part.unlink()
+
+
+class OutputAppearedError(RubnoiseError):
+    """Somebody else created the output file during the run."""
+
+
+def _check_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        raise OutputRefused(f"{folder}: no such folder")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputRefused(f"{folder}: the folder is not writable")
+
+
+def _check_regular(path: Path) -> None:
+    if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
+        raise OutputRefused(f"{path}: exists and is not a regular file")
+
+
+def _check_absent(paths: OutputPaths) -> None:
+    if paths.final.exists():
+        raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
+    if paths.part.exists():
+        raise OutputRefused(f"{paths.part}: left by a run that did not finish (--force replaces it)")
+
+
+def _locked(paths: OutputPaths) -> int:
+    """Return the descriptor of the lock file, locked, and sure to be the one that the name stands for."""
+    while True:
+        descriptor = _open_lock(paths)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if _same_file(descriptor, paths.lock):
+                return descriptor
+        except BlockingIOError as problem:
+            os.close(descriptor)
+            raise OutputRefused(f"{paths.final}: another process is writing it") from problem
+        except OSError as problem:
+            os.close(descriptor)
+            raise OutputRefused(f"{paths.lock}: cannot be locked: {_reason(problem)}") from problem
+        os.close(descriptor)
+
+
+def _open_lock(paths: OutputPaths) -> int:
+    try:
+        return os.open(paths.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    except OSError as problem:
+        raise OutputRefused(f"{paths.final}: cannot be written: {_reason(problem)}") from problem
+
+
+def _same_file(descriptor: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+def _reason(problem: Exception) -> str:
+    return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)

@@ -1,0 +1,146 @@
+"""Files that HDF5 may treat as its own, while only plain writes of ours ever reach the disk.
+
+HDF5 cannot be trusted with a disk that fills up (it ends the process instead of raising), nor does it say when it
+writes. Behind these two files it sees memory, or a disk that never fails; what went wrong is raised by us, afterwards.
+"""
+
+import io
+import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer, WriteableBuffer
+
+PAGE: Final = 4096
+
+
+class _Positioned(io.RawIOBase):
+    """Seek and tell over a known size; the rest of a file object is the business of the subclass."""
+
+    def __init__(self, size: int) -> None:
+        self._position = 0
+        self._size = size
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def tell(self) -> int:
+        return self._position
+
+    def truncate(self, size: int | None = None, /) -> int:
+        self._size = self._position if size is None else size
+        return self._size
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET, /) -> int:
+        base = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}[whence]
+        self._position = base + offset
+        return self._position
+
+    def _advance(self, count: int) -> int:
+        self._position += count
+        self._size = max(self._size, self._position)
+        return count
+
+
+class Overlay(_Positioned):
+    """A file whose changes stay in memory until ``commit``: pages never touched are read from the descriptor beneath.
+
+    Without a descriptor the file is new. Memory is that of the pages written, so columns that are allocated but not
+    filled cost nothing.
+    """
+
+    def __init__(self, descriptor: int | None = None) -> None:
+        super().__init__(0 if descriptor is None else os.fstat(descriptor).st_size)
+        self._beneath = descriptor
+        self._pages: dict[int, bytearray] = {}
+
+    @property
+    def size(self) -> int:
+        """Bytes of the whole file, written or not."""
+        return self._size
+
+    def readinto(self, buffer: "WriteableBuffer", /) -> int:
+        """Fill the buffer from the pages held and, where there are none, from the file beneath."""
+        target = memoryview(buffer).cast("B")
+        for page, start, piece in _pieces(self._position, target):
+            piece[:] = self._content(page)[start : start + len(piece)]
+        self._position += len(target)
+        return len(target)
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Change pages in memory."""
+        source = memoryview(data).cast("B")
+        for page, start, piece in _pieces(self._position, source):
+            content = self._pages.setdefault(page, self._content(page))
+            content[start : start + len(piece)] = piece
+        return self._advance(len(source))
+
+    def commit(self, descriptor: int) -> None:
+        """Write every changed page to the descriptor and cut or extend the file to this one's size."""
+        for page in sorted(self._pages):
+            start = page * PAGE
+            write_all(descriptor, memoryview(self._pages[page])[: max(0, self._size - start)], start)
+        os.ftruncate(descriptor, self._size)
+
+    def _content(self, page: int) -> bytearray:
+        held = self._pages.get(page)
+        if held is not None:
+            return held
+        beneath = b"" if self._beneath is None else os.pread(self._beneath, PAGE, page * PAGE)
+        return bytearray(beneath.ljust(PAGE, b"\0"))
+
+
+class Unfailing(_Positioned):
+    """A file on disk that never fails in front of HDF5: the first error is kept, and raised by ``settle``."""
+
+    def __init__(self, descriptor: int) -> None:
+        super().__init__(0)
+        self._descriptor = descriptor
+        self._failure: OSError | None = None
+
+    def readinto(self, buffer: "WriteableBuffer", /) -> int:
+        """Fill the buffer from the disk, with zeros beyond its end."""
+        target = memoryview(buffer).cast("B")
+        found = os.pread(self._descriptor, len(target), self._position)
+        target[:] = found.ljust(len(target), b"\0")
+        self._position += len(target)
+        return len(target)
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Write to the disk, or nowhere once it has failed."""
+        source = memoryview(data).cast("B")
+        if self._failure is None:
+            try:
+                write_all(self._descriptor, source, self._position)
+            except OSError as failure:
+                self._failure = failure
+        return self._advance(len(source))
+
+    def settle(self) -> None:
+        """Raise what went wrong, or give the file its final size."""
+        if self._failure is not None:
+            raise self._failure
+        os.ftruncate(self._descriptor, self._size)
+
+
+def write_all(descriptor: int, data: memoryview, offset: int) -> None:
+    """Write all of a contiguous buffer of bytes at an offset, however many calls the system needs for it."""
+    while data:
+        written = os.pwrite(descriptor, data, offset)
+        data, offset = data[written:], offset + written
+
+
+def _pieces(position: int, data: memoryview) -> Iterator[tuple[int, int, memoryview]]:
+    """Cut a buffer at page borders: page number, start inside the page, bytes."""
+    while data:
+        page, start = divmod(position, PAGE)
+        count = min(PAGE - start, len(data))
+        yield page, start, data[:count]
+        position, data = position + count, data[count:]

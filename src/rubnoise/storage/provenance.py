@@ -1,0 +1,75 @@
+"""Where a result comes from: software, machine, seed, command and times; nothing that names a person."""
+
+import os
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from shlex import join
+
+from rubnoise.streams import STREAM_VERSION
+
+PACKAGES = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Provenance:
+    """The origin of one run, complete but for the moment it ended.
+
+    calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name.
+    """
+
+    software: Mapping[str, str]
+    environment: Mapping[str, str | int]
+    seed: int
+    stream_version: int
+    calibrated_diameter: float
+    propagator_constants: Mapping[str, float]
+    command: str
+    started: str
+
+
+def gather(
+    *, seed: int, calibrated_diameter: float, propagator_constants: Mapping[str, float], command: Sequence[str]
+) -> Provenance:
+    """Return the provenance of a run that begins now in this process.
+
+    ``command`` is the command line without the path of the program, e.g. ["rubnoise", "run", "fig5.toml"].
+    """
+    return Provenance(
+        software=software(),
+        environment=environment(),
+        seed=seed,
+        stream_version=STREAM_VERSION,
+        calibrated_diameter=calibrated_diameter,
+        propagator_constants=dict(propagator_constants),
+        command=join(command),
+        started=now(),
+    )
+
+
+def software() -> dict[str, str]:
+    """Return the versions that a result may depend on."""
+    import h5py
+
+    packages = {name: package_version(name) for name in PACKAGES}
+    return {**packages, "hdf5": h5py.version.hdf5_version, "python": platform.python_version()}
+
+
+def environment() -> dict[str, str | int]:
+    """Return the platform, the processor family and the number of processors."""
+    return {"platform": platform.platform(), "machine": platform.machine(), "cpu_count": os.cpu_count() or 0}
+
+
+def package_version(name: str) -> str:
+    """Return the version of an installed package, or ``not installed``."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def now() -> str:
+    """Return the time in UTC as ISO 8601, to the second."""
+    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")

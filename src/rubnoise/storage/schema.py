@@ -1,0 +1,121 @@
+"""Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+Feature = Literal["speed", "strength", "slider"]
+"""What a scenario may add to the bare contact: times, forces, the motion of a slider."""
+
+Scalar = float | int | str
+"""What an attribute holds."""
+
+FORMAT: Final = "rubnoise-run"
+FORMAT_VERSION: Final = 1
+CONVENTIONS: Final = "CF-1.11"
+CHUNK_ROWS: Final = 65_536
+HASH: Final = "xxh3_128"
+HASH_DIGITS: Final = 32
+
+JUNCTION_AREA_FORMULA: Final = (
+    "A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) with d = diameter, x = |d - (s - birth_distance)|,"
+    " for birth_distance <= s < death_distance, and 0 elsewhere"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Column:
+    """One dataset of one dimension; ``needs`` names the feature without which it is absent."""
+
+    name: str
+    units: str
+    long_name: str
+    symbol: str
+    dtype: str = "<f8"
+    needs: Feature | None = None
+    flags: tuple[tuple[int, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group:
+    """Columns of equal length; the first is their dimension scale, ``plotted`` the ones a viewer shows first."""
+
+    name: str
+    long_name: str
+    length: Literal["junctions", "ticks", "curve"]
+    columns: tuple[Column, ...]
+    plotted: tuple[str, ...]
+    needs: Feature | None = None
+
+
+JUNCTIONS: Final = Group(
+    name="junctions",
+    long_name="whole life of every junction, in order of birth",
+    length="junctions",
+    plotted=("diameter",),
+    columns=(
+        Column(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
+        Column(name="birth_distance", units="um", symbol="s_birth", long_name="sliding distance at first touch"),
+        Column(name="death_distance", units="um", symbol="s_death", long_name="sliding distance at separation"),
+        Column(name="life_distance", units="um", symbol="L_j", long_name="sliding distance from birth to death"),
+        Column(name="diameter", units="um", symbol="d", long_name="diameter of the two circles in contact"),
+        Column(name="max_area", units="um^2", symbol="A_jmax", long_name="area at full overlap"),
+        Column(
+            name="shear_strength",
+            units="MPa",
+            symbol="psi",
+            long_name="shear strength of the junction",
+            needs="strength",
+        ),
+        Column(name="birth_time", units="s", symbol="t_birth", long_name="time of first touch", needs="speed"),
+        Column(name="death_time", units="s", symbol="t_death", long_name="time of separation", needs="speed"),
+        Column(
+            name="state",
+            dtype="|u1",
+            units="1",
+            symbol="state",
+            long_name="what of the life lies outside the run (0: nothing, the life is complete)",
+            flags=((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early")),
+        ),
+    ),
+)
+
+TRACE: Final = Group(
+    name="trace",
+    long_name="the contact at every tick of sliding distance",
+    length="ticks",
+    plotted=("real_contact_area", "junction_count", "friction_force"),
+    columns=(
+        Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Column(name="real_contact_area", units="um^2", symbol="A_r", long_name="real contact area"),
+        Column(name="junction_count", dtype="<u4", units="1", symbol="N_j", long_name="number of live junctions"),
+        Column(name="friction_force", units="uN", symbol="F_s", long_name="friction force", needs="strength"),
+    ),
+)
+
+SLIDER: Final = Group(
+    name="slider",
+    long_name="motion of the slider, uniform in time",
+    length="ticks",
+    needs="slider",
+    plotted=("displacement", "velocity", "friction_force"),
+    columns=(
+        Column(name="time", units="s", symbol="t", long_name="time"),
+        Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Column(name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider"),
+        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
+        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
+    ),
+)
+
+LIFE_CURVE: Final = Group(
+    name="life_curve",
+    long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
+    length="curve",
+    plotted=("area_fraction",),
+    columns=(
+        Column(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
+        Column(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
+    ),
+)
+
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LIFE_CURVE)

@@ -1,0 +1,96 @@
+"""What a dataset and an attribute must be before a byte of them is read, whoever made the file."""
+
+import h5py
+import numpy as np
+
+from rubnoise.errors import RunFileRefused
+from rubnoise.storage.schema import CHUNK_ROWS, Column, Scalar
+
+ATTRIBUTE_BYTES = 1 << 22
+DEFLATE_RATIO = 1032
+"""The most that deflate can expand: more rows than that were never in the file."""
+
+
+def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
+    """Return a group held by a hard link; raises RunFileRefused otherwise."""
+    found = owner[name] if has_hard_link(owner, name) else None
+    if not isinstance(found, h5py.Group):
+        raise RunFileRefused(f"/{name} is missing")
+    return found
+
+
+def sound_dataset(owner: h5py.Group, column: Column, file_size: int) -> h5py.Dataset:
+    """Return the dataset of a column, its type, shape and storage as the schema has them.
+
+    Raises RunFileRefused for anything else: links of other kinds, external or virtual storage, filters other than
+    shuffle and deflate, more rows than the file's bytes can hold.
+    """
+    path = f"{owner.name}/{column.name}"
+    dataset = owner[column.name] if has_hard_link(owner, column.name) else None
+    if not isinstance(dataset, h5py.Dataset):
+        raise RunFileRefused(f"{path} is missing")
+    if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
+        raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
+    if not (_is_contiguous(dataset, file_size) or _is_gzip(dataset, file_size)):
+        raise RunFileRefused(f"{path} is not stored as a run file stores it")
+    return dataset
+
+
+def read_attribute(owner: h5py.HLObject, name: str) -> Scalar:
+    """Return a scalar attribute: text of fixed length, an integer or a double; raises RunFileRefused otherwise."""
+    where = f"{owner.name} attribute {name}"
+    if name not in owner.attrs:
+        raise RunFileRefused(f"{where} is missing")
+    identifier = owner.attrs.get_id(name)
+    kind = identifier.get_type()
+    if identifier.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not _is_plain(kind):
+        raise RunFileRefused(f"{where} is not a plain number or text")
+    value = owner.attrs[name]
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value.item()
+
+
+def read_text(owner: h5py.HLObject, name: str) -> str:
+    """Return a text attribute; raises RunFileRefused for a number."""
+    value = read_attribute(owner, name)
+    if not isinstance(value, str):
+        raise RunFileRefused(f"{owner.name} attribute {name} is not a text")
+    return value
+
+
+def read_integer(owner: h5py.HLObject, name: str) -> int:
+    """Return an integer attribute; raises RunFileRefused for anything else."""
+    value = read_attribute(owner, name)
+    if not isinstance(value, int):
+        raise RunFileRefused(f"{owner.name} attribute {name} is not an integer")
+    return value
+
+
+def has_hard_link(owner: h5py.Group, name: str) -> bool:
+    """Return whether a group itself holds an object of this name, not a link to elsewhere."""
+    raw = name.encode()
+    return bool(owner.id.links.exists(raw)) and bool(owner.id.links.get_info(raw).type == h5py.h5l.TYPE_HARD)
+
+
+def _is_plain(kind: h5py.h5t.TypeID) -> bool:
+    if isinstance(kind, h5py.h5t.TypeStringID):
+        return not kind.is_variable_str()
+    return isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
+
+
+def _is_contiguous(dataset: h5py.Dataset, file_size: int) -> bool:
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() != h5py.h5d.CONTIGUOUS or creation.get_external_count():
+        return False
+    offset = dataset.id.get_offset() or 0
+    return dataset.size == 0 or bool(dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset)
+
+
+def _is_gzip(dataset: h5py.Dataset, file_size: int) -> bool:
+    creation = dataset.id.get_create_plist()
+    if creation.get_layout() != h5py.h5d.CHUNKED or creation.get_chunk() != (min(dataset.size, CHUNK_ROWS),):
+        return False
+    filters = [creation.get_filter(i)[0] for i in range(creation.get_nfilters())]
+    stored = dataset.id.get_storage_size()
+    return filters == [h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE] and bool(
+        dataset.nbytes <= DEFLATE_RATIO * stored <= DEFLATE_RATIO * file_size
+    )

@@ -1,0 +1,184 @@
+"""The result file as HDF5 sees it: groups, datasets of final size, scales and attributes, without a single row."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.provenance import Provenance, package_version
+from rubnoise.storage.schema import (
+    CHUNK_ROWS,
+    CONVENTIONS,
+    FORMAT,
+    FORMAT_VERSION,
+    GROUPS,
+    HASH,
+    HASH_DIGITS,
+    JUNCTION_AREA_FORMULA,
+    Column,
+    Feature,
+    Group,
+    Scalar,
+)
+
+LIBRARY_VERSIONS = ("v110", "v110")
+GZIP_LEVEL = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where the bytes of a contiguous column lie in its file; without rows they lie nowhere and the offset is 0."""
+
+    offset: int
+    rows: int
+    dtype: str
+
+
+def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> None:
+    """Build the whole structure in an empty file; columns are contiguous, or chunks when ``compressed``."""
+    _describe_root(file, description.title)
+    for group in stored_groups(description.features):
+        rows = row_count(group, description.extent)
+        _compose_group(file, group, description.features, rows, compressed=compressed)
+    summary = file.create_group("summary")
+    put_text(summary, "NX_class", "NXcollection")
+    _describe_provenance(file.create_group("provenance"), description)
+
+
+def complete(
+    file: h5py.File,
+    digests: Mapping[tuple[str, str], str],
+    summary: Mapping[str, Scalar],
+    finished: str,
+) -> None:
+    """Fill in what is known only when the last row is written: hashes, summary and the time of the end."""
+    for (group, column), digest in digests.items():
+        put_text(file[group][column], HASH, digest)
+    for name, value in summary.items():
+        _put(file["summary"], name, value)
+    put_text(file["provenance"], "finished", finished)
+
+
+def places(file: h5py.File) -> dict[tuple[str, str], Place]:
+    """Return where every contiguous column of a file lies."""
+    return {
+        (group.name, column.name): _place(file[group.name][column.name].id, column)
+        for group in GROUPS
+        if group.name in file
+        for column in group.columns
+        if column.name in file[group.name]
+    }
+
+
+def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
+    """Write a text attribute of fixed length, in UTF-8."""
+    _put_texts(owner, name, text)
+
+
+def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
+    return Place(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
+
+
+def _describe_root(file: h5py.File, title: str) -> None:
+    put_text(file, "Conventions", CONVENTIONS)
+    put_text(file, "format", FORMAT)
+    file.attrs.create("format_version", FORMAT_VERSION, dtype="<i8")
+    put_text(file, "title", title)
+    put_text(file, "source", f"rubnoise {package_version('rubnoise')}")
+    put_text(file, "NX_class", "NXroot")
+    put_text(file, "default", "trace")
+    put_text(file, "junction_area_formula", JUNCTION_AREA_FORMULA)
+
+
+def _compose_group(file: h5py.File, group: Group, features: frozenset[Feature], rows: int, *, compressed: bool) -> None:
+    owner = _create_group(file, group.name)
+    columns = stored_columns(group, features)
+    datasets = [_create_dataset(owner, column, rows, compressed=compressed) for column in columns]
+    scale, *rest = datasets
+    scale.make_scale(columns[0].name)
+    for dataset in rest:
+        dataset.dims[0].attach_scale(scale)
+    _describe_group(owner, group, [column.name for column in columns])
+    for column, dataset in zip(columns, datasets, strict=True):
+        _describe_column(dataset, column)
+
+
+def _create_group(file: h5py.File, name: str) -> h5py.Group:
+    """Create a group that remembers the order of its columns, so that viewers list them as the schema does."""
+    creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    creation.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+    return h5py.Group(h5py.h5g.create(file.id, name.encode(), gcpl=creation))
+
+
+def _create_dataset(owner: h5py.Group, column: Column, rows: int, *, compressed: bool) -> h5py.Dataset:
+    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    creation.set_obj_track_times(False)
+    if compressed and rows:
+        creation.set_chunk((min(rows, CHUNK_ROWS),))
+        creation.set_shuffle()
+        creation.set_deflate(GZIP_LEVEL)
+    else:
+        creation.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        creation.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    kind = h5py.h5t.py_create(np.dtype(column.dtype))
+    space = h5py.h5s.create_simple((rows,))
+    return h5py.Dataset(h5py.h5d.create(owner.id, column.name.encode(), kind, space, creation))
+
+
+def _describe_group(owner: h5py.Group, group: Group, names: Sequence[str]) -> None:
+    """Say what the group is, and in NeXus terms what to plot against what."""
+    signal, *others = [name for name in group.plotted if name in names]
+    put_text(owner, "long_name", group.long_name)
+    put_text(owner, "NX_class", "NXdata")
+    put_text(owner, "signal", signal)
+    _put_texts(owner, "axes", [names[0]])
+    if others:
+        _put_texts(owner, "auxiliary_signals", others)
+
+
+def _describe_column(dataset: h5py.Dataset, column: Column) -> None:
+    put_text(dataset, "units", column.units)
+    put_text(dataset, "long_name", column.long_name)
+    put_text(dataset, "symbol", column.symbol)
+    put_text(dataset, HASH, "0" * HASH_DIGITS)
+    if column.flags:
+        dataset.attrs.create("flag_masks", [bit for bit, _ in column.flags], dtype=column.dtype)
+        put_text(dataset, "flag_meanings", " ".join(meaning for _, meaning in column.flags))
+
+
+def _describe_provenance(owner: h5py.Group, description: RunDescription) -> None:
+    origin: Provenance = description.provenance
+    values: dict[str, Scalar] = {
+        "NX_class": "NXcollection",
+        "scenario_toml": description.scenario_toml,
+        "scenario_resolved": json.dumps(description.scenario_resolved, ensure_ascii=False),
+        "software": json.dumps(dict(origin.software)),
+        "environment": json.dumps(dict(origin.environment)),
+        "seed": origin.seed,
+        "stream_version": origin.stream_version,
+        "calibrated_diameter": origin.calibrated_diameter,
+        "propagator_constants": json.dumps(dict(origin.propagator_constants)),
+        "command": origin.command,
+        "started": origin.started,
+        "finished": "",
+    }
+    for name, value in values.items():
+        _put(owner, name, value)
+
+
+def _put(owner: h5py.HLObject, name: str, value: Scalar) -> None:
+    if isinstance(value, str):
+        put_text(owner, name, value)
+    else:
+        owner.attrs.create(name, value, dtype="<i8" if isinstance(value, int) else "<f8")
+
+
+def _put_texts(owner: h5py.HLObject, name: str, text: str | Sequence[str]) -> None:
+    """Write one text or a list of texts; at least two bytes long, as h5netcdf hands single bytes over undecoded."""
+    raw = [item.encode("utf-8", "backslashreplace") for item in ([text] if isinstance(text, str) else text)]
+    kind = h5py.string_dtype("utf-8", max(2, *map(len, raw)))
+    value = np.array(raw[0] if isinstance(text, str) else raw, dtype=kind)
+    owner.attrs.create(name, value, dtype=kind)
