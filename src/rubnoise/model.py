@@ -79,3 +79,15 @@ class Model:
     def tick_duration(self) -> float | None:
         """Time in s from one tick to the next, or None without a sliding speed."""
         return None if self.sliding_speed is None else self.tick / self.sliding_speed
+
+    @property
+    def stationary_mean_area(self) -> float:
+        """Exact stationary mean of the real contact area, lam (2/3) E[d^3] in um^2 (Campbell)."""
+        return self.birth_rate * (2.0 / 3.0) * self.sizes.moment(3)
+
+    @property
+    def equilibrium_displacement(self) -> float:
+        """Where the slider starts, in um: psi times the stationary mean area over k, or 0 from rest or without one."""
+        if self.slider is None or self.strengths is None or self.slider.start == "rest":
+            return 0.0
+        return self.strengths.moment(1) * self.stationary_mean_area / self.slider.stiffness

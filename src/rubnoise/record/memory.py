@@ -1,0 +1,31 @@
+"""A run kept in memory, column by column."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.record.sink import Columns, Extent
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryRecord:
+    """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file."""
+
+    extent: Extent
+    groups: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
+
+    def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
+        """Return the columns of one group."""
+        return self.groups[group]
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Keep rows of a group (see Sink)."""
+        kept = self.groups.setdefault(group, {})
+        rows = self.extent.junctions if group == "junctions" else self.extent.ticks
+        for name, values in columns.items():
+            column = kept.get(name)
+            if column is None:
+                column = kept[name] = np.empty(rows, dtype=values.dtype)
+            column[first_row : first_row + values.size] = values

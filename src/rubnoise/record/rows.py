@@ -1,0 +1,70 @@
+"""One row a junction, one row a tick: the columns of a run, made from what was born, lived and summed."""
+
+from enum import IntFlag
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.contact.overlap import max_area
+
+Doubles = NDArray[np.float64]
+
+
+class JunctionState(IntFlag):
+    """What the ``state`` of a junction's row says, in bits."""
+
+    COMPLETE = 0
+    ALIVE_AT_START = 1
+    ALIVE_AT_END = 2
+    ENDED_EARLY = 4
+
+
+def natural_death(birth: Doubles, diameter: Doubles) -> Doubles:
+    """Return the distance in um at which a life of 2d ends (paper Eq. 5)."""
+    return birth + 2.0 * diameter
+
+
+def junction_states(
+    birth: Doubles, diameter: Doubles, departure: Doubles, at_start: NDArray[np.bool_], distance: float
+) -> NDArray[np.uint8]:
+    """Return the state bits of junctions; departure (um) is infinite for those that are not known to have left."""
+    death = natural_death(birth, diameter)
+    state = np.where(at_start, np.uint8(JunctionState.ALIVE_AT_START), np.uint8(0))
+    state |= np.where(departure < death, np.uint8(JunctionState.ENDED_EARLY), np.uint8(0))
+    left = np.minimum(departure, death)
+    return state | np.where(left > distance, np.uint8(JunctionState.ALIVE_AT_END), np.uint8(0))
+
+
+def junction_columns(
+    *,
+    first_row: int,
+    birth: Doubles,
+    diameter: Doubles,
+    strength: Doubles | None,
+    departure: Doubles,
+    state: NDArray[np.uint8],
+    speed: float | None,
+) -> dict[str, NDArray[Any]]:
+    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s).
+
+    A row ended early has the death and life that it had; every other has death = birth + 2d, also beyond the run.
+    """
+    planned = natural_death(birth, diameter)
+    early = departure < planned
+    death = np.where(early, departure, planned)
+    columns: dict[str, NDArray[Any]] = {
+        "junction": np.arange(first_row, first_row + birth.size, dtype=np.int64),
+        "birth_distance": birth,
+        "death_distance": death,
+        "life_distance": np.where(early, death - birth, 2.0 * diameter),
+        "diameter": diameter,
+        "max_area": max_area(diameter),
+    }
+    if strength is not None:
+        columns["shear_strength"] = strength
+    if speed is not None:
+        columns["birth_time"] = birth / speed
+        columns["death_time"] = death / speed
+    columns["state"] = state
+    return columns

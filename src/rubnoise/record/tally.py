@@ -1,0 +1,89 @@
+"""Running moments of what a run records, gathered while its rows pass by."""
+
+from dataclasses import dataclass, field
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.record.sink import Columns
+
+WATCHED = {
+    "trace": ("real_contact_area", "junction_count"),
+    "slider": ("friction_force", "displacement", "velocity"),
+}
+"""Which columns are tallied, by group; the force of a run without a slider is that of its trace."""
+
+
+@dataclass(slots=True)
+class Moments:
+    """Count, mean and the sums of the second to fourth powers about the mean of a stream of values.
+
+    Panels are merged by the pairwise formulas of Chan, Golub and LeVeque (1983) and Pebay (2008), so that nothing is
+    lost to cancellation however long the run.
+    """
+
+    count: int = 0
+    mean: float = 0.0
+    second: float = 0.0
+    third: float = 0.0
+    fourth: float = 0.0
+
+    def add(self, values: NDArray[np.float64]) -> None:
+        """Take in one panel of values."""
+        if not values.size:
+            return
+        mean = float(values.mean())
+        away = values - mean
+        square = away * away
+        self._merge(values.size, mean, float(square.sum()), float((square * away).sum()), float((square**2).sum()))
+
+    def _merge(self, count: int, mean: float, second: float, third: float, fourth: float) -> None:
+        before, total = self.count, self.count + count
+        step = mean - self.mean
+        part, share = step / total, before * count / total
+        fourth += step**2 * part**2 * share * (before**2 - before * count + count**2)
+        fourth += 6.0 * part**2 * (before**2 * second + count**2 * self.second)
+        fourth += 4.0 * part * (before * third - count * self.third)
+        third += step**2 * part * share * (before - count)
+        third += 3.0 * part * (before * second - count * self.second)
+        self.fourth += fourth
+        self.third += third
+        self.second += second + step**2 * share
+        self.mean += part * count
+        self.count = total
+
+    @property
+    def variance(self) -> float:
+        """Mean square deviation from the mean."""
+        return self.second / self.count if self.count else 0.0
+
+    @property
+    def std(self) -> float:
+        """Root of the variance."""
+        return sqrt(self.variance)
+
+    @property
+    def skewness(self) -> float:
+        """Third standardised moment; 0 for values that do not vary."""
+        return self.third / self.count / self.variance**1.5 if self.variance > 0.0 else 0.0
+
+    @property
+    def excess_kurtosis(self) -> float:
+        """Fourth standardised moment less 3; 0 for values that do not vary."""
+        return self.fourth / self.count / self.variance**2 - 3.0 if self.variance > 0.0 else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """A sink that keeps only the moments of the columns it watches, by name."""
+
+    moments: dict[str, Moments] = field(default_factory=dict)
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Take in rows of a group (see Sink)."""
+        del first_row
+        names = WATCHED.get(group, ())
+        for name in names:
+            if name in columns:
+                self.moments.setdefault(name, Moments()).add(np.asarray(columns[name], dtype=np.float64))

@@ -1,0 +1,147 @@
+"""The story of a contact, as processes: junctions are born, live through 2d of sliding, and die.
+
+Distance is the clock: ``env.now`` is the sliding distance in um. Only births and deaths are events; the aggregator and
+the slider wake for a panel of ticks at a time and see in it exactly the junctions that joined and left before.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+from simpy import Environment, Interrupt, Process
+from simpy.events import Event, ProcessGenerator, Timeout
+
+from rubnoise.record.sink import Columns
+from rubnoise.simulation.draws import BlockBirths
+from rubnoise.simulation.panels import Panel
+from rubnoise.simulation.process import PromptProcess
+from rubnoise.simulation.state import LiveRows, State
+
+
+class LiveSet:
+    """The junctions of a block, and which of them are alive: what the processes say, and nothing else.
+
+    ``processes`` holds the process of each junction that is alive, by its row number; interrupting one ends that
+    junction where the clock stands.
+    """
+
+    def __init__(self, carried: LiveRows, born: LiveRows, begin: float) -> None:
+        """Hold the rows of a block that begins at a distance (um); none has a process yet."""
+        self._rows = carried.then(born)
+        self.joined = len(carried)
+        self.processes: dict[int, Process] = {}
+        self._numbers = self._rows.junction.tolist()
+        self._departure = self._rows.departure.tolist()
+        for row in np.flatnonzero(carried.death <= begin).tolist():
+            self._departure[row] = float(carried.death[row])
+
+    def join(self, row: int, process: Process) -> None:
+        """Count a junction among the living from now on."""
+        self.processes[self._numbers[row]] = process
+        if row >= self.joined:
+            self.joined = row + 1
+
+    def leave(self, row: int, distance: float) -> None:
+        """Count a junction no longer: it was alive before this distance (um) and is not from it on."""
+        del self.processes[self._numbers[row]]
+        self._departure[row] = distance
+
+    def rows(self) -> LiveRows:
+        """Return the junctions that have joined so far, with the departures of those that have left."""
+        joined = replace(self._rows, departure=np.array(self._departure))
+        return joined.where(np.arange(len(joined)) < self.joined)
+
+
+Intervention = Callable[[Environment, LiveSet], ProcessGenerator]
+"""A process of the user's own, started anew in every block beside those of the contact."""
+
+
+def junction(env: Environment, live: LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
+    """Live from now through ``rest`` um of sliding; die at ``death``, or wherever an interrupt ends it."""
+    live.join(row, env.active_process)  # type: ignore[arg-type]  # a process is running: this one
+    try:
+        yield Timeout(env, rest)
+    except Interrupt:
+        live.leave(row, env.now)
+    else:
+        live.leave(row, death)
+
+
+def births(env: Environment, live: LiveSet, state: State, block: BlockBirths, run_end: float) -> ProcessGenerator:
+    """Wait for a gap, start a junction, and so on to the birth that opens the next block, or to the end of the run."""
+    carried = len(state.live)
+    wait = state.next_birth - env.now
+    lives = zip(block.birth.tolist(), block.diameter.tolist(), block.gaps.tolist(), strict=True)
+    for row, (birth, diameter, gap) in enumerate(lives, start=carried):
+        yield Timeout(env, wait)
+        life = 2.0 * diameter
+        PromptProcess(env, junction(env, live, row, birth + life, life))
+        wait = gap
+    last = block.next_birth > run_end
+    yield env.timeout(run_end - env.now if last else wait)
+
+
+def aggregate(
+    env: Environment,
+    panels: Sequence[Panel],
+    sampled: Sequence[Event],
+    block_end: Process,
+    sample: Callable[[Panel, LiveRows], Columns],
+    live: LiveSet,
+) -> ProcessGenerator:
+    """Wake once a panel, when all that happens up to its last tick has happened, and sample the live set at its ticks.
+
+    Half a tick late, so that a birth or death at that very tick has been told, whatever the order of the queue.
+    """
+    for panel, done in zip(panels, sampled, strict=True):
+        if panel is panels[-1]:
+            yield block_end
+        else:
+            yield env.timeout(panel.last_distance + 0.5 * panel.tick - env.now)
+        rows = live.rows()
+        done.succeed((rows, sample(panel, rows)))
+    yield block_end
+
+
+def slide(
+    panels: Sequence[Panel], sampled: Sequence[Event], move: Callable[[Panel, LiveRows, Columns], None]
+) -> ProcessGenerator:
+    """Wait until a panel has been sampled, then move the slider through it."""
+    for panel, done in zip(panels, sampled, strict=True):
+        rows, columns = yield done
+        move(panel, rows, columns)
+
+
+def play_block(
+    *,
+    state: State,
+    births_of_block: BlockBirths,
+    born: LiveRows,
+    panels: Sequence[Panel],
+    run_end: float,
+    sample: Callable[[Panel, LiveRows], Columns],
+    move: Callable[[Panel, LiveRows, Columns], None] | None,
+    intervene: Intervention | None,
+) -> tuple[LiveRows, int]:
+    """Let one block happen; return its rows, carried ones first, as they are at its end, and how many events it took."""
+    env = Environment(initial_time=state.begin)
+    live = LiveSet(state.live, born, state.begin)
+    for row, death in _survivors(state.live, state.begin):
+        PromptProcess(env, junction(env, live, row, death, death - state.begin))
+    block_end = PromptProcess(env, births(env, live, state, births_of_block, run_end))
+    sampled = [env.event() for _ in panels]
+    last: Process = PromptProcess(env, aggregate(env, panels, sampled, block_end, sample, live))
+    if move is not None:
+        last = PromptProcess(env, slide(panels, sampled, move))
+    if intervene is not None:
+        PromptProcess(env, intervene(env, live))
+    env.run(until=env.all_of([block_end, last]))
+    return live.rows(), next(env._eid)
+
+
+def _survivors(live: LiveRows, begin: float) -> Iterator[tuple[int, float]]:
+    """Yield the index and death of every carried row that is still alive where a block begins."""
+    for row, (departure, death) in enumerate(zip(live.departure.tolist(), live.death.tolist(), strict=True)):
+        if departure == inf and death > begin:
+            yield row, death

@@ -1,0 +1,54 @@
+"""A run from its first block to its last: the fold that everything else is folded into."""
+
+from collections.abc import Callable
+
+from rubnoise.model import Model
+from rubnoise.record.sink import Extent, Sink
+from rubnoise.simulation.block import Run, Watch, next_state
+from rubnoise.simulation.cells import cells_per_tick
+from rubnoise.simulation.draws import count_births, start
+from rubnoise.simulation.junctions import Intervention
+from rubnoise.simulation.propagator import Propagator, propagator
+from rubnoise.simulation.state import State
+
+
+def extent(model: Model, seed: int) -> Extent:
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    return Extent(junctions=start(model, seed).junctions + count_births(model, seed), ticks=model.tick_count + 1)
+
+
+def slider_constants(model: Model) -> Propagator | None:
+    """Return the constants of the slider's step, or None where the model has no slider."""
+    if model.slider is None or model.sliding_speed is None:
+        return None
+    return propagator(model.slider, model.sliding_speed, model.tick, cells_per_tick(model))
+
+
+def finished(model: Model, state: State) -> bool:
+    """Whether every tick has been finished and every birth of the run has happened."""
+    return state.ticks > model.tick_count and state.next_birth > model.distance
+
+
+def simulate(
+    model: Model,
+    seed: int,
+    sink: Sink,
+    *,
+    state: State | None = None,
+    intervene: Intervention | None = None,
+    watch: Watch | None = None,
+    commit: Callable[[State], None] | None = None,
+) -> State:
+    """Run a model event by event, hand its rows to a sink as they come to be, and return the last state.
+
+    The same model and seed give the same rows, bit for bit. ``state``: go on from here instead of from the start;
+    ``intervene``: a SimPy process of the caller's beside those of the contact, made anew in every block; ``watch``: is
+    told after each panel; ``commit``: is handed the state after each block, from which the run could go on.
+    """
+    run = Run(model=model, seed=seed, constants=slider_constants(model), sink=sink, intervene=intervene, watch=watch)
+    state = start(model, seed) if state is None else state
+    while not finished(model, state):
+        state = next_state(run, state)
+        if commit is not None:
+            commit(state)
+    return state
