@@ -1,0 +1,47 @@
+"""Rules about the source files that no linter knows."""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.architecture.sources import PACKAGE, ROOT, files, imported_packages, undocumented
+
+MOST_LINES = 300
+
+
+def _users(library: str) -> set[str]:
+    """Return the package's folders (or files, at the top) that import a library."""
+    return {path.relative_to(PACKAGE).parts[0] for path in files() if library in imported_packages(path.read_text())}
+
+
+@pytest.mark.parametrize(("library", "owner"), [("h5py", "storage"), ("simpy", "simulation")])
+def test_a_library_has_one_owner(library: str, owner: str) -> None:
+    assert _users(library) == {owner}
+
+
+def test_imports_are_found_wherever_they_stand() -> None:
+    text = "import a.b\nfrom c.d import e\nif True:\n    def f():\n        import g as h\nfrom . import i\n"
+    assert imported_packages(text) == {"a", "c", "g", "rubnoise"}
+
+
+def test_every_import_is_declared() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = [requirement for extra in project["optional-dependencies"].values() for requirement in extra]
+    declared = {re.split(r"[<>=]", requirement)[0] for requirement in project["dependencies"] + extras}
+    imported = set().union(*(imported_packages(path.read_text(encoding="utf-8")) for path in files()))
+    assert imported - sys.stdlib_module_names - {"rubnoise", "_typeshed"} <= declared  # _typeshed: type checkers' own
+
+
+@pytest.mark.parametrize("path", files(), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_a_file_stays_readable_and_its_public_names_are_documented(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= MOST_LINES
+    assert undocumented(text) == []
+
+
+def test_a_missing_docstring_is_found() -> None:
+    text = "def a(): 'x'\ndef b(): ...\nclass C:\n    'x'\n    def d(self): ...\n    def _e(self): ...\n"
+    assert undocumented(text) == ["b", "C.d"]
