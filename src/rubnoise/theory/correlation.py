@@ -1,0 +1,55 @@
+"""How real contact area at one place goes with itself a lag further on."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.contact.overlap import junction_area
+from rubnoise.model import Model
+from rubnoise.theory.quadrature import panels, size_rule
+
+Doubles = NDArray[np.float64]
+Powers = tuple[int, int]
+
+_NODES = 40
+_SIZES = 64
+_AT_ONCE = 4096
+
+
+def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
+    """Return R(tau) = Cov[A_r(s), A_r(s + tau)] in um^4 for lags in um (any shape); zero beyond the longest life.
+
+    R(tau) = lam E[int A(s) A(s + |tau|) ds]; R(0) is the variance, and the integral of R over all tau is S(0).
+    Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse of paper Eq. (2).
+    """
+    return joint_cumulants(model, lag, ((1, 1),))[1, 1]
+
+
+def joint_cumulants(model: Model, lag: ArrayLike, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
+    """Return kappa_ij(tau), the joint cumulant of i times A_r(s) and j times A_r(s + tau), in um^(2i + 2j).
+
+    kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each (i, j) asked for
+    and lags tau in um (any shape). Source: Campbell's theorem for two places at once (Rice 1944, as above).
+    """
+    lags = np.abs(np.asarray(lag, dtype=np.float64))
+    diameters, probabilities = size_rule(model.sizes, _SIZES)
+    flat = np.empty((len(powers), lags.size))
+    for rows in np.array_split(np.arange(lags.size), 1 + lags.size * diameters.size // _AT_ONCE):
+        overlaps = life_overlaps(lags.ravel()[rows, None] / diameters, powers)
+        for line, (i, j) in enumerate(powers):
+            flat[line, rows] = overlaps[i, j] @ (probabilities * diameters ** (2 * (i + j) + 1))
+    return {pair: model.birth_rate * line.reshape(lags.shape) for pair, line in zip(powers, flat, strict=True)}
+
+
+def life_overlaps(lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
+    """Return q_ij(t) = int a(s)^i a(s + t)^j ds for lives of unit diameter, t >= 0 of any shape; zero for t >= 2.
+
+    A life is its own mirror image, so the half up to s = 1 - t/2 holds all, with i and j exchanged for the other. It is
+    cut at s = 1 - t, mid-life of the later factor, and s = 1 - cos(theta) makes the birth at s = 0 smooth.
+    """
+    t = np.minimum(lag, 2.0)
+    cuts = np.stack([np.zeros_like(t), np.arccos(np.minimum(t, 1.0)), np.arccos(0.5 * t)], axis=-1)
+    theta, weights = panels(cuts, _NODES)
+    earlier = 0.5 * (theta - np.sin(theta) * np.cos(theta))
+    later = junction_area(2.0 * np.square(np.sin(0.5 * theta)) + t[..., None], 1.0)
+    weights = weights * np.sin(theta)
+    return {(i, j): np.sum(weights * (earlier**i * later**j + earlier**j * later**i), axis=-1) for i, j in powers}

@@ -1,0 +1,121 @@
+"""Standard errors of the mean force and of the slider's motion over a finite one-way run."""
+
+from cmath import exp as complex_exp
+from cmath import sqrt as complex_sqrt
+from dataclasses import dataclass
+from math import hypot, inf, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.errors import Refused
+from rubnoise.model import Model, Slider
+from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.quadrature import size_rule
+from rubnoise.theory.resonance import Rule, response_rules
+from rubnoise.theory.response import Response, response
+from rubnoise.theory.sampling import variance_of_time_mean
+from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
+from rubnoise.theory.transform import mean_square_transform, square_transform
+
+Doubles = NDArray[np.float64]
+
+_SIZES = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotionErrors:
+    """Standard errors over one run: mean and std of displacement in um, std of velocity in um/s."""
+
+    mean_displacement: float
+    displacement_std: float
+    velocity_std: float
+
+
+def mean_force_error(model: Model, distance: float | None = None) -> float:
+    """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
+
+    Over ``distance`` um or the model's ticks: Var = E[psi^2] times that of the mean area (Campbell's theorem with the
+    pulse psi A). Raises Refused without a strength.
+    """
+    if model.strengths is None:
+        raise Refused("the friction force needs a shear strength ([strength])")
+    return sqrt(model.strengths.moment(2) * variance_of_time_mean(model, distance))
+
+
+def expected_mean_displacement(model: Model, distance: float) -> float:
+    """Return the expected mean of x in um over a run of ``distance`` um, from the slider's start.
+
+    From equilibrium it is x_e = E[psi] mean A_r / k; from rest the free decay y of -x_e is added, with
+    (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
+    """
+    drive = drive_of(model)
+    slider, still = drive.slider, response(model).mean_displacement
+    if slider.start == "equilibrium":
+        return still
+    duration = distance / drive.speed
+    y, velocity = _free_decay(slider, duration)
+    missing = (slider.damping * (1.0 - y) - slider.mass * velocity) / (slider.stiffness * duration)
+    return still * (1.0 - missing)
+
+
+def motion_errors(model: Model, distance: float) -> MotionErrors:
+    """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
+
+    The mean's is an upper bound for every length and exact for long runs: k mean x = mean F - (m dv + c dx)/T, where
+    dv and dx, the changes over the run, spread by no more than their stationary std plus that of the decaying start
+    (whose energy only falls). The stds' are for runs of many lives and decay times:
+    Var[mean of x^2] = (1/T) int Cov[x^2(0), x^2(t)] dt = (2/pi T) int_0^inf S_x^2 dw
+    + (lam V/T) E[psi^4] E[(int y^2 dt)^2], y the response to one junction of unit strength; the error of the std is the
+    root of it over 2 std. Raises Refused without slider, strength or speed; inf without damping.
+    Source: cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
+    """
+    drive, motion = drive_of(model), response(model)
+    if drive.slider.damping == 0.0:
+        return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
+    displacement, velocity = np.sqrt(_mean_square_variances(model, drive) * drive.speed / distance)
+    return MotionErrors(
+        mean_displacement=_mean_displacement_bound(model, drive, motion, distance),
+        displacement_std=float(displacement) / (2.0 * motion.displacement_std),
+        velocity_std=float(velocity) / (2.0 * motion.velocity_std),
+    )
+
+
+def _mean_displacement_bound(model: Model, drive: Drive, motion: Response, distance: float) -> float:
+    slider = drive.slider
+    natural = slider.natural_angular_frequency
+    start = hypot(motion.displacement_std, motion.velocity_std / natural)
+    change = slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
+    return (mean_force_error(model, distance) + change * drive.speed / distance) / slider.stiffness
+
+
+def _mean_square_variances(model: Model, drive: Drive) -> Doubles:
+    """Return the integrals over all lags in s of Cov[x^2, x^2] and Cov[x'^2, x'^2]."""
+    diameters, probabilities = size_rule(model.sizes, _SIZES)
+    rules = response_rules(model, drive)
+    squares, energies = np.zeros(2), np.zeros((2, diameters.size))
+    for rule, density, transform in zip(
+        rules, (spectral_density, mean_spectral_density), (square_transform, mean_square_transform), strict=True
+    ):
+        k, weights, powers = _weighted(rule, drive)
+        squares += np.square(density(model, k) * powers) @ weights
+        energies += (powers * weights) @ transform(np.multiply.outer(k, diameters)) * diameters**6
+    first = drive.strengths.moment(2) ** 2 * 2.0 / (pi * drive.speed) * squares
+    fourth = np.square(energies / (pi * drive.speed)) @ probabilities
+    return first + model.birth_rate * drive.speed * drive.strengths.moment(4) * fourth
+
+
+def _weighted(rule: Rule, drive: Drive) -> tuple[Doubles, Doubles, Doubles]:
+    """Return wavenumbers, weights, and the gains of displacement and velocity."""
+    k, weights = rule
+    gain = drive.gain(k)
+    return k, weights, np.stack([gain, gain * np.square(drive.speed * k)])
+
+
+def _free_decay(slider: Slider, duration: float) -> tuple[float, float]:
+    """Return displacement (from 1) and velocity of the free slider after a time in s; every damping."""
+    rate, natural = slider.damping / (2.0 * slider.mass), slider.natural_angular_frequency
+    root = complex_sqrt(rate * rate - natural * natural)
+    slow, fast = complex_exp(-natural * natural / (rate + root) * duration), complex_exp(-(rate + root) * duration)
+    divided = (slow - fast) / (2.0 * root) if abs(root) * duration > 1e-6 else duration * complex_exp(-rate * duration)
+    return (0.5 * (slow + fast) + rate * divided).real, (-natural * natural * divided).real
