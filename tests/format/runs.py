@@ -1,0 +1,94 @@
+"""Small result files with random rows, for the tests of the format."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.record.sink import Extent
+from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.provenance import Provenance
+from rubnoise.storage.schema import LIFE_CURVE, Column, Feature
+from rubnoise.storage.writer import RunWriter
+
+EVERYTHING: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
+BARE: frozenset[Feature] = frozenset()
+FEATURES = (BARE, frozenset({"speed"}), frozenset({"strength"}), frozenset({"speed", "strength"}), EVERYTHING)
+
+Compression = Literal["none", "gzip"]
+Rows = dict[str, dict[str, NDArray[Any]]]
+
+ORIGIN = Provenance(
+    software={"rubnoise": "0.1.0"},
+    environment={"platform": "Linux", "machine": "x86_64", "cpu_count": 2},
+    seed=2**53 - 1,
+    stream_version=1,
+    calibrated_diameter=5.530012641,
+    propagator_constants={"decay_real": 0.99990000123456789},
+    command="rubnoise run fig5.toml",
+    started="2026-01-02T03:04:05Z",
+)
+
+
+def describe(
+    junctions: int = 7,
+    ticks: int = 11,
+    *,
+    features: frozenset[Feature] = EVERYTHING,
+    compression: Compression = "none",
+    scenario_toml: str = 'title = "friction of µm"\n',
+) -> RunDescription:
+    return RunDescription(
+        title="a small run of µm",
+        extent=Extent(junctions=junctions, ticks=ticks),
+        features=features,
+        compression=compression,
+        scenario_toml=scenario_toml,
+        scenario_resolved={"run": {"seed": 1}, "title": "µm"},
+        provenance=ORIGIN,
+    )
+
+
+def random_rows(description: RunDescription, seed: int = 1) -> Rows:
+    generator = np.random.default_rng(seed)
+    return {
+        group.name: {
+            column.name: _values(generator, column, row_count(group, description.extent))
+            for column in stored_columns(group, description.features)
+        }
+        for group in stored_groups(description.features)
+        if group is not LIFE_CURVE
+    }
+
+
+def _values(generator: np.random.Generator, column: Column, rows: int) -> NDArray[Any]:
+    if column.dtype == "<f8":
+        return generator.normal(size=rows)
+    return generator.integers(0, 200, size=rows).astype(column.dtype)
+
+
+def cut(columns: Mapping[str, NDArray[Any]], borders: Sequence[int]) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
+    """Yield the first row and the columns of each panel between sorted borders."""
+    rows = len(next(iter(columns.values())))
+    edges = [0, *(border for border in borders if border < rows), rows]
+    for first, last in pairwise(edges):
+        yield first, {name: values[first:last] for name, values in columns.items()}
+
+
+def write_run(
+    path: str | os.PathLike[str],
+    description: RunDescription,
+    rows: Rows,
+    *,
+    borders: Sequence[int] = (),
+    summary: Mapping[str, float | int | str] = {"area_mean": 204.6736},
+    force: bool = False,
+) -> None:
+    with RunWriter(path, description, force=force) as writer:
+        for group, columns in rows.items():
+            for first, panel in cut(columns, borders):
+                writer.write(group, first, panel)
+        writer.publish(summary)

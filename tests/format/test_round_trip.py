@@ -1,0 +1,193 @@
+"""What is written is read back, to the bit, however it was cut into panels."""
+
+import json
+import tracemalloc
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import h5py
+import numpy as np
+import pytest
+import xxhash
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rubnoise.storage.layout import expected_bytes
+from rubnoise.storage.life_curve import life_curve
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.schema import CHUNK_ROWS, HASH, JUNCTIONS, Feature
+from rubnoise.storage.writer import RunWriter
+from tests.format.runs import BARE, EVERYTHING, FEATURES, Compression, Rows, describe, random_rows, write_run
+
+sizes = st.one_of(st.sampled_from((0, 1, 2)), st.integers(0, 3000))
+
+
+def assert_holds(path: Path, rows: Rows) -> None:
+    with open_run(path) as run:
+        for group, columns in (rows | {"life_curve": life_curve()}).items():
+            assert run.columns[group] == tuple(columns)
+            for name, values in columns.items():
+                found = run.column(group, name)
+                assert found.dtype == values.dtype
+                assert found.tobytes() == values.tobytes()
+        assert run.damaged() == ()
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    junctions=sizes,
+    ticks=sizes.filter(bool),
+    features=st.sampled_from(FEATURES),
+    compression=st.sampled_from(("none", "gzip")),
+    borders=st.lists(st.integers(0, 3000), max_size=6).map(sorted),
+)
+def test_any_run_comes_back_whatever_its_panels(
+    junctions: int, ticks: int, features: frozenset[Feature], compression: Compression, borders: list[int]
+) -> None:
+    description = describe(junctions, ticks, features=features, compression=compression)
+    rows = random_rows(description)
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "run.h5")
+        write_run(path, description, rows, borders=borders)
+        assert_holds(path, rows)
+        assert [entry.name for entry in Path(folder).iterdir()] == ["run.h5"]
+
+
+def test_panels_do_not_change_a_byte_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rubnoise.storage.writer.now", lambda: "2026-01-02T03:05:00Z")
+    description = describe(100, 900)
+    rows = random_rows(description)
+    write_run(tmp_path / "one.h5", description, rows)
+    write_run(tmp_path / "many.h5", description, rows, borders=range(1, 900, 7))
+    assert (tmp_path / "one.h5").read_bytes() == (tmp_path / "many.h5").read_bytes()
+    write_run(tmp_path / "other.h5", description, random_rows(description, seed=2))
+    assert (tmp_path / "one.h5").read_bytes() != (tmp_path / "other.h5").read_bytes()
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_more_rows_than_a_chunk(tmp_path: Path, compression: Compression) -> None:
+    description = describe(CHUNK_ROWS + 1, 2 * CHUNK_ROWS, features=BARE, compression=compression)
+    rows = random_rows(description)
+    write_run(tmp_path / "run.h5", description, rows, borders=(1, CHUNK_ROWS))
+    assert_holds(tmp_path / "run.h5", rows)
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_hash_is_that_of_the_raw_bytes(tmp_path: Path, compression: Compression) -> None:
+    description = describe(compression=compression)
+    rows = random_rows(description)
+    write_run(tmp_path / "run.h5", description, rows, borders=(2, 5))
+    with h5py.File(tmp_path / "run.h5") as file:
+        for group, columns in rows.items():
+            for name, values in columns.items():
+                expected = xxhash.xxh3_128(values.astype(values.dtype.newbyteorder("<")).tobytes()).hexdigest()
+                assert file[group][name].attrs[HASH].decode() == expected
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    compression=st.sampled_from(("none", "gzip")),
+    again=st.lists(st.tuples(st.integers(0, 49), st.integers(1, 10)), min_size=1, max_size=5),
+    names=st.sampled_from((("death_distance", "life_distance", "state"), tuple(c.name for c in JUNCTIONS.columns))),
+)
+def test_rows_written_again_count_as_written_last(
+    compression: Compression, again: list[tuple[int, int]], names: tuple[str, ...]
+) -> None:
+    description = describe(50, 60, compression=compression)
+    rows = random_rows(description)
+    junctions = rows["junctions"]
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "run.h5")
+        with RunWriter(path, description) as writer:
+            for group, columns in rows.items():
+                writer.write(group, 0, {name: values.copy() for name, values in columns.items()})
+            for turn, (first, count) in enumerate(again):
+                for name in names:
+                    junctions[name][first : first + count] = turn + 3
+                panel = {name: junctions[name][first : first + count] for name in names}
+                writer.write("junctions", first, panel)
+            writer.publish({})
+        assert_holds(path, rows)
+
+
+def test_rows_may_overlap_those_written_and_go_on_behind_them(tmp_path: Path) -> None:
+    description = describe(10, 4, features=BARE)
+    rows = random_rows(description)
+    with RunWriter(tmp_path / "run.h5", description) as writer:
+        writer.write("trace", 0, rows["trace"])
+        writer.write("junctions", 0, {name: np.zeros_like(values[:6]) for name, values in rows["junctions"].items()})
+        writer.write("junctions", 0, {name: values[:3] for name, values in rows["junctions"].items()})
+        writer.write("junctions", 3, {name: values[3:] for name, values in rows["junctions"].items()})
+        writer.publish({})
+    assert_holds(tmp_path / "run.h5", rows)
+
+
+def test_strided_columns_are_written_as_their_values(tmp_path: Path) -> None:
+    description = describe(5, 8, features=BARE)
+    wide = random_rows(describe(10, 16, features=BARE))
+    rows = {group: {name: values[::2] for name, values in columns.items()} for group, columns in wide.items()}
+    write_run(tmp_path / "run.h5", description, rows)
+    assert_holds(tmp_path / "run.h5", rows)
+
+
+def test_rows_are_read_from_and_to_where_asked(tmp_path: Path) -> None:
+    description = describe(20, 30)
+    rows = random_rows(description)
+    write_run(tmp_path / "run.h5", description, rows)
+    with open_run(tmp_path / "run.h5") as run:
+        expected = rows["trace"]["real_contact_area"]
+        assert run.rows("trace") == 30
+        assert np.array_equal(run.column("trace", "real_contact_area", 7, 12), expected[7:12])
+        assert np.array_equal(run.column("trace", "real_contact_area", 28, 99), expected[28:])
+        with pytest.raises(KeyError):
+            run.column("trace", "temperature")
+
+
+def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
+    """Return the peak of traced memory of a run that is written block by block."""
+    description = describe(2000 * blocks, 20_000 * blocks, compression=compression)
+    block = random_rows(describe(2000, 20_000))
+    tracemalloc.start()
+    with RunWriter(path, description) as writer:
+        for k in range(blocks):
+            for group, columns in block.items():
+                writer.write(group, k * len(next(iter(columns.values()))), columns)
+        writer.publish({})
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_memory_does_not_grow_with_the_run(tmp_path: Path, compression: Compression) -> None:
+    peak_bytes(tmp_path / "warm.h5", 1, compression)
+    short = peak_bytes(tmp_path / "short.h5", 10, compression)
+    long = peak_bytes(tmp_path / "long.h5", 40, compression)
+    assert long < 1.1 * short
+    assert long < 0.2 * expected_bytes(describe(80_000, 800_000).extent, EVERYTHING)
+
+
+def test_everything_besides_columns_comes_back(tmp_path: Path) -> None:
+    summary = {"area_mean": 204.5, "junctions": 7, "note": "µ", "area_std_exact": 56.42936}
+    toml = "# " + "µ" * 32_767  # 65 536 bytes, the most a scenario may have
+    description = describe(scenario_toml=toml)
+    write_run(tmp_path / "run.h5", description, random_rows(description), summary=summary)
+    with open_run(tmp_path / "run.h5") as run:
+        assert run.features == EVERYTHING
+        assert run.extent == description.extent
+        assert run.attributes["title"] == description.title
+        assert run.summary == summary
+        assert {name: type(value) for name, value in run.summary.items()} == {
+            name: type(value) for name, value in summary.items()
+        }
+        found = run.provenance
+        assert len(toml.encode()) == 2**16
+        assert found["scenario_toml"] == toml
+        assert json.loads(found["scenario_resolved"]) == description.scenario_resolved
+        origin = description.provenance
+        assert json.loads(found["propagator_constants"]) == origin.propagator_constants
+        assert json.loads(found["software"]) == origin.software
+        assert json.loads(found["environment"]) == origin.environment
+        for name in ("seed", "stream_version", "calibrated_diameter", "command", "started"):
+            assert found[name] == getattr(origin, name)
+        assert found["started"] < found["finished"]
