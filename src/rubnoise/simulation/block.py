@@ -98,18 +98,18 @@ def _write_junctions(run: Run, state: State, rows: LiveRows) -> None:
     new = np.arange(len(rows)) >= (0 if state.block == 0 else carried)
     ended = rows.departure < natural_death(rows.birth, rows.diameter)
     ended[:carried] &= np.isinf(state.live.departure)
-    if new.any():
-        _write_rows(run, rows.where(new))
+    if new.any() or state.block == 0:
+        _write_rows(run, 0 if state.block == 0 else state.junctions, rows.where(new))
     for row in np.flatnonzero(ended & ~new):
-        _write_rows(run, rows.where(np.arange(len(rows)) == row))
+        _write_rows(run, int(rows.junction[row]), rows.where(np.arange(len(rows)) == row))
 
 
-def _write_rows(run: Run, rows: LiveRows) -> None:
+def _write_rows(run: Run, first: int, rows: LiveRows) -> None:
     # Only who was alive at the start has a birth with a minus sign, which -0.0 has too.
     at_start = np.signbit(rows.birth)
     state = junction_states(rows.birth, rows.diameter, rows.departure, at_start, run.model.distance)
     columns = junction_columns(
-        first_row=int(rows.junction[0]),
+        first_row=first,
         birth=rows.birth,
         diameter=rows.diameter,
         strength=None if run.model.strengths is None else rows.strength,
@@ -117,7 +117,7 @@ def _write_rows(run: Run, rows: LiveRows) -> None:
         state=state,
         speed=run.model.sliding_speed,
     )
-    run.sink.write("junctions", int(rows.junction[0]), columns)
+    run.sink.write("junctions", first, columns)
 
 
 def _carried(rows: LiveRows, last_tick: float) -> LiveRows:

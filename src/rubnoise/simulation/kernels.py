@@ -143,7 +143,8 @@ def _add_areas(positions: Doubles, born: float, size: float, area: Doubles) -> N
     inverse = 1.0 / size
     square = size * size
     for tick in range(len(positions)):
-        u = max(1.0 - abs((positions[tick] - born) * inverse - 1.0), 0.0)
+        s = (positions[tick] - born) * inverse
+        u = max(min(s, 2.0 - s), 0.0)
         area[tick] += square * (u * np.sqrt(u) * _horner(AREA_COEFFICIENTS, u))
 
 
@@ -187,7 +188,7 @@ def _add_integrals(
     inverse = 1.0 / size
     for tick in range(len(positions)):
         s = (positions[tick] - born) * inverse
-        u = max(1.0 - abs(s - 1.0), 0.0)
+        u = max(min(s, 2.0 - s), 0.0)
         weight = scale * (u * u * np.sqrt(u))
         sign = 1.0 if s <= 1.0 else -1.0
         first[tick] += sign * (weight * _horner(FIRST_INTEGRAL_COEFFICIENTS, u))
@@ -234,7 +235,7 @@ def _end_early(
     if cell == 0 or cell == len(positions) or departure <= born:
         return
     s = (departure - born) / size
-    u = max(1.0 - abs(s - 1.0), 0.0)
+    u = max(min(s, 2.0 - s), 0.0)
     weight = scale * (u * u * np.sqrt(u))
     sign = 1.0 if s <= 1.0 else -1.0
     first = sign * (weight * _horner(FIRST_INTEGRAL_COEFFICIENTS, u))

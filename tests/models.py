@@ -1,0 +1,69 @@
+"""Models for the tests, built from a few numbers without a scenario file."""
+
+from fractions import Fraction
+from math import floor
+from typing import Any
+
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.model import Model, Slider
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.state import State
+
+FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
+
+
+def model(
+    *,
+    area: float = 200.0,
+    count: float = 20.0,
+    spread: Spread | None = None,
+    calibration: Any = "paper",
+    distance: float = 500.0,
+    tick: float = 0.1,
+    start: Any = "stationary",
+    slider: Slider | None = FIG5_SLIDER,
+    speed: float | None = 1000.0,
+    strength: float | None = 250.0,
+) -> Model:
+    """Return the model of Fig. 5, changed where an argument says so."""
+    spread = Spread(absolute=0.2) if spread is None else spread
+    diameter = calibrated_diameter(calibration, area, count, spread)
+    return Model(
+        mean_real_contact_area=area,
+        mean_junction_count=count,
+        calibration=calibration,
+        calibrated_diameter=diameter,
+        sizes=sizes_for(diameter, spread),
+        births=PoissonBirths(mean_spacing=2.0 * diameter / count),
+        strengths=None if strength is None else ConstantStrength(mean=strength),
+        sliding_speed=speed,
+        distance=distance,
+        start=start,
+        slider=slider,
+        tick=tick,
+        tick_count=floor(Fraction(str(distance)) / Fraction(str(tick))),
+    )
+
+
+def bare(**changes: Any) -> Model:
+    """Return a contact without slider, speed or strength."""
+    return model(slider=None, speed=None, strength=None, **changes)
+
+
+def recorded(run: Model, seed: int = 1, **how: Any) -> MemoryRecord:
+    """Return the record of a run."""
+    return run_to_end(run, seed, **how)[0]
+
+
+def run_to_end(run: Model, seed: int = 1, **how: Any) -> tuple[MemoryRecord, State]:
+    """Return the record and the last state of a run."""
+    record = MemoryRecord(extent(run, seed))
+    return record, simulate(run, seed, record, **how)
+
+
+def contents(record: MemoryRecord) -> dict[tuple[str, str], bytes]:
+    """Return every column of a record as bytes."""
+    return {(group, name): values.tobytes() for group, columns in record.groups.items() for name, values in columns.items()}

@@ -1,0 +1,44 @@
+"""Deviates by inversion against a library's special functions, and their moments against theory."""
+
+import numpy as np
+import pytest
+from scipy import special
+
+from rubnoise.contact.deviates import exponential, logarithm, normal_above, normal_quantile
+
+COUNT = 200_000
+UNIFORM = np.random.default_rng(20).random(COUNT)
+
+
+def test_logarithm_is_right_to_the_last_bits():
+    x = np.concatenate([UNIFORM[UNIFORM > 0], 1.0 - 2.0**-53 * np.arange(1, 100), 2.0 ** -np.arange(1.0, 1000.0)])
+    assert np.abs(logarithm(x) / np.log(x) - 1.0).max() < 5e-16
+
+
+def test_normal_quantile_follows_the_library_into_both_tails():
+    p = np.concatenate([UNIFORM, 10.0 ** -np.linspace(0.5, 300, 5000), 1.0 - 10.0 ** -np.linspace(0.5, 15.9, 5000)])
+    expected = special.ndtri(p)
+    assert np.abs(normal_quantile(p) - expected).max() < 1e-13
+    assert np.abs(normal_quantile(p) / expected - 1.0)[np.abs(expected) > 1e-3].max() < 1e-14
+
+
+@pytest.mark.parametrize(("power", "moment", "variance"), [(1, 1.0, 1.0), (2, 2.0, 20.0), (3, 6.0, 684.0)])
+def test_exponential_moments(power, moment, variance):
+    z = (np.mean(exponential(UNIFORM) ** power) - moment) / np.sqrt(variance / COUNT)
+    assert abs(z) <= 4
+
+
+def test_a_one_percent_longer_gap_would_be_seen():
+    z = (np.mean(1.01 * exponential(UNIFORM)) - 1.0) / np.sqrt(1.0 / COUNT)
+    assert abs(z) > 4
+
+
+def test_uniform_ends_give_finite_deviates():
+    ends = np.array([0.0, 1.0 - 2.0**-53])
+    assert np.all(np.isfinite(exponential(ends)))
+    assert np.all(np.isfinite(normal_above(ends, 1.0)))
+
+
+def test_normal_above_lies_above_its_bound():
+    bound = -0.5
+    assert normal_above(UNIFORM, float(special.ndtr(-bound))).min() >= bound - 1e-12

@@ -1,0 +1,87 @@
+"""A run is a fold over blocks: cut anywhere and gone on with, it is the same run."""
+
+import numpy as np
+import pytest
+
+from rubnoise.contact.calibration import Spread
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation import draws, panels
+from rubnoise.simulation.run import extent, finished, simulate
+from rubnoise.simulation.state import State
+from tests.models import contents, model, recorded, run_to_end
+
+RUNS = {
+    "figure 5": model(distance=2000.0, tick=0.5),
+    "empty start": model(distance=1500.0, tick=0.7, start="empty"),
+    "few": model(count=0.5, distance=400_000.0, tick=200.0),
+    "many": model(count=5000.0, distance=20.0, tick=0.05),
+    "wide sizes": model(count=8.0, spread=Spread(absolute=12.0), distance=9000.0, tick=2.7),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
+    run = RUNS[name]
+    whole = MemoryRecord(extent(run, 5))
+    states: list[bytes] = []
+    simulate(run, 5, whole, commit=lambda state: states.append(state.pack()))
+    assert len(states) >= 3
+    for cut in states[:-1]:
+        first, again, later = State.unpack(cut), MemoryRecord(whole.extent), []
+        simulate(run, 5, again, state=first, commit=lambda state, later=later: later.append(state.pack()))
+        assert later == states[-len(later) :]
+        for group, columns in again.groups.items():
+            begin = first.junctions if group == "junctions" else first.ticks
+            for column, values in columns.items():
+                assert values[begin:].tobytes() == whole[group][column][begin:].tobytes()
+
+
+@pytest.mark.parametrize(("size", "distance"), [(1, 20.0), (7, 60.0), (1000, 300.0)])
+def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance):
+    run = model(distance=distance, tick=0.05)
+    expected = contents(recorded(run))
+    monkeypatch.setattr(panels, "LARGEST_PANEL", size)
+    assert contents(recorded(run)) == expected
+
+
+def test_a_block_owns_exactly_its_births():
+    run = model(distance=3000.0, tick=1.0)
+    junctions = []
+    simulate(run, 1, MemoryRecord(extent(run, 1)), commit=lambda state: junctions.append(state.junctions))
+    assert set(np.diff(junctions)[:-1].tolist()) == {draws.births_per_block(run)}
+
+
+def test_same_seed_same_bytes_other_seed_other_bytes():
+    run = model(distance=200.0)
+    assert contents(recorded(run, 3)) == contents(recorded(run, 3))
+    assert contents(recorded(run, 3)) != contents(recorded(run, 4))
+
+
+def test_the_extent_is_known_before_the_run():
+    for run in RUNS.values():
+        record, state = run_to_end(run, 2)
+        assert record.extent.junctions == state.junctions == record["junctions"]["birth_distance"].size
+        assert record.extent.ticks == state.ticks == run.tick_count + 1
+        assert finished(run, state)
+
+
+def test_a_short_run_is_the_beginning_of_a_long_one():
+    short, long = recorded(model(distance=700.0)), recorded(model(distance=900.0))
+    rows = short.extent.junctions
+    assert np.array_equal(short["junctions"]["birth_distance"], long["junctions"]["birth_distance"][:rows])
+    ticks = short.extent.ticks
+    for group, column in (("trace", "real_contact_area"), ("slider", "velocity")):
+        assert np.array_equal(short[group][column], long[group][column][:ticks])
+
+
+def test_rows_are_written_once_and_in_order():
+    run = model(distance=2000.0, tick=0.5)
+    seen = {"junctions": 0, "trace": 0, "slider": 0}
+
+    class Watchful:
+        def write(self, group, first_row, columns):
+            assert first_row == seen[group]
+            seen[group] += next(iter(columns.values())).size
+
+    simulate(run, 1, Watchful())
+    assert seen == {"junctions": extent(run, 1).junctions, "trace": run.tick_count + 1, "slider": run.tick_count + 1}

@@ -1,0 +1,21 @@
+"""Event counts of whole runs: a golden that needs no tolerance."""
+
+import pytest
+
+from rubnoise.contact.calibration import Spread
+from tests.models import bare, model, run_to_end
+
+GOLDEN = {
+    "figure 5, 20 mm": (model(distance=20_000.0, tick=0.1), (37, 36542, 74045)),
+    "no slider": (bare(distance=2000.0, tick=0.5), (4, 3717, 7494)),
+    "dense": (bare(count=5000.0, distance=20.0, tick=0.1), (3, 148320, 301843)),
+    "thin": (bare(count=0.01, distance=100_000.0, tick=50.0), (1, 4, 14)),
+    "one size, from empty": (bare(spread=Spread(), start="empty", distance=2000.0, tick=0.5), (4, 3700, 7477)),
+}
+
+
+@pytest.mark.parametrize("name", GOLDEN)
+def test_event_count(name):
+    run, expected = GOLDEN[name]
+    _, state = run_to_end(run)
+    assert (state.block, state.junctions, state.events) == expected
