@@ -1,7 +1,7 @@
 """Small result files with random rows, for the tests of the format."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -86,9 +86,12 @@ def write_run(
     borders: Sequence[int] = (),
     summary: Mapping[str, float | int | str] = {"area_mean": 204.6736},
     force: bool = False,
+    meanwhile: Callable[[], object] = lambda: None,
 ) -> None:
+    """Write every row of a run, call ``meanwhile``, publish."""
     with RunWriter(path, description, force=force) as writer:
         for group, columns in rows.items():
             for first, panel in cut(columns, borders):
                 writer.write(group, first, panel)
+        meanwhile()
         writer.publish(summary)

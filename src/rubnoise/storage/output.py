@@ -98,7 +98,7 @@ def _rename_to_absent(paths: OutputPaths) -> None:
     try:
         os.link(paths.part, paths.final)
     except OSError as problem:
-        if os.path.lexists(paths.final):
+        if _mode(paths.final) is not None:
             raise OutputAppearedError(
                 f"{paths.final} appeared during the run and is left as it is; the whole result is {paths.part}"
             ) from problem
@@ -120,14 +120,24 @@ def _check_folder(folder: Path) -> None:
 
 
 def _check_regular(path: Path) -> None:
-    if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
+    """Refuse a link too: renaming over it would leave its target as it was."""
+    mode = _mode(path)
+    if mode is not None and not stat.S_ISREG(mode):
         raise OutputRefused(f"{path}: exists and is not a regular file")
 
 
+def _mode(path: Path) -> int | None:
+    """Return the type and permissions of whatever bears this name, or None."""
+    try:
+        return path.lstat().st_mode
+    except FileNotFoundError:
+        return None
+
+
 def _check_absent(paths: OutputPaths) -> None:
-    if paths.final.exists():
+    if _mode(paths.final) is not None:
         raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
-    if paths.part.exists():
+    if _mode(paths.part) is not None:
         raise OutputRefused(f"{paths.part}: left by a run that did not finish (--force replaces it)")
 
 

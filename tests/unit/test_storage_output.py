@@ -1,0 +1,356 @@
+"""An output is refused before anything is created, and a run that fails leaves nothing behind."""
+
+import errno
+import fcntl
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import pytest
+
+from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.storage.output import OutputPaths, check_output, sole_writer
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.writer import RunWriter
+from tests.format.runs import Compression, describe, random_rows, write_run
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def attempt(
+    path: str | Path,
+    *,
+    force: bool = False,
+    compression: Compression = "none",
+    meanwhile: Callable[[], object] = lambda: None,
+) -> None:
+    description = describe(compression=compression)
+    write_run(path, description, random_rows(description), force=force, meanwhile=meanwhile)
+
+
+def make_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def make_pipe(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def make_link(path: Path) -> None:
+    (path.parent / "elsewhere.h5").write_bytes(b"of somebody")
+    path.symlink_to(path.parent / "elsewhere.h5")
+
+
+def make_dangling_link(path: Path) -> None:
+    path.symlink_to(path.parent / "nowhere.h5")
+
+
+@pytest.mark.parametrize("name", ["run.h5", "run.h5.part", ".run.h5.lock", ".run.h5.making"])
+@pytest.mark.parametrize("make", [make_folder, make_pipe, make_link, make_dangling_link])
+def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path], None], name: str) -> None:
+    make(tmp_path / name)
+    before = names(tmp_path)
+    for force in (False, True):
+        with pytest.raises(OutputRefused, match="not a regular file"):
+            attempt(tmp_path / "run.h5", force=force)
+    assert names(tmp_path) == before
+    assert not (tmp_path / "elsewhere.h5").exists() or (tmp_path / "elsewhere.h5").read_bytes() == b"of somebody"
+
+
+@pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
+def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"older")
+    with pytest.raises(OutputRefused, match=r"--force"):
+        attempt(tmp_path / "run.h5")
+    assert names(tmp_path) == [name]
+    assert (tmp_path / name).read_bytes() == b"older"
+    attempt(tmp_path / "run.h5", force=True)
+    assert names(tmp_path) == ["run.h5"]
+    with open_run(tmp_path / "run.h5") as run:
+        assert run.damaged() == ()
+
+
+@pytest.mark.parametrize(
+    ("path", "reason"),
+    [
+        ("missing/run.h5", "no such folder"),
+        ("file/run.h5", "no such folder"),
+        ("x" * 300, "too long"),
+        ("x" * 250, "too long"),
+        ("a\0b", "null"),
+        ("", "not a regular file"),
+        ("/", "empty name"),
+    ],
+)
+def test_an_impossible_path_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str, reason: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(OutputRefused, match=reason):
+        attempt(path)
+    assert names(tmp_path) == ["file"]
+
+
+@contextmanager
+def as_nobody() -> Iterator[None]:
+    """Give up the right of root to write everywhere."""
+    if os.getuid() != 0:
+        yield
+        return
+    os.setresuid(65534, 65534, 0)
+    try:
+        yield
+    finally:
+        os.setresuid(0, 0, 0)
+
+
+def test_a_folder_that_is_not_writable_is_refused() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o555)
+        try:
+            with as_nobody(), pytest.raises(OutputRefused, match="not writable"):
+                attempt(Path(folder, "run.h5"))
+            assert names(Path(folder)) == []
+        finally:
+            Path(folder).chmod(0o755)
+
+
+def test_a_relative_path_stays_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "later").mkdir()
+    monkeypatch.chdir(tmp_path)
+    description = describe()
+    with RunWriter("run.h5", description) as writer:
+        monkeypatch.chdir(tmp_path / "later")
+        for group, columns in random_rows(description).items():
+            writer.write(group, 0, columns)
+        writer.publish({})
+    assert names(tmp_path) == ["later", "run.h5"]
+    assert names(tmp_path / "later") == []
+
+
+def test_the_part_is_whole_in_structure_from_the_start(tmp_path: Path) -> None:
+    with RunWriter(tmp_path / "run.h5", describe()):
+        assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
+        with open_run(tmp_path / "run.h5.part") as part:
+            assert part.extent == describe().extent
+            assert part.provenance["scenario_toml"] == describe().scenario_toml
+            assert part.provenance["finished"] == ""
+            assert part.summary == {}
+        blocks = (tmp_path / "run.h5.part").stat().st_blocks
+        assert blocks * 512 >= (tmp_path / "run.h5.part").stat().st_size
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_run_that_fails_leaves_the_older_file(tmp_path: Path, compression: Compression) -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "run.h5").write_bytes(b"older")
+    with pytest.raises(KeyboardInterrupt):
+        attempt(tmp_path / "run.h5", force=True, compression=compression, meanwhile=interrupt)
+    assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == b"older"
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_run_with_missing_rows_is_not_published(tmp_path: Path, compression: Compression) -> None:
+    description = describe(compression=compression)
+    rows = random_rows(description)
+    rows["slider"]["velocity"] = rows["slider"]["velocity"][:-1]
+    with pytest.raises(RubnoiseError, match="/slider/velocity has 10 of its 11 rows"):
+        write_run(tmp_path / "run.h5", description, rows)
+    assert names(tmp_path) == []
+
+
+def test_rows_in_the_wrong_place_or_of_the_wrong_type_are_refused(tmp_path: Path) -> None:
+    trace = random_rows(describe())["trace"]
+    with RunWriter(tmp_path / "run.h5", describe()) as writer:
+        for first in (1, -1):
+            with pytest.raises(ValueError, match=f"rows {first} to"):
+                writer.write("trace", first, trace)
+        writer.write("trace", 0, trace)
+        with pytest.raises(ValueError, match="rows 1 to 12 of 11"):
+            writer.write("trace", 1, trace)
+        with pytest.raises(TypeError, match="int64"):
+            writer.write("trace", 0, {"junction_count": trace["junction_count"].astype("i8")})
+        with pytest.raises(TypeError, match="2 dimensions"):
+            writer.write("trace", 0, {"distance": trace["distance"][None]})
+        with pytest.raises(KeyError):
+            writer.write("trace", 0, {"temperature": trace["distance"]})
+
+
+def test_a_second_writer_is_refused_and_the_first_goes_on(tmp_path: Path) -> None:
+    description = describe()
+    with RunWriter(tmp_path / "run.h5", description) as writer:
+        for force in (False, True):
+            with (
+                pytest.raises(OutputRefused, match="another process is writing"),
+                sole_writer(OutputPaths.of(tmp_path / "run.h5")),
+            ):
+                raise AssertionError
+            with pytest.raises(OutputRefused):
+                attempt(tmp_path / "run.h5", force=force)
+        for group, columns in random_rows(description).items():
+            writer.write(group, 0, columns)
+        writer.publish({})
+    assert names(tmp_path) == ["run.h5"]
+
+
+def test_of_many_who_want_a_lock_one_has_it(tmp_path: Path) -> None:
+    """The lock file is removed at each end, so most of these turns open one that is about to go."""
+    paths = OutputPaths.of(tmp_path / "run.h5")
+    inside, most, turns = [0], [0], [0]
+    guard = threading.Lock()
+
+    def contend() -> None:
+        for _ in range(300):
+            try:
+                with sole_writer(paths):
+                    with guard:
+                        inside[0] += 1
+                        turns[0] += 1
+                        most[0] = max(most[0], inside[0])
+                    os.sched_yield()
+                    with guard:
+                        inside[0] -= 1
+            except OutputRefused:
+                continue
+
+    threads = [threading.Thread(target=contend) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most[0] == 1
+    assert turns[0] > 1
+    assert names(tmp_path) == []
+
+
+def test_a_lock_whose_name_is_gone_stops_nobody(tmp_path: Path) -> None:
+    paths = OutputPaths.of(tmp_path / "run.h5")
+    with paths.lock.open("w") as stale:
+        fcntl.flock(stale, fcntl.LOCK_EX)
+        paths.lock.unlink()
+        attempt(tmp_path / "run.h5")
+    assert names(tmp_path) == ["run.h5"]
+
+
+KILLED = """
+import os, signal, sys
+from rubnoise.storage.writer import RunWriter
+from tests.format.runs import describe
+with RunWriter(sys.argv[1], describe()):
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_after_a_kill_the_part_is_readable_and_force_starts_over(tmp_path: Path) -> None:
+    root = Path(__file__).parents[2]
+    searched = os.pathsep.join([str(root), *sys.path])
+    ended = subprocess.run(
+        [sys.executable, "-c", KILLED, str(tmp_path / "run.h5")],
+        env={**os.environ, "PYTHONPATH": searched},
+        check=False,
+    )
+    assert ended.returncode == -signal.SIGKILL
+    assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
+    with open_run(tmp_path / "run.h5.part") as part:
+        assert part.provenance["finished"] == ""
+    with pytest.raises(OutputRefused, match="did not finish"):
+        attempt(tmp_path / "run.h5")
+    attempt(tmp_path / "run.h5", force=True)
+    assert names(tmp_path) == ["run.h5"]
+
+
+@contextmanager
+def files_at_most(size: int) -> Iterator[None]:
+    """Let the system refuse files beyond a size, as a full disk would."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("size", [0, 5000, 1_000_000])
+def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, size: int) -> None:
+    (tmp_path / "run.h5.part").write_bytes(b"older")
+    with (
+        files_at_most(size),
+        pytest.raises(OutputRefused, match="File too large"),
+        RunWriter(tmp_path / "run.h5", describe(100_000, 100_000), force=True),
+    ):
+        raise AssertionError
+    assert names(tmp_path) == ["run.h5.part"]
+    assert (tmp_path / "run.h5.part").read_bytes() == b"older"
+
+
+def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
+    with (
+        pytest.raises(OutputRefused, match=r"needs .* bytes, and the disk has|File too large"),
+        RunWriter(tmp_path / "run.h5", describe(10**13, 10**13)),
+    ):
+        raise AssertionError
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("call", ["pwrite", "fsync"])
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_disk_that_fails_is_reported_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str, compression: Compression
+) -> None:
+    def fail(*arguments: object) -> int:
+        raise OSError(errno.EIO, "Input/output error")
+
+    with pytest.raises(RubnoiseError, match="writing failed: Input/output error") as caught:
+        attempt(tmp_path / "run.h5", compression=compression, meanwhile=lambda: monkeypatch.setattr(os, call, fail))
+    assert caught.value.exit_code == 1
+    assert names(tmp_path) == []
+
+
+def test_a_disk_that_fails_during_the_run_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*arguments: object) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with RunWriter(tmp_path / "run.h5", describe()) as writer:
+        monkeypatch.setattr(os, "pwrite", fail)
+        with pytest.raises(RubnoiseError, match="writing failed: No space left"):
+            writer.write("trace", 0, random_rows(describe())["trace"])
+    assert names(tmp_path) == []
+
+
+def test_a_file_that_appears_during_the_run_is_spared(tmp_path: Path) -> None:
+    with pytest.raises(RubnoiseError, match="appeared during the run"):
+        attempt(tmp_path / "run.h5", meanwhile=lambda: (tmp_path / "run.h5").write_bytes(b"of somebody"))
+    assert (tmp_path / "run.h5").read_bytes() == b"of somebody"
+    assert names(tmp_path) == ["run.h5", "run.h5.part"]
+    with open_run(tmp_path / "run.h5.part") as run:
+        assert run.damaged() == ()
+
+
+def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*arguments: object) -> None:
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", refuse)
+    attempt(tmp_path / "run.h5")
+    assert names(tmp_path) == ["run.h5"]
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["trace/distance"].size == 11
+
+
+def test_checking_creates_nothing(tmp_path: Path) -> None:
+    paths = check_output(tmp_path / "run.h5", force=False)
+    assert paths.final == tmp_path / "run.h5"
+    assert names(tmp_path) == []

@@ -1,0 +1,75 @@
+"""The schema is the contract on names, types and what is present when."""
+
+import numpy as np
+import pytest
+
+from rubnoise.record.rows import JunctionState
+from rubnoise.record.sink import Extent
+from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_columns, stored_groups
+from rubnoise.storage.life_curve import CURVE_ROWS
+from rubnoise.storage.schema import GROUPS, JUNCTIONS, LIFE_CURVE, SLIDER, TRACE, Feature, Group
+
+ALWAYS = {
+    "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
+    "trace": ["distance", "real_contact_area", "junction_count"],
+    "life_curve": ["u", "area_fraction"],
+}
+
+
+def stored(*features: Feature) -> dict[str, list[str]]:
+    given = frozenset(features)
+    return {group.name: [column.name for column in stored_columns(group, given)] for group in stored_groups(given)}
+
+
+def test_a_bare_contact_has_no_times_no_force_and_no_slider() -> None:
+    assert stored() == ALWAYS
+
+
+def test_a_speed_adds_times() -> None:
+    times = ["birth_time", "death_time"]
+    assert stored("speed")["junctions"] == [*ALWAYS["junctions"][:-1], *times, "state"]
+    assert stored("speed")["trace"] == ALWAYS["trace"]
+
+
+def test_a_strength_adds_strengths_and_force() -> None:
+    assert stored("strength")["junctions"] == [*ALWAYS["junctions"][:-1], "shear_strength", "state"]
+    assert stored("strength")["trace"] == [*ALWAYS["trace"], "friction_force"]
+
+
+def test_a_slider_adds_its_motion() -> None:
+    motion = stored("speed", "strength", "slider")["slider"]
+    assert motion == ["time", "distance", "friction_force", "displacement", "velocity"]
+    assert "slider" not in stored("speed", "strength")
+
+
+def test_names_are_unique_and_texts_are_there() -> None:
+    for group in GROUPS:
+        names = [column.name for column in group.columns]
+        assert len(set(names)) == len(names)
+        assert set(group.plotted) <= set(names)
+        assert all(column.units and column.long_name and column.symbol for column in group.columns)
+
+
+def test_types_are_little_endian_numbers() -> None:
+    types = {column.dtype for group in GROUPS for column in group.columns}
+    assert types == {"<f8", "<i8", "<u4", "|u1"}
+
+
+def test_flags_are_the_states_of_the_record() -> None:
+    (state,) = (column for column in JUNCTIONS.columns if column.name == "state")
+    assert dict(state.flags) == {member.value: (member.name or "").lower() for member in JunctionState if member.value}
+
+
+@pytest.mark.parametrize(("group", "rows"), [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 5), (LIFE_CURVE, CURVE_ROWS)])
+def test_rows_follow_the_extent(group: Group, rows: int) -> None:
+    assert row_count(group, Extent(junctions=3, ticks=5)) == rows
+
+
+def test_bytes_are_those_of_the_columns() -> None:
+    features: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
+    grown = expected_bytes(Extent(junctions=1001, ticks=501), features) - expected_bytes(
+        Extent(junctions=1, ticks=1), features
+    )
+    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4 + 5 * 8)
+    curve = CURVE_ROWS * 2 * np.dtype("<f8").itemsize
+    assert expected_bytes(Extent(junctions=0, ticks=0), features) == STRUCTURE_BYTES + curve
