@@ -87,20 +87,20 @@ class RunFile:
         Raises KeyError for a name that the file does not have, RunFileRefused where its bytes cannot be read.
         """
         dataset = self._datasets[group][name]
-        with _refusing(self._path):
+        with self._reading():
             values: NDArray[Any] = dataset[start:stop]
         return values
 
     @property
     def attributes(self) -> dict[str, Scalar]:
         """Format, title, source and the formula of a junction's area."""
-        with _refusing(self._path):
+        with self._reading():
             return {name: read_attribute(self._file, name) for name in ROOT_ATTRIBUTES}
 
     @property
     def summary(self) -> dict[str, Scalar]:
         """Measured and exact figures by name; empty in a part file."""
-        with _refusing(self._path):
+        with self._reading():
             group = sound_group(self._file, "summary")
             names = [name for name in group.attrs if name != "NX_class"]
             if len(names) > SUMMARY_LIMIT:
@@ -110,19 +110,32 @@ class RunFile:
     @property
     def provenance(self) -> dict[str, Scalar]:
         """Scenario, software, seed, command and times; ``finished`` is empty in a part file."""
-        with _refusing(self._path):
+        with self._reading():
             group = sound_group(self._file, "provenance")
             texts = {name: read_text(group, name) for name in PROVENANCE_TEXTS}
             return texts | {name: read_attribute(group, name) for name in PROVENANCE_NUMBERS}
 
     def damaged(self) -> tuple[str, ...]:
-        """Return the columns whose bytes do not have the hash that was written beside them; reads the whole file."""
+        """Return the columns that are unreadable or do not have the hash written beside them; reads the whole file."""
         return tuple(
             f"/{group}/{name}"
             for group, datasets in self._datasets.items()
             for name in datasets
-            if self._hash(group, name) != self._recorded_hash(group, name)
+            if not self._is_intact(group, name)
         )
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        if not self._file:
+            raise ValueError(f"{self._path}: the run file is closed")
+        with _refusing(self._path):
+            yield
+
+    def _is_intact(self, group: str, name: str) -> bool:
+        try:
+            return self._hash(group, name) == self._recorded_hash(group, name)
+        except RunFileRefused:
+            return False
 
     def _hash(self, group: str, name: str) -> str:
         digest = xxhash.xxh3_128()
@@ -131,7 +144,7 @@ class RunFile:
         return digest.hexdigest()
 
     def _recorded_hash(self, group: str, name: str) -> str:
-        with _refusing(self._path):
+        with self._reading():
             return read_text(self._datasets[group][name], HASH)
 
 
@@ -201,6 +214,8 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         "speed": has_hard_link(junctions, "birth_time"),
         "slider": has_hard_link(file, "slider"),
     }
+    if told["slider"] and not (told["speed"] and told["strength"]):
+        raise RunFileRefused("has a slider without a speed or a strength")
     return frozenset(feature for feature, present in told.items() if present)
 
 
