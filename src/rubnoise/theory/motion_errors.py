@@ -13,7 +13,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.resonance import Rule, response_rules
-from rubnoise.theory.response import Response, response
+from rubnoise.theory.response import Response, mean_displacement, response
 from rubnoise.theory.sampling import variance_of_time_mean
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
 from rubnoise.theory.transform import mean_square_transform, square_transform
@@ -50,7 +50,7 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     (1/T) int_0^T y dt = (c (y(0) - y(T)) - m y'(T)) / (k T), from m y'' + c y' + k y = 0.
     """
     drive = drive_of(model)
-    slider, still = drive.slider, response(model).mean_displacement
+    slider, still = drive.slider, mean_displacement(model)
     if slider.start == "equilibrium":
         return still
     duration = distance / drive.speed

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import lag_rule, panels
+from rubnoise.theory.quadrature import lag_rule, panels, size_range
 
 Doubles = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
 
 def _shorter_mean(model: Model, distance: Doubles) -> Doubles:
     """Return E[min(s, 2d)] = s - E[(s - 2d)+]; the integral ends at its kink, d = s/2."""
-    low, high = model.sizes.support
+    low, high = size_range(model.sizes)
     reach = np.minimum(distance, 2.0 * high)
     if low == high:
         return reach

@@ -13,6 +13,7 @@ Doubles = NDArray[np.float64]
 _LAG_PANELS = 8
 _LAG_NODES = 10
 _FEW_TICKS = 64
+_NARROWEST = 1e-9
 
 
 @cache
@@ -33,16 +34,28 @@ def panels(edges: ArrayLike, count: int) -> tuple[Doubles, Doubles]:
     return (middle + half * x).reshape(shape), np.broadcast_to(half * w, (middle + half * x).shape).reshape(shape)
 
 
+def size_range(law: SizeLaw) -> tuple[float, float]:
+    """Return the law's support in um, drawn together to its middle where it is too narrow to tell sizes apart.
+
+    A spread of 1e-10 of the diameter changes no average by more than 1e-19, but its density is lost in rounding.
+    """
+    low, high = law.support
+    middle = 0.5 * (low + high)
+    return (middle, middle) if high - low <= _NARROWEST * high else (low, high)
+
+
 def size_rule(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
     """Return diameters in um and their probabilities, so that E[g(d)] = sum of probability times g(diameter).
 
-    A single size needs one diameter. For a law that is smooth on its support the rule converges exponentially.
+    A single size needs one diameter. For a law that is smooth on its support the rule converges exponentially. The
+    probabilities are made to add up to 1, which a law of little spread, with few digits in its density, needs.
     """
-    low, high = law.support
+    low, high = size_range(law)
     if low == high:
         return np.array([high]), np.ones(1)
     diameters, weights = panels([low, high], count)
-    return diameters, weights * law.density(diameters)
+    probabilities = weights * law.density(diameters)
+    return diameters, probabilities / probabilities.sum()
 
 
 def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:

@@ -27,6 +27,11 @@ class Response:
         return self.velocity_std / self.sliding_speed
 
 
+def mean_displacement(model: Model) -> float:
+    """Return the mean of x in um, E[psi] mean A_r / k: the static deflection. Raises Refused as `response` does."""
+    return force_cumulants(model).mean / drive_of(model).slider.stiffness
+
+
 def response(model: Model) -> Response:
     """Return the exact stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 
@@ -40,7 +45,7 @@ def response(model: Model) -> Response:
     if drive.slider.damping > 0.0:
         displacement, velocity = (sqrt(drive.strengths.moment(2) * v) for v in _variances(model))
     return Response(
-        mean_displacement=force_cumulants(model).mean / drive.slider.stiffness,
+        mean_displacement=mean_displacement(model),
         displacement_std=displacement,
         velocity_std=velocity,
         sliding_speed=drive.speed,

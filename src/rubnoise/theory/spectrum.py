@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.contact.overlap import life_integral
 from rubnoise.contact.sizes import SizeLaw
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import panels, size_rule
+from rubnoise.theory.quadrature import panels, size_range, size_rule
 from rubnoise.theory.transform import STEP_END, mean_square_transform, square_transform
 
 Doubles = NDArray[np.float64]
@@ -48,7 +48,7 @@ def largest_swinging_wavenumber(law: SizeLaw) -> float:
 
     At k (d_high - d_low) = 160 a normal law of standard deviation sigma has k sigma > 9.6: a factor exp(-46).
     """
-    low, high = law.support
+    low, high = size_range(law)
     return np.inf if low == high else _LARGEST_PHASE / (high - low)
 
 
@@ -74,7 +74,7 @@ def _in_chunks(function: Callable[[Doubles], Doubles], wavenumbers: Doubles) -> 
 
 def _resolved(law: SizeLaw, wavenumbers: Doubles, transform: Callable[[Doubles], Doubles]) -> Doubles:
     """Return E[|A^(k)|^2] with nodes close enough to follow the swing in d."""
-    low, high = law.support
+    low, high = size_range(law)
     phase = float(wavenumbers.max()) * (high - low)
     nodes = next(count for limit, count in _NODES_BY_PHASE if phase <= limit * (1.0 + 1e-12))
     diameters, probabilities = size_rule(law, nodes)
@@ -86,7 +86,7 @@ def _damped(law: SizeLaw, wavenumbers: Doubles) -> Doubles:
 
     Small diameters matter where a spread as large as the mean leaves the density an edge at d = 0.
     """
-    low, high = law.support
+    low, high = size_range(law)
     split = np.clip(STEP_END / wavenumbers, low, high)
     total = np.zeros_like(wavenumbers)
     for ends, count in (

@@ -1,0 +1,63 @@
+"""What an empty start costs: real contact area and live count while the first junctions grow up."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.contact.overlap import life_integral
+from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.occupancy import count_from_empty, mean_count
+from rubnoise.theory.quadrature import panels, size_range
+
+Doubles = NDArray[np.float64]
+
+_NODES = 48
+_PANELS = 24
+
+
+def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
+    """Return E[A_r(s)] = lam E[int_0^s A ds'] in um^2 at distances s in um (any shape) after an empty start.
+
+    Source: Campbell's theorem for births since s = 0 alone (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); it is
+    the stationary mean from the longest life on.
+    """
+    s = np.asarray(distance, dtype=np.float64)
+    low, high = size_range(model.sizes)
+    if low == high:
+        return model.birth_rate * high**3 * _area_so_far(s / high)
+    least = max(low, 1e-12 * high)  # a diameter of 0 has no age to speak of, and no area
+    # Cut where a junction ends (d = s/2) and where it is at mid-life (d = s), so that each part is smooth in d.
+    cuts = np.stack([np.clip(s * part, least, high) for part in (0.0, 0.5, 1.0)] + [np.full_like(s, high)], axis=-1)
+    diameters, weights = panels(cuts, _NODES)
+    grown = diameters**3 * _area_so_far(s[..., None] / diameters)
+    return model.birth_rate * np.sum(grown * weights * model.sizes.density(diameters), axis=-1)
+
+
+def expected_mean_area(model: Model, distance: float) -> float:
+    """Return the expected mean of A_r in um^2 over the first ``distance`` um, from the model's start."""
+    return _mean_from_start(model, distance, area_cumulants(model).mean, area_from_empty)
+
+
+def expected_mean_count(model: Model, distance: float) -> float:
+    """Return the expected mean of N over the first ``distance`` um, from the model's start."""
+    return _mean_from_start(model, distance, mean_count(model), count_from_empty)
+
+
+def _mean_from_start(
+    model: Model, distance: float, settled: float, from_empty: Callable[[Model, Doubles], Doubles]
+) -> float:
+    if model.start == "stationary":
+        return settled
+    reach = min(distance, 2.0 * model.sizes.support[1])
+    s, weights = panels(np.linspace(0.0, reach, _PANELS + 1), 16)
+    return (float(weights @ from_empty(model, s)) + (distance - reach) * settled) / distance
+
+
+def _area_so_far(age: Doubles) -> Doubles:
+    """Return the integral of a life of unit diameter up to an age: J1 = (y - x acos x - y^3/3)/2, y = sqrt(1 - x^2)."""
+    x = np.minimum(np.abs(1.0 - age), 1.0)
+    y = np.sqrt((1.0 - x) * (1.0 + x))
+    rising = 0.5 * (y - x * np.arccos(x) - y**3 / 3.0)
+    return np.where(age < 1.0, rising, life_integral(1) - rising)
