@@ -12,15 +12,19 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.record.sink import Extent
+from rubnoise.storage.layout import expected_bytes
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
+from rubnoise.storage.part import SLACK_BYTES, Part, make_part
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from tests.format.runs import Compression, describe, random_rows, write_run
+from tests.format.runs import EVERYTHING, Compression, describe, random_rows, write_run
 
 
 def names(folder: Path) -> list[str]:
@@ -303,6 +307,32 @@ def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
     ):
         raise AssertionError
     assert names(tmp_path) == []
+
+
+def test_a_compressed_run_needs_room_for_two_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = random_rows(describe(2000, 2000))
+    room = expected_bytes(Extent(junctions=2000, ticks=2000), EVERYTHING) + SLACK_BYTES
+    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=room))
+    write_run(tmp_path / "raw.h5", describe(2000, 2000), rows)
+    with pytest.raises(OutputRefused, match="and the disk has"):
+        write_run(tmp_path / "gzip.h5", describe(2000, 2000, compression="gzip"), rows)
+    assert names(tmp_path) == ["raw.h5"]
+
+
+def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
+    """What a later process needs stands in the part itself: no writer has to have lived on."""
+    rows = random_rows(describe())
+    paths = OutputPaths.of(tmp_path / "run.h5")
+    make_part(paths.part, paths.making, describe())
+    with Part(paths.part) as part:
+        part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
+    with Part(paths.part) as part:
+        for group, columns in rows.items():
+            part.write(group, 0, columns)
+        part.complete({}, "2026-01-02T03:05:00Z")
+    with open_run(paths.part) as run:
+        assert run.damaged() == ()
+        assert run.column("trace", "distance").tobytes() == rows["trace"]["distance"].tobytes()
 
 
 @pytest.mark.parametrize("call", ["pwrite", "fsync"])

@@ -1,5 +1,6 @@
 """Whatever is opened in place of a run file is refused in one sentence that begins with its path."""
 
+import errno
 import fcntl
 import os
 import re
@@ -267,6 +268,14 @@ def test_a_file_that_another_program_holds_is_refused(path: Path) -> None:
         fcntl.flock(other, fcntl.LOCK_EX)
         assert_refused(path, "being written by another program")
     open_run(path).close()
+
+
+def test_a_file_system_without_locks_is_named(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*arguments: object) -> h5py.File:
+        raise OSError(errno.ENOLCK, "Unable to synchronously open file (unable to lock file, errno = 37)")
+
+    monkeypatch.setattr(h5py, "File", refuse)
+    assert_refused(path, "cannot be locked on this file system")
 
 
 def test_a_closed_run_reads_no_more(path: Path) -> None:

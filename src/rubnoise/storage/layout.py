@@ -12,7 +12,7 @@ from rubnoise.storage.life_curve import CURVE_ROWS
 from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
-STRUCTURE_BYTES = 96 * 1024
+STRUCTURE_BYTES = 24 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
 

@@ -65,12 +65,15 @@ def sole_writer(paths: OutputPaths) -> Iterator[None]:
         os.close(descriptor)
 
 
-def reserve(descriptor: int, size: int) -> None:
-    """Take the space of a whole file from the disk now; raises OutputRefused where there is not enough."""
-    missing = size - os.fstat(descriptor).st_blocks * 512
+def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
+    """Take the space of a whole file from the disk now; raises OutputRefused where there is not enough.
+
+    ``later``: bytes that must be free beside it, but are not taken yet.
+    """
+    missing = size + later - os.fstat(descriptor).st_blocks * 512
     free = shutil.disk_usage(descriptor).free
     if missing > free:
-        raise OutputRefused(f"the result needs {size:,} bytes, and the disk has {free:,} free")
+        raise OutputRefused(f"the result needs {missing:,} bytes, and the disk has {free:,} free")
     if sys.platform != "darwin":
         try:
             os.posix_fallocate(descriptor, 0, size)

@@ -26,6 +26,7 @@ SLACK_BYTES = 64 * 1024
 def make_part(path: Path, making: Path, description: RunDescription) -> None:
     """Make a part file under a passing name, with its space reserved, and rename it when its structure is whole.
 
+    Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
     Raises OSError, and OutputRefused where the disk has no room; nothing is left behind then.
     """
     structure = Overlay()
@@ -33,7 +34,8 @@ def make_part(path: Path, making: Path, description: RunDescription) -> None:
         compose(file, description, compressed=False)
     with new_file(making) as descriptor:
         structure.commit(descriptor)
-        reserve(descriptor, structure.size + SLACK_BYTES)
+        copy = 0 if description.compression == "none" else structure.size
+        reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
         making.rename(path)
 
 

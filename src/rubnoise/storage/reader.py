@@ -180,6 +180,8 @@ def _refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 def _reason(problem: Exception) -> str:
     if isinstance(problem, OSError) and problem.filename is not None:
         return str(problem.strerror).lower()
+    if "unable to lock file" in str(problem):
+        return "cannot be locked on this file system (HDF5_USE_FILE_LOCKING=FALSE in the environment reads it anyway)"
     return "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
 
 

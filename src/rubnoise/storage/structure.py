@@ -43,7 +43,7 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
     for group in stored_groups(description.features):
         rows = row_count(group, description.extent)
         _compose_group(file, group, description.features, rows, compressed=compressed)
-    summary = file.create_group("summary")
+    summary = file.create_group("summary", track_order=True)
     put_text(summary, "NX_class", "NXcollection")
     _describe_provenance(file.create_group("provenance"), description)
 
