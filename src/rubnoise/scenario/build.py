@@ -1,0 +1,70 @@
+"""From the keys of a scenario to the physics of a run."""
+
+from fractions import Fraction
+from math import sqrt
+from typing import Literal, cast
+
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.model import Model, Slider
+from rubnoise.scenario import document as sections
+from rubnoise.units import LENGTH, RATIO, Quantity
+
+
+def diameter_of(document: sections.Document) -> float:
+    """Return the calibrated diameter d_m in um; raises NoMatchingDiameter where `matched` has no solution."""
+    interface = document.interface
+    return calibrated_diameter(
+        interface.calibration,
+        float(interface.mean_real_contact_area),
+        interface.mean_junction_count,
+        spread_of(document.diameter),
+    )
+
+
+def spread_of(diameter: sections.Diameter) -> Spread:
+    """Return the spread as an absolute length or relative to the mean diameter."""
+    if diameter.spread is None:
+        return Spread()
+    value = float(diameter.spread)
+    return Spread(relative=value) if diameter.spread.kind == RATIO else Spread(absolute=value)
+
+
+def default_tick(diameter: float) -> Quantity:
+    """Return a two-hundredth of the mean life 2 d_m, as the decimal number that a file would give."""
+    return Quantity(Fraction(repr(diameter / 100.0)), LENGTH)
+
+
+def tick_count(distance: Quantity, tick: Quantity) -> int:
+    """Return the exact floor of distance over tick as written; floats would lose the last tick now and then."""
+    return distance.exact // tick.exact
+
+
+def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Model:
+    """Return the model of a complete document for its calibrated diameter in um and its tick."""
+    interface, sliding = document.interface, document.sliding
+    return Model(
+        mean_real_contact_area=float(interface.mean_real_contact_area),
+        mean_junction_count=interface.mean_junction_count,
+        calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
+        calibrated_diameter=diameter,
+        sizes=sizes_for(diameter, spread_of(document.diameter)),
+        births=PoissonBirths(mean_spacing=2.0 * diameter / interface.mean_junction_count),
+        strengths=ConstantStrength(mean=float(document.strength.mean)) if document.strength else None,
+        sliding_speed=None if sliding.speed is None else float(sliding.speed),
+        distance=float(sliding.distance),
+        start=cast(Literal["stationary", "empty"], sliding.start),
+        slider=_slider(document.slider) if document.slider else None,
+        tick=float(tick),
+        tick_count=tick_count(sliding.distance, tick),
+    )
+
+
+def _slider(slider: sections.Slider) -> Slider:
+    mass, stiffness = float(slider.mass), float(slider.stiffness)
+    critical = 2.0 * sqrt(stiffness * mass)
+    ratio = slider.damping_ratio
+    damping = float(slider.damping or 0.0) if ratio is None else ratio * critical
+    start = cast(Literal["equilibrium", "rest"], slider.start)
+    return Slider(mass=mass, stiffness=stiffness, damping=damping, start=start)

@@ -1,0 +1,116 @@
+"""What is wrong or doubtful about a scenario whose every key is right: plausibility, ticks, calibration, cost."""
+
+from collections.abc import Iterator
+
+from rubnoise.contact.calibration import NoMatchingDiameter
+from rubnoise.model import Model
+from rubnoise.scenario import limits
+from rubnoise.scenario.build import default_tick, diameter_of, model_of
+from rubnoise.scenario.document import Document
+from rubnoise.scenario.fields import Measure
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.layers import Layers
+from rubnoise.scenario.problems import Path, Problem
+from rubnoise.units import Quantity, QuantityError, in_working_unit, read_quantity
+
+_DISTANCE: Path = ("sliding", "distance")
+_TICK: Path = ("output", "tick")
+_AREA: Path = ("interface", "mean_real_contact_area")
+
+
+def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
+    """Warn of quantities so far from any contact that a slip of the pen is likely."""
+    for name, section in SECTIONS.items():
+        for key, about in section.model_fields.items():
+            value = getattr(getattr(document, name), key, None)
+            measure = next((m for m in about.metadata if isinstance(m, Measure)), None)
+            if isinstance(value, Quantity) and measure and value not in measure.plausible:
+                yield _implausible((name, key), value, measure, layers)
+
+
+def _implausible(path: Path, value: Quantity, measure: Measure, layers: Layers) -> Problem:
+    size = in_working_unit(value.exact, value.kind)
+    message = f"implausibly {'large' if value > measure.plausible.high else 'small'} ({size})"
+    hint = _other_prefix(value, measure)
+    return Problem(path=path, message=message, place=layers.value_place(path), hint=hint, severity="warning")
+
+
+def _other_prefix(value: Quantity, measure: Measure) -> str:
+    """Suggest MPa for mPa and the like, where that would be plausible."""
+    number, _, unit = value.written.partition(" ")
+    for milli, mega in (("m", "M"), ("M", "m")):
+        if unit.startswith(milli):
+            other = f"{number} {mega}{unit[1:]}"
+            try:
+                if read_quantity(other, *measure.kinds) in measure.plausible:
+                    return f'did you mean "{other}"?'
+            except QuantityError:
+                continue
+    return ""
+
+
+def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
+    """Return the model and its tick, or None and why there is none."""
+    try:
+        diameter = diameter_of(document)
+    except NoMatchingDiameter as error:
+        return None, None, [_unmatched(layers, error)]
+    tick = document.output.tick or default_tick(diameter)
+    problems = list(_tick_problems(document, layers, tick, diameter))
+    if problems:
+        return None, None, problems
+    model = model_of(document, diameter, tick)
+    problems = list(_cost_problems(document, layers, model))
+    return (None if problems else model), tick, problems
+
+
+def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
+    message = (
+        'calibration "matched" has no solution: with this spread the exact mean area is at least '
+        f"1.609247 mean_junction_count * spread^2 = {error.minimum:.7g} um^2"
+    )
+    hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
+    return Problem(path=_AREA, message=message, place=layers.value_place(_AREA), hint=hint)
+
+
+def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:
+    distance = document.sliding.distance
+    if tick > 2.0 * diameter:
+        message = f"longer than the mean life of a junction ({2.0 * diameter:.6g} um); a trace would miss whole lives"
+        hint = f'about "{2.0 * diameter / 200.0:.2g} um" resolves a life well'
+        yield Problem(path=_TICK, message=message, place=layers.value_place(_TICK), hint=hint)
+    if tick.exact > distance.exact:
+        path = _TICK if document.output.tick else _DISTANCE
+        message = "the tick is longer than the distance: only the start would be written"
+        hint = f'distance "{distance.as_text()}", tick "{tick.as_text()}"' + _where_from(document)
+        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+
+
+def _where_from(document: Document) -> str:
+    return "" if document.output.tick else " (by default a two-hundredth of the mean life; set output.tick)"
+
+
+def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
+    """Refuse what no disk holds, from expected numbers and before any is drawn."""
+    alive = model.birth_rate * 2.0 * model.sizes.moment(1) if model.start == "stationary" else 0.0
+    junctions = model.birth_rate * model.distance + alive
+    ticks = model.tick_count + 1
+    size = junctions * junction_bytes(model) + ticks * tick_bytes(model)
+    if junctions + ticks <= limits.RESULT_ROWS and size <= limits.RESULT_BYTES:
+        return
+    message = (
+        f"too long a run: {junctions:.3g} junctions and {float(ticks):.3g} ticks expected, {size:.3g} bytes; "
+        f"at most {limits.RESULT_ROWS:.0e} rows and {limits.RESULT_BYTES:.0e} bytes"
+    )
+    hint = f"make sliding.distance shorter or output.tick longer{_where_from(document)}"
+    yield Problem(path=_DISTANCE, message=message, place=layers.value_place(_DISTANCE), hint=hint)
+
+
+def junction_bytes(model: Model) -> int:
+    """Return the bytes of one row of /junctions."""
+    return 57 + 8 * (model.strengths is not None) + 16 * (model.sliding_speed is not None)
+
+
+def tick_bytes(model: Model) -> int:
+    """Return the bytes of one row of /trace and one of /slider."""
+    return 20 + 8 * (model.strengths is not None) + 40 * (model.slider is not None)

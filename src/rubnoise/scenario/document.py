@@ -1,0 +1,181 @@
+"""The keys of a scenario file, section by section, with what each may hold."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict
+from pydantic import Field as About
+
+from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
+from rubnoise.scenario.limits import SEED_END
+from rubnoise.units import AREA, DAMPING, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
+
+FORMAT = 1
+
+
+class Section(BaseModel):
+    """A table whose keys are all known."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class Interface(Section):
+    """The contact: how large the real contact area is on average, and of how many junctions."""
+
+    mean_real_contact_area: Annotated[
+        Quantity,
+        Measure((AREA,), possible=Range(1e-12, 1e18), plausible=Range(1e-6, 1e12)),
+        About(description="Mean real contact area A_rm."),
+    ]
+    mean_junction_count: Annotated[
+        float, Number(Range(1e-6, 1e9)), About(description="Mean number of junctions N_jm; any positive number.")
+    ]
+    calibration: Annotated[
+        str,
+        Choice(("paper", "exact", "matched")),
+        About(description="Mean junction area over d_m^2: paper 0.327, exact 1/3, matched solves for the exact mean."),
+    ] = "exact"
+
+
+class Diameter(Section):
+    """The law of junction diameters about the calibrated diameter d_m."""
+
+    law: Annotated[
+        str,
+        Choice(("fixed", "normal"), later=("lognormal", "exponential", "gamma", "mixture", "empirical")),
+        About(description="fixed: one size; normal: redrawn while not positive."),
+    ] = "fixed"
+    spread: Annotated[
+        Quantity | None,
+        Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
+        About(description="Standard deviation: a length, or a percentage of d_m; needed by the normal law."),
+    ] = None
+
+
+class Birth(Section):
+    """When junctions are born."""
+
+    law: Annotated[
+        str,
+        Choice(("poisson",), later=("regular", "jittered", "gamma", "clustered")),
+        About(description="poisson: independent exponential gaps of sliding distance."),
+    ] = "poisson"
+
+
+class Pulse(Section):
+    """How the area of a junction rises and falls over its life."""
+
+    shape: Annotated[
+        str, Choice(("lens",), later=("triangle",)), About(description="lens: the overlap of two circles.")
+    ] = "lens"
+
+
+class Strength(Section):
+    """The shear strength of junctions, which turns area into force."""
+
+    law: Annotated[
+        str,
+        Choice(("constant",), later=("normal", "lognormal", "weibull")),
+        About(description="constant: one strength for every junction."),
+    ] = "constant"
+    mean: Annotated[
+        Quantity,
+        Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
+        About(description="Mean shear strength psi."),
+    ]
+
+
+class Sliding(Section):
+    """How far and how fast."""
+
+    distance: Annotated[
+        Quantity,
+        Measure((LENGTH,), possible=Range(1e-9, 1e30), plausible=Range(1e-3, 1e12)),
+        About(description="Sliding distance of the run."),
+    ]
+    speed: Annotated[
+        Quantity | None,
+        Measure((SPEED,), possible=Range(1e-9, 1e15), plausible=Range(1e-3, 1e9)),
+        About(description="Sliding speed; without it no times are written."),
+    ] = None
+    start: Annotated[
+        str,
+        Choice(("stationary", "empty")),
+        About(description="stationary: junctions of all ages are there at the start; empty: none is."),
+    ] = "stationary"
+
+
+class Slider(Section):
+    """The oscillator that the friction force excites; exactly one of damping and damping_ratio."""
+
+    mass: Annotated[
+        Quantity,
+        Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6)),
+        About(description="Mass m."),
+    ]
+    stiffness: Annotated[
+        Quantity,
+        Measure((STIFFNESS,), possible=Range(1e-12, 1e15), plausible=Range(1e-4, 1e11)),
+        About(description="Stiffness k."),
+    ]
+    damping: Annotated[
+        Quantity | None,
+        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
+        About(description="Damping coefficient c."),
+    ] = None
+    damping_ratio: Annotated[
+        float | None, Number(Range(1e-9, 1e6)), About(description="Damping ratio c / (2 sqrt(k m)).")
+    ] = None
+    coupling: Annotated[
+        str,
+        Choice(("one-way",), later=("two-way",)),
+        About(description="one-way: the motion of the slider does not change the sliding distance."),
+    ] = "one-way"
+    start: Annotated[
+        str,
+        Choice(("equilibrium", "rest")),
+        About(description="equilibrium: at rest at the static deflection under the mean force; rest: at zero."),
+    ] = "equilibrium"
+
+
+class Output(Section):
+    """What is written."""
+
+    tick: Annotated[
+        Quantity | None,
+        Measure((LENGTH,), possible=Range(1e-9, 1e12), plausible=Range(1e-6, 1e6)),
+        About(description="Distance between samples of the traces; without it a two-hundredth of the mean life."),
+    ] = None
+    compression: Annotated[
+        str, Choice(("none", "gzip")), About(description="gzip makes smaller files, more slowly.")
+    ] = "none"
+
+
+class SampledOutput(Output):
+    """What is written, once the tick is known."""
+
+    tick: Annotated[Quantity, Measure((LENGTH,), possible=Range(1e-300, 1e12), plausible=Range(1e-6, 1e6))]
+
+
+class Run(Section):
+    """How the run is made."""
+
+    seed: Annotated[
+        int, Number(Range(0, SEED_END - 1), whole=True), About(description="Seed of all random numbers.")
+    ] = 1
+    engine: Annotated[str, Choice(("events",), later=("batch",)), About(description="events: SimPy.")] = "events"
+
+
+class Document(Section):
+    """A rubnoise scenario."""
+
+    format: Annotated[int, Number(Range(FORMAT, FORMAT), whole=True), About(description="Version of this format: 1.")]
+    title: Annotated[str, Line(), About(description="One line that says what the run is about.")] = ""
+    interface: Interface
+    diameter: Diameter = Diameter()
+    birth: Birth = Birth()
+    pulse: Pulse = Pulse()
+    strength: Strength | None = None
+    sliding: Sliding
+    slider: Slider | None = None
+    output: Output = Output()
+    run: Run = Run()

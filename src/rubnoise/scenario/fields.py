@@ -1,0 +1,209 @@
+"""What stands behind one key: a quantity, a number, a choice or a line of text, each read strictly.
+
+Each class is an annotation for pydantic: it reads and refuses the value, and describes it in the JSON schema.
+"""
+
+import re
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from math import isfinite
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, core_schema
+
+from rubnoise.scenario.limits import TITLE_CHARACTERS
+from rubnoise.units import NUMBER, Kind, Quantity, QuantityError, in_working_unit, read_quantity
+
+FROM_PYTHON = {"from_python": True}
+
+
+class Unfit(ValueError):  # noqa: N818  (says what the value is)
+    """A value that does not fit its key; ``hint`` is advice or the right form."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Bounds of a number in working units; ``low`` itself is allowed, and 0 is when ``zero`` says so."""
+
+    low: float
+    high: float
+    zero: bool = False
+
+    def __contains__(self, value: object) -> bool:
+        return isinstance(value, (int, float)) and ((self.zero and value == 0) or self.low <= value <= self.high)
+
+
+class Field:
+    """A value of one kind: ``read`` turns what the file holds into it, ``describe`` is its JSON schema."""
+
+    def read(self, value: Any) -> Any:
+        """Return the value, or raise Unfit."""
+        raise NotImplementedError
+
+    def describe(self) -> dict[str, Any]:
+        """Return the JSON schema of the value."""
+        raise NotImplementedError
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return self.describe()
+
+
+@dataclass(frozen=True, slots=True)
+class Measure(Field):
+    """A quantity with a unit, of the first kind or another of ``kinds``; ``plausible`` is where no warning is due."""
+
+    kinds: tuple[Kind, ...]
+    possible: Range
+    plausible: Range
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._read_in_context)
+
+    def _read_in_context(self, value: Any, info: ValidationInfo) -> Quantity:
+        """Read a bare number in working units when it comes from Python, never from a file."""
+        number = self._number(value) if info.context == FROM_PYTHON else None
+        return self.read(value) if number is None else self._within(number)
+
+    def read(self, value: Any) -> Quantity:
+        """Return the quantity that a text writes."""
+        return self._within(self._text(value))
+
+    def _within(self, quantity: Quantity) -> Quantity:
+        if quantity not in self.possible:
+            raise Unfit(*self._out_of_range(quantity))
+        return quantity
+
+    def _number(self, value: Any) -> Quantity | None:
+        if isinstance(value, Quantity) and value.kind in self.kinds:
+            return value
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return None
+        if not isfinite(value):
+            raise Unfit("not a finite number")
+        return Quantity(Fraction(repr(value)), self.kinds[0])
+
+    def _text(self, value: Any) -> Quantity:
+        if not isinstance(value, str):
+            raise Unfit(*self._no_text(value))
+        try:
+            return read_quantity(value, *self.kinds)
+        except QuantityError as error:
+            raise Unfit(str(error), error.hint) from None
+
+    def _no_text(self, value: Any) -> tuple[str, str]:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"'
+        if not isfinite(value):
+            return "not a finite number", f'right form: "{self.kinds[0].example}"'
+        return "a number without a unit", f'right form: "{value} {self.kinds[0].unit}"'
+
+    def _out_of_range(self, quantity: Quantity) -> tuple[str, str]:
+        if quantity < 0 or (float(quantity) == 0.0 and not self.possible.zero):
+            return f"must {'not be negative' if self.possible.zero else 'be above 0'}", ""
+        low, high = (in_working_unit(Fraction(b), quantity.kind) for b in (self.possible.low, self.possible.high))
+        return "too large" if quantity > self.possible.high else "too small", f"possible: {low} to {high}"
+
+    def describe(self) -> dict[str, Any]:
+        """Return a string with a pattern and examples."""
+        return {"type": "string", "pattern": rf"^\s*{NUMBER} *\S.*$", "examples": [kind.example for kind in self.kinds]}
+
+
+@dataclass(frozen=True, slots=True)
+class Number(Field):
+    """A TOML number within ``possible``; ``whole`` asks for an integer."""
+
+    possible: Range
+    whole: bool = False
+
+    def read(self, value: Any) -> int | float:
+        """Return the number; no string and no boolean is one."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise Unfit(f"needs a number, not {_named(value)}", _unquoted_hint(value))
+        if not (isinstance(value, int) or isfinite(value)):
+            raise Unfit("not a finite number")
+        if self.whole and not isinstance(value, int):
+            raise Unfit("needs a whole number")
+        if value not in self.possible:
+            raise Unfit(self._out_of_range(value), self._bounds())
+        return value if self.whole else float(value)
+
+    def _out_of_range(self, value: float) -> str:
+        if value <= 0 < self.possible.low:
+            return "must be above 0"
+        return "too large" if value > self.possible.high else "too small"
+
+    def _bounds(self) -> str:
+        low, high = self.possible.low, self.possible.high
+        return f"possible: {low} to {high}" if self.whole else f"possible: {low:g} to {high:g}"
+
+    def describe(self) -> dict[str, Any]:
+        """Return a bounded number."""
+        bounds = {"minimum": self.possible.low, "maximum": self.possible.high}
+        return {"type": "integer" if self.whole else "number", **bounds}
+
+
+@dataclass(frozen=True, slots=True)
+class Choice(Field):
+    """One of the ``available`` words; those of ``later`` are known, and refused until they do something."""
+
+    available: tuple[str, ...]
+    later: tuple[str, ...] = ()
+
+    def read(self, value: Any) -> str:
+        """Return the word."""
+        available = f"available: {', '.join(self.available)}"
+        if isinstance(value, str) and value in self.available:
+            return value
+        if not isinstance(value, str):
+            raise Unfit(f"needs a word in quotation marks, not {_named(value)}", available)
+        if value in self.later:
+            raise Unfit(f'"{value}" is not available in this version; {available}')
+        raise Unfit(f'unknown value "{value[:40]}"', did_you_mean(value, self.available, quoted=True) or available)
+
+    def describe(self) -> dict[str, Any]:
+        """Return the available words."""
+        return {"enum": list(self.available)}
+
+
+@dataclass(frozen=True, slots=True)
+class Line(Field):
+    """One line of printable text."""
+
+    def read(self, value: Any) -> str:
+        """Return the text."""
+        if not isinstance(value, str):
+            raise Unfit(f"needs a text in quotation marks, not {_named(value)}")
+        if len(value) > TITLE_CHARACTERS:
+            raise Unfit(f"longer than {TITLE_CHARACTERS} characters")
+        if not value.isprintable():
+            raise Unfit("holds a line break or another character that does not print")
+        return value
+
+    def describe(self) -> dict[str, Any]:
+        """Return a bounded string."""
+        return {"type": "string", "maxLength": TITLE_CHARACTERS}
+
+
+def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> str:
+    """Return a suggestion from the known words, or nothing."""
+    close = get_close_matches(word[:40].lower(), known, n=1, cutoff=0.6)
+    mark = '"' if quoted else ""
+    return f"did you mean {mark}{close[0]}{mark}?" if close else ""
+
+
+def _named(value: Any) -> str:
+    names: dict[type, str] = {bool: "a boolean", str: "a text", int: "a number", float: "a number", list: "a list"}
+    return names.get(type(value), "a table" if isinstance(value, dict) else "this")
+
+
+def _unquoted_hint(value: Any) -> str:
+    return f"write {value} without quotation marks" if isinstance(value, str) and re.fullmatch(NUMBER, value) else ""

@@ -1,0 +1,152 @@
+"""What is wrong with keys: unknown, missing, out of place, or with a value that does not fit."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from rubnoise.scenario.document import FORMAT, Document
+from rubnoise.scenario.fields import FROM_PYTHON, Unfit, did_you_mean
+from rubnoise.scenario.layers import Layers, Setting, Values
+from rubnoise.scenario.problems import Path, Problem
+
+SECTIONS: dict[str, type[BaseModel]] = {
+    name: kind
+    for name, about in Document.model_fields.items()
+    for kind in (about.annotation, *getattr(about.annotation, "__args__", ()))
+    if isinstance(kind, type) and issubclass(kind, BaseModel)
+}
+_LATER_TABLES = ("sweep",)
+_RIGHT_FORMS: dict[Path, str] = {
+    ("format",): "format = 1",
+    ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2"',
+    ("interface", "mean_junction_count"): "mean_junction_count = 20",
+    ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
+    ("strength", "mean"): 'mean = "250 MPa"',
+    ("sliding", "distance"): 'distance = "40 mm"',
+    ("sliding", "speed"): 'speed = "1 mm/s"',
+    ("slider", "mass"): 'mass = "5 g"',
+    ("slider", "stiffness"): 'stiffness = "300 N/m"',
+    ("slider", "damping"): 'damping = "0.05 N*s/m" or damping_ratio = 0.02',
+}
+
+
+def format_problems(layers: Layers) -> list[Problem]:
+    """Return what is wrong with the format number of each file: a base file has its own."""
+    problems = []
+    for source in layers.sources:
+        version = source.data.get("format")
+        if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
+            message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
+            problems.append(Problem(path=("format",), message=message, place=source.value_place(("format",))))
+        elif version is None and not isinstance(source, (Setting, Values)):
+            message, hint = "missing", f"the first line of the file: {_RIGHT_FORMS['format',]}"
+            problems.append(Problem(path=("format",), message=message, place=source.key_place(()), hint=hint))
+    return problems
+
+
+def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Problem]]:
+    """Return the document, or None and what is wrong with its keys; rules among keys are checked either way."""
+    problems = list(_rule_problems(layers))
+    context = FROM_PYTHON if from_python else {}
+    try:
+        document = Document.model_validate({"format": FORMAT, **layers.data}, context=context)
+    except ValidationError as error:
+        for detail in error.errors(include_url=False):
+            problems += _explained(layers, detail["loc"], detail["type"], detail.get("ctx", {}).get("error"))
+        return None, problems
+    return (None if problems else document), problems
+
+
+def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
+    """Return the problem of a key that is needed and not there, shown at its table."""
+    return Problem(path=path, message=reason, place=layers.key_place(path[:-1]), hint=f"write {_written(layers, path)}")
+
+
+def is_missing(problem: Problem) -> bool:
+    """Tell whether a problem may vanish once broken lines are mended."""
+    return problem.hint.startswith("write ") and problem.message.startswith("missing")
+
+
+def _written(layers: Layers, path: Path) -> str:
+    table_is_there = isinstance(layers.data.get(str(path[0])), dict)
+    form = _RIGHT_FORMS.get(path, f"{path[-1]} = ...")
+    return form if table_is_there or len(path) == 1 else f"{form} in a table [{path[0]}]"
+
+
+def _explained(layers: Layers, path: Path, kind: str, error: Exception | None) -> Iterator[Problem]:
+    if kind == "missing" and len(path) == 1:
+        needed = (name for name, about in SECTIONS[str(path[0])].model_fields.items() if about.is_required())
+        yield from (missing(layers, (*path, name)) for name in needed)
+    elif kind == "missing":
+        yield missing(layers, path)
+    elif kind == "extra_forbidden":
+        yield _unknown(layers, path)
+    elif isinstance(error, Unfit):
+        yield Problem(path=path, message=str(error), place=layers.value_place(path), hint=error.hint)
+    else:
+        hint = f"a line [{path[0]}] with its keys below" if path else ""
+        yield Problem(path=path, message="needs a table", place=layers.value_place(path), hint=hint)
+
+
+def _unknown(layers: Layers, path: Path) -> Problem:
+    place = layers.key_place(path)
+    if path[0] in _LATER_TABLES and len(path) == 1:
+        available = ", ".join(f"[{name}]" for name in SECTIONS)
+        return Problem(path=path, message=f"not available in this version; available: {available}", place=place)
+    is_table = isinstance(layers.data.get(str(path[0])), dict) and len(path) == 1
+    return Problem(path=path, message=f"unknown {'table' if is_table else 'key'}", place=place, hint=_suggestion(path))
+
+
+def _suggestion(path: Path) -> str:
+    """Suggest the key of this table that is nearest, or the table that has the key."""
+    word = str(path[-1])
+    table = SECTIONS[str(path[0])] if len(path) > 1 and path[0] in SECTIONS else Document
+    homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in section.model_fields)
+    if homes and homes != (".".join(map(str, path)),):
+        return f"did you mean {' or '.join(homes)}?"
+    known = tuple(table.model_fields)
+    return did_you_mean(word, known) or f"known here: {', '.join(known)}"
+
+
+def _rule_problems(layers: Layers) -> Iterator[Problem]:
+    """What keys ask of one another, from what the file holds, whether or not their values are right."""
+    slider, sliding, diameter = (_table(layers, name) for name in ("slider", "sliding", "diameter"))
+    if slider is not None:
+        if "strength" not in layers.data:
+            yield missing(
+                layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength"
+            )
+        if sliding is not None and "speed" not in sliding:
+            yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
+        yield from _damping_problems(layers, slider)
+    if diameter is not None:
+        yield from _spread_problems(layers, diameter)
+
+
+def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
+    both = ("slider", "damping"), ("slider", "damping_ratio")
+    given = [path for path in both if path[1] in slider]
+    if not given:
+        yield missing(layers, both[0])
+    if len(given) == 2:
+        first, second = sorted((layers.key_place(path) for path in both), key=lambda place: (place.rank, place.line))
+        where = f"{first.source}:{first.line}" if first.line else first.source
+        message = f"both damping and damping_ratio are given (the other at {where})"
+        path = next(path for path in both if layers.key_place(path) == second)
+        yield Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
+
+
+def _spread_problems(layers: Layers, diameter: dict[str, Any]) -> Iterator[Problem]:
+    path, law = ("diameter", "spread"), diameter.get("law", "fixed")
+    if law == "fixed" and "spread" in diameter:
+        message = 'the law "fixed" takes no spread' + ("" if "law" in diameter else ', and "fixed" is the default')
+        hint = 'write law = "normal", or leave the spread out'
+        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+    if law == "normal" and "spread" not in diameter:
+        yield missing(layers, path, 'missing; the law "normal" needs a spread')
+
+
+def _table(layers: Layers, name: str) -> dict[str, Any] | None:
+    table = layers.data.get(name)
+    return table if isinstance(table, dict) else None

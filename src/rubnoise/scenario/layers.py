@@ -1,0 +1,229 @@
+"""The layers of a scenario: what a file extends, the file itself, and what `--set` puts on top, merged deeply."""
+
+import os
+import stat
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Any
+
+from rubnoise.errors import ScenarioRefused
+from rubnoise.scenario import limits
+from rubnoise.scenario.problems import Path, Place, Problem
+from rubnoise.scenario.source import Source
+
+SET = "--set"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Layers:
+    """Sources from the most basic to the topmost, their merged data, and the problems met on the way."""
+
+    sources: tuple[Source, ...]
+    data: dict[str, Any]
+    problems: tuple[Problem, ...]
+
+    def source_of(self, path: Path) -> Source:
+        """Return the topmost source that gives a key, or the nearest key above it that any gives."""
+        for known in (path[:n] for n in range(len(path), 0, -1)):
+            for source in reversed(self.sources):
+                if _gives(source.data, known):
+                    return source
+        return self.main
+
+    @property
+    def main(self) -> Source:
+        """The file that was asked for."""
+        return next(source for source in reversed(self.sources) if not isinstance(source, Setting))
+
+    def value_place(self, path: Path) -> Place:
+        """Return where the value of a key stands that counts."""
+        return self.source_of(path).value_place(path)
+
+    def key_place(self, path: Path) -> Place:
+        """Return where a key is named that counts."""
+        return self.source_of(path).key_place(path)
+
+
+@dataclass(frozen=True)
+class Setting(Source):
+    """One `--set KEY=VALUE`; its text is what was typed."""
+
+    @property
+    def _halves(self) -> tuple[tuple[str, ...], str]:
+        key, _, value = self.text.partition("=")
+        return tuple(part.strip() for part in key.split(".")), value
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The value, read as TOML or else as a string, under its key."""
+        path, value = self._halves
+        data: Any = _as_toml(value)
+        for part in reversed(path):
+            data = {part: data}
+        return {} if self.problems else data
+
+    @property
+    def problems(self) -> tuple[Problem, ...]:
+        """What keeps the text from being KEY=VALUE."""
+        path, _ = self._halves
+        if len(self.text) > limits.LINE_CHARACTERS:
+            message = f"more than {limits.LINE_CHARACTERS} characters"
+        elif "=" not in self.text or not all(path) or len(path) > limits.KEY_DOTS:
+            message = "not of the form KEY=VALUE, as in --set run.seed=7"
+        elif path[0] == "extends":
+            message = "extends belongs into a file"
+        else:
+            return ()
+        return (Problem(path=(), message=message, place=self.key_place(())),)
+
+    def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
+        """Return the value behind the equals sign."""
+        return self._typed(min(self.text.find("=") + 1, len(self.text)), len(self.text))
+
+    def key_place(self, path: Path) -> Place:  # noqa: ARG002  (one key)
+        """Return the key before the equals sign."""
+        return self._typed(0, len(self.text.partition("=")[0]))
+
+    def _typed(self, start: int, end: int) -> Place:
+        return Place(source=self.name, line=0, text=self.text, start=start, end=end, rank=self.rank)
+
+
+@dataclass(frozen=True)
+class Values(Source):
+    """Values given in Python, which stand in no line."""
+
+    def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
+        """Return the name alone."""
+        return Place(source=self.name, line=0, text="", start=0, end=0)
+
+    def key_place(self, path: Path) -> Place:
+        """Return the name alone."""
+        return self.value_place(path)
+
+
+def from_file(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Layers:
+    """Return the layers of a scenario file: what it extends, itself, the overrides."""
+    return _layered(*_chain(FilePath(path), _shown_path(path)), overrides)
+
+
+def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
+    """Return the layers of a text, which cannot extend a file as it lies in no folder."""
+    source = Source(name, text)
+    refused = _not_extended(source, "a text has no folder to look in; load the file instead")
+    return _layered([source], refused if "extends" in source.data else [], overrides)
+
+
+def from_values(values: Mapping[str, Any], name: str) -> Layers:
+    """Return the one layer of values given in Python."""
+    return Layers(sources=(Values(name, ""),), data=_merged([dict(values)]), problems=())
+
+
+def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
+    # In a report the file that was asked for comes first, then what it extends, then the settings.
+    files = [replace(source, rank=len(files) - 1 - n) for n, source in enumerate(files)]
+    settings = [Setting(_setting_name(text), text, len(files) + n) for n, text in enumerate(overrides)]
+    sources = (*files, *settings)
+    problems = [replace(p, place=replace(p.place, rank=_rank(sources, p))) for p in problems]
+    return Layers(
+        sources=sources,
+        data=_merged(source.data for source in sources),
+        problems=(*problems, *(problem for source in sources for problem in source.problems)),
+    )
+
+
+def _rank(sources: Iterable[Source], problem: Problem) -> int:
+    return next(source.rank for source in sources if source.name == problem.place.source)
+
+
+def _setting_name(text: str) -> str:
+    return f"{SET} {text.partition('=')[0].strip()}"
+
+
+def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
+    """Return a file's sources, basic first, and what is wrong with how they extend one another."""
+    sources, seen = [Source(name, _read(path, name))], [_identity(path)]
+    while isinstance(base := sources[0].data.get("extends"), str):
+        path = path.parent / base
+        try:
+            identity, text = _identity(path), _read(path, base)
+        except ScenarioRefused as refusal:
+            return sources, _not_extended(sources[0], str(refusal))
+        if identity in seen:
+            return sources, _not_extended(sources[0], "extends a file that extends this one")
+        if len(sources) > limits.EXTENDS_DEPTH:
+            return sources, _not_extended(sources[0], f"more than {limits.EXTENDS_DEPTH} files extend one another")
+        sources.insert(0, Source(_shown_path(path), text))
+        seen.append(identity)
+    return sources, _not_extended(sources[0], "needs the name of a file") if "extends" in sources[0].data else []
+
+
+def _not_extended(source: Source, message: str) -> list[Problem]:
+    return [Problem(path=("extends",), message=message, place=source.value_place(("extends",)))]
+
+
+def _shown_path(path: str | os.PathLike[str]) -> str:
+    return os.path.normpath(path)
+
+
+def _identity(path: FilePath) -> str:
+    return os.path.realpath(path)
+
+
+def _read(path: FilePath, name: str) -> str:
+    """Return the text of a regular file within the limits; raises ScenarioRefused."""
+    try:
+        # A pipe without a writer would wait for ever; opened this way it is seen for what it is.
+        with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise ScenarioRefused(f"{name}: not a regular file")
+            content = file.read(limits.FILE_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise ScenarioRefused(f"{name}: cannot be read: {reason[:1].lower()}{reason[1:]}") from None
+    if len(content) > limits.FILE_BYTES:
+        raise ScenarioRefused(f"{name}: larger than {limits.FILE_BYTES // 1024} kB")
+    return _decoded(content, name)
+
+
+def _decoded(content: bytes, name: str) -> str:
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise ScenarioRefused(f"{name}:{line}: error: not UTF-8 text") from None
+
+
+def _as_toml(value: str) -> Any:
+    try:
+        data = tomllib.loads(f"value = {value}")
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return value.strip()
+    return data["value"] if data.keys() == {"value"} else value
+
+
+def _merged(layers: Iterable[dict[str, Any]]) -> dict[str, Any]:
+    merged: dict[str, Any] = {}
+    for layer in layers:
+        _merge(merged, layer)
+    merged.pop("extends", None)
+    return merged
+
+
+def _merge(below: dict[str, Any], above: Mapping[str, Any]) -> None:
+    for key, value in above.items():
+        if not isinstance(value, Mapping):
+            below[key] = value
+            continue
+        if not isinstance(below.get(key), dict):
+            below[key] = {}
+        _merge(below[key], value)
+
+
+def _gives(data: Any, path: Path) -> bool:
+    for part in path:
+        if not isinstance(data, dict) or part not in data:
+            return False
+        data = data[part]
+    return True

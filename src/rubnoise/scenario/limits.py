@@ -1,0 +1,13 @@
+"""The bounds of what a scenario may ask for, in one place."""
+
+FILE_BYTES = 64 * 1024
+LINE_CHARACTERS = 1000
+# tomllib's time grows with the square of the parts of a dotted key; no key of ours has more than two.
+KEY_DOTS = 16
+EXTENDS_DEPTH = 8
+SYNTAX_ERRORS = 20
+TITLE_CHARACTERS = 200
+
+RESULT_ROWS = 2_000_000_000
+RESULT_BYTES = 10**12
+SEED_END = 2**53  # beyond it a seed is changed by every tool that reads numbers as doubles (JSON, spreadsheets, MATLAB)

@@ -1,0 +1,75 @@
+"""Reading a scenario: from a file, a text or Python values to a Scenario, or to all of its problems at once."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rubnoise.errors import ScenarioRefused
+from rubnoise.model import Model
+from rubnoise.scenario import keys, layers
+from rubnoise.scenario.checks import modelled, plausibility
+from rubnoise.scenario.document import Document, SampledOutput
+from rubnoise.scenario.fields import FROM_PYTHON
+from rubnoise.scenario.layers import Layers
+from rubnoise.scenario.problems import Problem, in_order, report
+from rubnoise.scenario.scenario import Scenario
+from rubnoise.units import Quantity
+
+
+def load(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
+    """Return the scenario of a TOML file, with overrides of the form `KEY=VALUE` on top.
+
+    Raises ScenarioRefused with every problem of the file, each with its line.
+    """
+    return _checked(layers.from_file(path, overrides))
+
+
+def loads(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> Scenario:
+    """Return the scenario of a TOML text, which cannot extend a file; raises ScenarioRefused."""
+    return _checked(layers.from_text(text, name, overrides))
+
+
+def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
+    """Return the scenario of values as a TOML file would give them, where a bare number is in working units.
+
+    Raises ScenarioRefused.
+    """
+    return _checked(layers.from_values(values, name), from_python=True)
+
+
+def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
+    broken = [*given.problems]
+    formats = keys.format_problems(given)
+    if any(problem.message != "missing" for problem in formats):
+        raise ScenarioRefused(report([*broken, *formats]))  # the other keys may well be right in that format
+    document, problems = keys.read(given, from_python=from_python)
+    if broken:
+        problems = [problem for problem in problems if not keys.is_missing(problem)]
+    problems = [*broken, *formats, *problems]
+    model = tick = None
+    if document and not broken:
+        model, tick, more = modelled(document, given)
+        problems += [*plausibility(document, given), *more]
+    if document is None or model is None or tick is None or any(problem.severity == "error" for problem in problems):
+        raise ScenarioRefused(report(problems))
+    return _scenario(given, document, model, tick, problems)
+
+
+def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, warnings: list[Problem]) -> Scenario:
+    output = {"tick": tick, "compression": document.output.compression}
+    return Scenario(
+        title=document.title,
+        interface=document.interface,
+        diameter=document.diameter,
+        birth=document.birth,
+        pulse=document.pulse,
+        strength=document.strength,
+        sliding=document.sliding,
+        slider=document.slider,
+        output=SampledOutput.model_validate(output, context=FROM_PYTHON),
+        run=document.run,
+        name=given.main.name,
+        text=given.main.text,
+        warnings=tuple(map(str, in_order(warnings))),
+        physics=model,
+    )

@@ -1,0 +1,77 @@
+"""What is wrong with a scenario, and how it is shown: `file:line: error: key: message`, the line, a caret, advice."""
+
+import unicodedata
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+Path = tuple[str | int, ...]
+_SHOWN_CHARACTERS = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where in a text something stands: source name, the line (from 1), its text, and the columns (from 0)."""
+
+    source: str
+    line: int
+    text: str
+    start: int
+    end: int
+    rank: int = 0  # order of the sources in a report
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """One thing that is wrong (error) or doubtful (warning) about a key, with advice where there is any."""
+
+    path: Path
+    message: str
+    place: Place
+    hint: str = ""
+    severity: Literal["error", "warning"] = "error"
+
+    @property
+    def key(self) -> str:
+        """The key as written in TOML, with dots."""
+        return ".".join(_shown_text(str(part)) for part in self.path)
+
+    def __str__(self) -> str:
+        """Return the problem as it is printed."""
+        place = self.place
+        where = f"{place.source}:{place.line}" if place.line else place.source
+        head = f"{where}: {self.severity}: " + (f"{self.key}: " if self.path else "") + _shown_text(self.message)
+        advice = [f"    {_shown_text(self.hint)}"] if self.hint else []
+        return "\n".join([head, *_shown_line(place), *advice])
+
+
+def in_order(problems: Iterable[Problem]) -> tuple[Problem, ...]:
+    """Return the problems by source, line and column, each once."""
+    unique = dict.fromkeys(problems)
+    return tuple(sorted(unique, key=lambda p: (p.place.rank, p.place.line, p.place.start, p.severity)))
+
+
+def report(problems: Iterable[Problem]) -> str:
+    """Return all problems as one text, in order."""
+    return "\n".join(map(str, in_order(problems)))
+
+
+def _shown_line(place: Place) -> list[str]:
+    """Return the line cropped around the caret, and the caret; nothing for an empty line."""
+    if not place.text.strip():
+        return []
+    first = max(0, place.start - _SHOWN_CHARACTERS // 2)
+    last = min(len(place.text), first + _SHOWN_CHARACTERS)
+    before = ("..." if first else "") + _shown_text(place.text[first : place.start])
+    marked = _shown_text(place.text[place.start : min(place.end, last)])
+    after = _shown_text(place.text[min(place.end, last) : last]) + ("..." if last < len(place.text) else "")
+    return [f"    {before}{marked}{after}".rstrip(), "    " + " " * _width(before) + "^" * max(1, _width(marked))]
+
+
+def _shown_text(text: str) -> str:
+    """Escape what would not print as itself: control characters, and those that change the direction of writing."""
+    return "".join(c if c.isprintable() else " " if c == "\t" else c.encode("unicode_escape").decode() for c in text)
+
+
+def _width(text: str) -> int:
+    return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text if not unicodedata.combining(c))

@@ -1,0 +1,269 @@
+"""Quantities as text, `NUMBER UNIT`: the number is read here, the unit is judged by pint; inside all is um, s, kg.
+
+pint never sees the number: given the whole text it turns "1,5 mm" into 15 mm, drops a Unicode minus, evaluates
+"5 mm + 3 mm" and hangs on powers of powers. The usual units stand in a table, so that reading an ordinary scenario
+does not pay the half second of loading pint; tests hold the table equal to pint.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, Self
+
+_MANTISSA = r"[+-]?[0-9]+(?:\.[0-9]+)?"
+NUMBER = rf"{_MANTISSA}(?:[eE][+-]?[0-9]{{1,3}})?"
+MAX_UNIT_LENGTH = 40
+# One small power per name: pint would multiply out a tower of powers until the memory is gone.
+_FACTOR = r"[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*(?:(?:\^|\*\*)-?[0-9]{1,2}(?:\.[0-9]+)?)?"
+_UNIT = re.compile(rf"(?:1 ?/ ?)?{_FACTOR}(?:(?: ?[*/] ?| +){_FACTOR})*")
+_QUANTITY = re.compile(rf"((?>{NUMBER}))( *)([^ ].*)")
+_FOREIGN = re.compile(r"[^A-Za-z0-9\u00b5\u03bc%*/^. \-]")
+_MINUS_SIGNS = "\u2212\u2010\u2011\u2012\u2013\u2014\ufe63\uff0d"
+_COMMA = re.compile(r"(?<=[0-9]),(?=[0-9])")
+_BARE_POWER = re.compile(r"(?<=[A-Za-z\u00b5\u03bc])(-?[0-9])")
+
+
+class QuantityError(ValueError):
+    """A text that is no quantity of the wanted kind; ``hint`` is advice or the right form, where there is one."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kind:
+    """A kind of quantity: its name, working unit, dimension (powers of length, mass, time) and an example."""
+
+    name: str
+    unit: str
+    dimension: tuple[int, int, int]
+    example: str
+
+
+LENGTH = Kind(name="length", unit="um", dimension=(1, 0, 0), example="0.2 um")
+AREA = Kind(name="area", unit="um^2", dimension=(2, 0, 0), example="200 um^2")
+SPEED = Kind(name="speed", unit="um/s", dimension=(1, 0, -1), example="1 mm/s")
+MASS = Kind(name="mass", unit="kg", dimension=(0, 1, 0), example="5 g")
+STRESS = Kind(name="stress", unit="MPa", dimension=(-1, 1, -2), example="250 MPa")
+STIFFNESS = Kind(name="stiffness", unit="N/m", dimension=(0, 1, -2), example="300 N/m")
+DAMPING = Kind(name="damping", unit="N*s/m", dimension=(0, 1, -1), example="0.05 N*s/m")
+RATIO = Kind(name="ratio", unit="%", dimension=(0, 0, 0), example="20 %")
+KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, RATIO)
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit: how many working units (for a ratio: how much of 1) it is, exactly, and its dimension."""
+
+    size: Fraction
+    dimension: tuple[int, ...]
+
+
+def _usual(kind: Kind, sizes: dict[str, str], suffix: str = "", power: int = 1) -> dict[str, Unit]:
+    return {name + suffix: Unit(Fraction(size) ** power, kind.dimension) for name, size in sizes.items()}
+
+
+_MICRO, _MU = "\u00b5", "\u03bc"
+_LENGTHS = {
+    "nm": "1e-3",
+    "um": "1",
+    f"{_MICRO}m": "1",
+    f"{_MU}m": "1",
+    "mm": "1e3",
+    "cm": "1e4",
+    "m": "1e6",
+    "km": "1e9",
+}
+_FORCES = {"mN": "1e-3", "N": "1", "kN": "1e3"}
+USUAL_UNITS: dict[str, Unit] = {
+    **_usual(LENGTH, _LENGTHS),
+    **_usual(AREA, _LENGTHS, "^2", 2),
+    **_usual(SPEED, _LENGTHS, "/s"),
+    **_usual(MASS, {"mg": "1e-6", "g": "1e-3", "kg": "1"}),
+    **_usual(STRESS, {"mPa": "1e-9", "Pa": "1e-6", "kPa": "1e-3", "MPa": "1", "GPa": "1e3"}),
+    **_usual(STIFFNESS, _FORCES, "/m"),
+    **_usual(STIFFNESS, {"N/mm": "1e3"}),
+    **_usual(DAMPING, _FORCES, "*s/m"),
+    **_usual(DAMPING, _FORCES, " s/m"),
+    **_usual(RATIO, {"%": "1e-2"}),
+}
+
+
+class Quantity(float):
+    """A float in working units that remembers its exact value, its kind and the text it was written as."""
+
+    __slots__ = ("exact", "kind", "written")
+    exact: Fraction
+    kind: Kind
+    written: str
+
+    def __new__(cls, exact: Fraction, kind: Kind, written: str = "") -> Self:
+        """Round ``exact`` once; raises OverflowError beyond the largest double."""
+        self = super().__new__(cls, float(exact))
+        self.exact, self.kind, self.written = exact, kind, written or in_working_unit(exact, kind)
+        return self
+
+    def __getnewargs__(self) -> tuple[Fraction, Kind, str]:  # type: ignore[override]  # float's own has one number
+        return self.exact, self.kind, self.written
+
+    def as_text(self) -> str:
+        """Return a text that reads back to the same exact value, in the working unit where it has finite decimals."""
+        return in_working_unit(self.exact, self.kind) if _decimals(self.exact) is not None else self.written
+
+
+def in_working_unit(exact: Fraction, kind: Kind) -> str:
+    """Return ``exact`` as text in the kind's working unit: in full where its decimals end, else rounded once."""
+    number = exact / USUAL_UNITS[kind.unit].size
+    decimals = _decimals(number)
+    if decimals is None:
+        return f"{float(number)!r} {kind.unit}"
+    return f"{Decimal(f'{int(number * 10**decimals)}e-{decimals}'):f} {kind.unit}"
+
+
+def _decimals(value: Fraction) -> int | None:
+    """Return how many decimals write the value in full, or None above 60."""
+    return next((n for n in range(61) if 10**n % value.denominator == 0), None)
+
+
+def read_quantity(text: str, *kinds: Kind) -> Quantity:
+    """Return the quantity that ``text`` (`NUMBER UNIT`) writes, converted exactly and rounded once.
+
+    Raises QuantityError where the text is no such thing or its unit is of none of the ``kinds``.
+    """
+    number, unit_text = _split(text.strip(" "), kinds[0])
+    unit = _read_unit(unit_text, number)
+    kind = next((k for k in kinds if k.dimension == unit.dimension), None)
+    if kind is None:
+        wanted = " or ".join(_with_article(k) for k in kinds)
+        raise QuantityError(
+            f"{_dimension_name(unit_text, unit)}, {wanted} is needed", f'right form: "{number} {kinds[0].unit}"'
+        )
+    if kind is RATIO and unit_text not in _RATIO_UNITS:
+        raise QuantityError(f'"{unit_text}" is no unit of a ratio', f'right form: "{RATIO.example}"')
+    try:
+        return Quantity(Fraction(number) * unit.size, kind, text)
+    except OverflowError:
+        raise QuantityError("too large a number") from None
+
+
+def parse_unit(text: str) -> Unit:
+    """Return the exact size and dimension of a unit; raises QuantityError for what is no unit."""
+    return _read_unit(text, "1")
+
+
+def _read_unit(text: str, number: str) -> Unit:
+    if text in USUAL_UNITS:
+        return USUAL_UNITS[text]
+    _refuse_foreign(text)
+    if not _UNIT.fullmatch(text):
+        raise QuantityError(f'"{text}" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"')
+    try:
+        return _judged_by_pint(text)
+    except QuantityError as error:
+        raise QuantityError(str(error), _power_hint(text, number)) from None
+
+
+def _refuse_foreign(text: str) -> None:
+    if len(text) > MAX_UNIT_LENGTH:
+        raise QuantityError(f"a unit of more than {MAX_UNIT_LENGTH} characters")
+    if foreign := _FOREIGN.search(text):
+        raise QuantityError(f"the character {_shown(foreign[0])} has no place in a unit")
+
+
+def _power_hint(text: str, number: str) -> str:
+    """Advise um^2 for um2."""
+    powered = _BARE_POWER.sub(r"^\1", text)
+    return f'write "{number} {powered}"' if powered != text and _UNIT.fullmatch(powered) else ""
+
+
+@lru_cache(maxsize=256)
+def _judged_by_pint(text: str) -> Unit:
+    registry = _registry()
+    try:
+        units = registry.parse_units(text)
+        size, _ = registry.get_base_units(units)
+        dimension = dict(units.dimensionality)
+        plain = registry.Quantity(1, units)._is_multiplicative  # noqa: SLF001  (pint has no public name for it)
+    except Exception:  # noqa: BLE001  (pint raises KeyError, TypeError, AttributeError and more for odd texts)
+        raise QuantityError(f'unknown unit "{text}"') from None
+    powers = tuple(dimension.pop(name, 0) for name in ("[length]", "[mass]", "[time]"))
+    if not plain or not isinstance(size, (int, Fraction)) or any(power % 1 for power in powers):
+        raise QuantityError(f'the unit "{text}" has no exact size in um, s and kg')
+    if dimension:
+        raise QuantityError(f'the unit "{text}" holds more than length, mass and time')
+    return Unit(Fraction(size) * Fraction(10**6) ** int(powers[0]), tuple(int(power) for power in powers))
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Fraction)
+
+
+def _split(text: str, kind: Kind) -> tuple[str, str]:
+    """Return number and unit of a text, or raise what is wrong with it, most telling first."""
+    right_form = f'right form: "{kind.example}"'
+    if len(text) > _MAX_TEXT_LENGTH:
+        raise QuantityError(f"a text of more than {_MAX_TEXT_LENGTH} characters", right_form)
+    for pattern, message, hint in _TRAPS:
+        if found := pattern.search(text):
+            raise QuantityError(message.format(_shown(found[0])), hint(text) if hint else right_form)
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        if re.fullmatch(NUMBER, text):
+            raise QuantityError("no unit", f'right form: "{text} {kind.unit}"')
+        raise QuantityError("not a number and a unit", right_form)
+    number, gap, unit = match.groups()
+    if not gap and unit != "%":
+        raise QuantityError("no space between number and unit", _spaced(number, unit))
+    return number, unit
+
+
+def _spaced(number: str, unit: str) -> str:
+    return f'write "{number} {unit}"' if _UNIT.fullmatch(unit) else f'a number, a space, a unit: "{LENGTH.example}"'
+
+
+def _without_comma(text: str) -> str:
+    if "." in text or text.count(",") > 1:
+        return "no commas between thousands; a dot before the decimals"
+    return f'write "{_COMMA.sub(".", text)}"'
+
+
+_RATIO_UNITS = ("%", "percent", "ppm")
+_MAX_TEXT_LENGTH = 200
+Hint = Callable[[str], str]
+_TRAPS: tuple[tuple[re.Pattern[str], str, Hint | None], ...] = (
+    (
+        re.compile(rf"[{_MINUS_SIGNS}]"),
+        "{} is not the minus sign of a number; that is '-', U+002D",
+        lambda text: f'write "{re.sub(f"[{_MINUS_SIGNS}]", "-", text)}"',
+    ),
+    (re.compile(r"(?<=[0-9]),[0-9]+"), "a comma in a number", _without_comma),
+    (re.compile(r"^[+-]?0[xobXOB]"), "not a decimal number", None),
+    (re.compile(r"^[+-]?(?:nan|inf|infinity)\b", re.IGNORECASE), "not a finite number", None),
+    (re.compile(r"[0-9]_[0-9]"), "an underscore in a number", lambda text: f'write "{text.replace("_", "")}"'),
+    (
+        re.compile(r"[0-9] *(?:\*|/|\+|-)+ *[0-9(]|[^*/^eE ] +[+-] *[0-9]|[()]"),
+        "an expression; one number and one unit are needed",
+        None,
+    ),
+    (re.compile(rf"^{_MANTISSA}[eE][+-]?[0-9]{{4,}}"), "an exponent of more than three digits", None),
+)
+
+
+def _shown(character: str) -> str:
+    return f"'{character}' (U+{ord(character[0]):04X})" if character.isprintable() else f"U+{ord(character[0]):04X}"
+
+
+def _with_article(kind: Kind) -> str:
+    return f"an {kind.name}" if kind.name[0] in "aeiou" else f"a {kind.name}"
+
+
+def _dimension_name(text: str, unit: Unit) -> str:
+    kind = next((k for k in KINDS if k.dimension == unit.dimension), None)
+    return f'"{text}" is the unit of {_with_article(kind)}' if kind else f'"{text}" is the unit of something else'
