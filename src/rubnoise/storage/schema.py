@@ -73,7 +73,7 @@ JUNCTIONS: Final = Group(
             dtype="|u1",
             units="1",
             symbol="state",
-            long_name="what of the life lies outside the run (0: nothing, the life is complete)",
+            long_name="what cut the life short (0: nothing, the life is complete)",
             flags=((1, "alive_at_start"), (2, "alive_at_end"), (4, "ended_early")),
         ),
     ),
