@@ -1,0 +1,111 @@
+"""The contact as the paper tells it, one junction and one tick at a time.
+
+Stoimenov et al., "Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during
+sliding". Its Eq. (3) adds a squared length to a cubed one under the root; the segment of a circle of diameter d and
+height s/2 stands here instead, which agrees with Eqs. (2) and (4) and with the figure of a life.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rows:
+    """Junctions by birth: birth, diameter and death in um, strength in MPa; death is birth + 2 d or earlier."""
+
+    birth: Doubles
+    diameter: Doubles
+    strength: Doubles
+    death: Doubles
+
+    def ending_early(self, row: int, death: float) -> Rows:
+        """Return the same junctions with one death moved."""
+        deaths = self.death.copy()
+        deaths[row] = death
+        return replace(self, death=deaths)
+
+
+def segment_area(height: float, d: float) -> float:
+    """Return the area (um^2) of a segment of given height (um) of a circle of diameter d (um)."""
+    radius = d / 2
+    return radius**2 * math.acos(1 - height / radius) - (radius - height) * math.sqrt(height * (d - height))
+
+
+def junction_area(s: float, d: float) -> float:
+    """Return A_j (um^2) at a distance s (um) since birth, Eqs. (2) and (4)."""
+    if s <= 0 or s >= 2 * d:
+        return 0.0
+    if s <= d:
+        return 2 * segment_area(s / 2, d)
+    return 2 * (math.pi * d**2 / 4 - segment_area(s / 2, d))
+
+
+def lens_area(s: float, d: float) -> float:
+    """Return the lens common to two circles of diameter d (um) whose centres are |d - s| (um) apart."""
+    x = abs(d - s)
+    if x >= d:
+        return 0.0
+    return d**2 / 2 * math.acos(x / d) - x / 2 * math.sqrt(d**2 - x**2)
+
+
+def traces(rows: Rows, distances: Iterable[float]) -> tuple[Doubles, NDArray[np.int64], Doubles]:
+    """Return real contact area (um^2), number of junctions and friction force (uN, Eq. 1) at given distances (um).
+
+    A junction counts while birth <= s < death.
+    """
+    areas, counts, forces = [], [], []
+    junctions = list(zip(rows.birth, rows.diameter, rows.strength, rows.death, strict=True))
+    for s in distances:
+        area, count, force = 0.0, 0, 0.0
+        for birth, diameter, strength, death in junctions:
+            if birth <= s < death:
+                junction = lens_area(s - birth, diameter)
+                area += junction
+                count += 1
+                force += strength * junction
+        areas.append(area)
+        counts.append(count)
+        forces.append(force)
+    return np.array(areas), np.array(counts, dtype=np.int64), np.array(forces)
+
+
+def naive_rows(
+    *,
+    mean_area: float,
+    mean_count: float,
+    diameter_std: float,
+    strength: float,
+    distance: float,
+    generator: np.random.Generator,
+    life_mean: float = 0.327,
+) -> Rows:
+    """Return the junctions of one run, Eqs. (6) to (13), drawn one by one.
+
+    d_m = sqrt(A_rm / N_jm / life_mean), gaps exponential with mean 2 d_m / N_jm, diameters normal and redrawn while
+    they are not positive. The sliding begins so far before 0 that the contact at 0 is stationary (no diameter reaches
+    twelve standard deviations above the mean); junctions that are dead by then are left out. Areas um^2, lengths um.
+    """
+    mean_diameter = math.sqrt(mean_area / mean_count / life_mean)
+    mean_gap = 2 * mean_diameter / mean_count
+    births, diameters = [], []
+    s = -2 * (mean_diameter + 12 * diameter_std)
+    while True:
+        s += generator.exponential(mean_gap)
+        if s >= distance:
+            break
+        d = 0.0
+        while d <= 0:
+            d = generator.normal(mean_diameter, diameter_std)
+        if s + 2 * d > 0:
+            births.append(s)
+            diameters.append(d)
+    birth, diameter = np.array(births), np.array(diameters)
+    return Rows(birth=birth, diameter=diameter, strength=np.full(len(birth), strength), death=birth + 2 * diameter)
