@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -95,3 +96,20 @@ def write_run(
                 writer.write(group, first, panel)
         meanwhile()
         writer.publish(summary)
+
+
+def attempt(
+    path: str | os.PathLike[str],
+    *,
+    force: bool = False,
+    compression: Compression = "none",
+    meanwhile: Callable[[], object] = lambda: None,
+) -> None:
+    """Write a small run of random rows."""
+    description = describe(compression=compression)
+    write_run(path, description, random_rows(description), force=force, meanwhile=meanwhile)
+
+
+def names(folder: Path) -> list[str]:
+    """Return the names of everything in a folder."""
+    return sorted(entry.name for entry in folder.iterdir())

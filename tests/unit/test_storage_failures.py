@@ -1,0 +1,194 @@
+"""A run that fails, at whatever point, leaves nothing behind and nothing harmed."""
+
+import errno
+import os
+import resource
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import pytest
+
+from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.record.sink import Extent
+from rubnoise.storage.layout import expected_bytes
+from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.part import SLACK_BYTES, Part, make_part
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.writer import RunWriter
+from tests.format.runs import EVERYTHING, Compression, attempt, describe, names, random_rows, write_run
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_run_that_fails_leaves_the_older_file(tmp_path: Path, compression: Compression) -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "run.h5").write_bytes(b"older")
+    with pytest.raises(KeyboardInterrupt):
+        attempt(tmp_path / "run.h5", force=True, compression=compression, meanwhile=interrupt)
+    assert names(tmp_path) == ["run.h5"]
+    assert (tmp_path / "run.h5").read_bytes() == b"older"
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_run_with_missing_rows_is_not_published(tmp_path: Path, compression: Compression) -> None:
+    description = describe(compression=compression)
+    rows = random_rows(description)
+    rows["slider"]["velocity"] = rows["slider"]["velocity"][:-1]
+    with pytest.raises(RubnoiseError, match="/slider/velocity has 10 of its 11 rows"):
+        write_run(tmp_path / "run.h5", description, rows)
+    assert names(tmp_path) == []
+
+
+def test_rows_in_the_wrong_place_or_of_the_wrong_type_are_refused(tmp_path: Path) -> None:
+    trace = random_rows(describe())["trace"]
+    with RunWriter(tmp_path / "run.h5", describe()) as writer:
+        for first in (1, -1):
+            with pytest.raises(ValueError, match=f"rows {first} to"):
+                writer.write("trace", first, trace)
+        writer.write("trace", 0, trace)
+        with pytest.raises(ValueError, match="rows 1 to 12 of 11"):
+            writer.write("trace", 1, trace)
+        with pytest.raises(TypeError, match="int64"):
+            writer.write("trace", 0, {"junction_count": trace["junction_count"].astype("i8")})
+        with pytest.raises(TypeError, match="2 dimensions"):
+            writer.write("trace", 0, {"distance": trace["distance"][None]})
+        with pytest.raises(KeyError):
+            writer.write("trace", 0, {"temperature": trace["distance"]})
+
+
+KILLED = """
+import os, signal, sys
+from rubnoise.storage.writer import RunWriter
+from tests.format.runs import describe
+with RunWriter(sys.argv[1], describe()):
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_after_a_kill_the_part_is_readable_and_force_starts_over(tmp_path: Path) -> None:
+    root = Path(__file__).parents[2]
+    searched = os.pathsep.join([str(root), *sys.path])
+    ended = subprocess.run(
+        [sys.executable, "-c", KILLED, str(tmp_path / "run.h5")],
+        env={**os.environ, "PYTHONPATH": searched},
+        check=False,
+    )
+    assert ended.returncode == -signal.SIGKILL
+    assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
+    with open_run(tmp_path / "run.h5.part") as part:
+        assert part.provenance["finished"] == ""
+    with pytest.raises(OutputRefused, match="did not finish"):
+        attempt(tmp_path / "run.h5")
+    attempt(tmp_path / "run.h5", force=True)
+    assert names(tmp_path) == ["run.h5"]
+
+
+@contextmanager
+def files_at_most(size: int) -> Iterator[None]:
+    """Let the system refuse files beyond a size, as a full disk would."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("size", [0, 5000, 1_000_000])
+def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, size: int) -> None:
+    (tmp_path / "run.h5.part").write_bytes(b"older")
+    with (
+        files_at_most(size),
+        pytest.raises(OutputRefused, match="File too large"),
+        RunWriter(tmp_path / "run.h5", describe(100_000, 100_000), force=True),
+    ):
+        raise AssertionError
+    assert names(tmp_path) == ["run.h5.part"]
+    assert (tmp_path / "run.h5.part").read_bytes() == b"older"
+
+
+def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
+    with (
+        pytest.raises(OutputRefused, match=r"needs .* bytes, and the disk has|File too large"),
+        RunWriter(tmp_path / "run.h5", describe(10**13, 10**13)),
+    ):
+        raise AssertionError
+    assert names(tmp_path) == []
+
+
+def test_a_compressed_run_needs_room_for_two_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = random_rows(describe(2000, 2000))
+    room = expected_bytes(Extent(junctions=2000, ticks=2000), EVERYTHING) + SLACK_BYTES
+    monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=room))
+    write_run(tmp_path / "raw.h5", describe(2000, 2000), rows)
+    with pytest.raises(OutputRefused, match="and the disk has"):
+        write_run(tmp_path / "gzip.h5", describe(2000, 2000, compression="gzip"), rows)
+    assert names(tmp_path) == ["raw.h5"]
+
+
+def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
+    """What a later process needs stands in the part itself: no writer has to have lived on."""
+    rows = random_rows(describe())
+    paths = OutputPaths.of(tmp_path / "run.h5")
+    make_part(paths.part, paths.making, describe())
+    with Part(paths.part) as part:
+        part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
+    with Part(paths.part) as part:
+        for group, columns in rows.items():
+            part.write(group, 0, columns)
+        part.complete({}, "2026-01-02T03:05:00Z")
+    with open_run(paths.part) as run:
+        assert run.damaged() == ()
+        assert run.column("trace", "distance").tobytes() == rows["trace"]["distance"].tobytes()
+
+
+@pytest.mark.parametrize("call", ["pwrite", "fsync"])
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_disk_that_fails_is_reported_and_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str, compression: Compression
+) -> None:
+    def fail(*arguments: object) -> int:
+        raise OSError(errno.EIO, "Input/output error")
+
+    with pytest.raises(RubnoiseError, match="writing failed: Input/output error") as caught:
+        attempt(tmp_path / "run.h5", compression=compression, meanwhile=lambda: monkeypatch.setattr(os, call, fail))
+    assert caught.value.exit_code == 1
+    assert names(tmp_path) == []
+
+
+def test_a_disk_that_fails_during_the_run_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*arguments: object) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with RunWriter(tmp_path / "run.h5", describe()) as writer:
+        monkeypatch.setattr(os, "pwrite", fail)
+        with pytest.raises(RubnoiseError, match="writing failed: No space left"):
+            writer.write("trace", 0, random_rows(describe())["trace"])
+    assert names(tmp_path) == []
+
+
+def test_a_file_that_appears_during_the_run_is_spared(tmp_path: Path) -> None:
+    with pytest.raises(RubnoiseError, match="appeared during the run"):
+        attempt(tmp_path / "run.h5", meanwhile=lambda: (tmp_path / "run.h5").write_bytes(b"of somebody"))
+    assert (tmp_path / "run.h5").read_bytes() == b"of somebody"
+    assert names(tmp_path) == ["run.h5", "run.h5.part"]
+    with open_run(tmp_path / "run.h5.part") as run:
+        assert run.damaged() == ()
+
+
+def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*arguments: object) -> None:
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", refuse)
+    attempt(tmp_path / "run.h5")
+    assert names(tmp_path) == ["run.h5"]
+    with h5py.File(tmp_path / "run.h5") as file:
+        assert file["trace/distance"].size == 11
