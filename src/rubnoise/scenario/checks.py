@@ -11,7 +11,7 @@ from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.units import Quantity, QuantityError, in_working_unit, read_quantity
+from rubnoise.units import USUAL_UNITS, Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
@@ -29,7 +29,7 @@ def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _implausible(path: Path, value: Quantity, measure: Measure, layers: Layers) -> Problem:
-    size = in_working_unit(value.exact, value.kind)
+    size = f"{float(value / USUAL_UNITS[value.kind.unit].size):.3g} {value.kind.unit}"
     message = f"implausibly {'large' if value > measure.plausible.high else 'small'} ({size})"
     hint = _other_prefix(value, measure)
     return Problem(path=path, message=message, place=layers.value_place(path), hint=hint, severity="warning")
@@ -108,7 +108,7 @@ def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator
 
 def junction_bytes(model: Model) -> int:
     """Return the bytes of one row of /junctions."""
-    return 57 + 8 * (model.strengths is not None) + 16 * (model.sliding_speed is not None)
+    return 49 + 8 * (model.strengths is not None) + 16 * (model.sliding_speed is not None)
 
 
 def tick_bytes(model: Model) -> int:

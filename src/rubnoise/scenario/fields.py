@@ -202,7 +202,7 @@ def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> 
 
 def _named(value: Any) -> str:
     names: dict[type, str] = {bool: "a boolean", str: "a text", int: "a number", float: "a number", list: "a list"}
-    return names.get(type(value), "a table" if isinstance(value, dict) else "this")
+    return names.get(type(value), "a table" if isinstance(value, dict) else "a date or time")
 
 
 def _unquoted_hint(value: Any) -> str:

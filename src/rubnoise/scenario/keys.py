@@ -65,7 +65,7 @@ def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
 
 def is_missing(problem: Problem) -> bool:
     """Tell whether a problem may vanish once broken lines are mended."""
-    return problem.hint.startswith("write ") and problem.message.startswith("missing")
+    return problem.message.startswith("missing")
 
 
 def _written(layers: Layers, path: Path) -> str:

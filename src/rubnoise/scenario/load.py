@@ -43,9 +43,9 @@ def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
     if any(problem.message != "missing" for problem in formats):
         raise ScenarioRefused(report([*broken, *formats]))  # the other keys may well be right in that format
     document, problems = keys.read(given, from_python=from_python)
+    problems = [*formats, *problems]
     if broken:
-        problems = [problem for problem in problems if not keys.is_missing(problem)]
-    problems = [*broken, *formats, *problems]
+        problems = [*broken, *(problem for problem in problems if not keys.is_missing(problem))]
     model = tick = None
     if document and not broken:
         model, tick, more = modelled(document, given)

@@ -46,9 +46,11 @@ class Problem:
 
 
 def in_order(problems: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Return the problems by source, line and column, each once."""
+    """Return the problems by source, line and column, each once; no warning about a key that has an error."""
     unique = dict.fromkeys(problems)
-    return tuple(sorted(unique, key=lambda p: (p.place.rank, p.place.line, p.place.start, p.severity)))
+    wrong = {problem.path for problem in unique if problem.severity == "error"}
+    shown = (problem for problem in unique if problem.severity == "error" or problem.path not in wrong)
+    return tuple(sorted(shown, key=lambda p: (p.place.rank, p.place.line, p.place.start, p.severity)))
 
 
 def report(problems: Iterable[Problem]) -> str:

@@ -22,7 +22,7 @@ def json_schema() -> dict[str, Any]:
     }
     return {
         "$schema": _DIALECT,
-        **_without_defaults_of_none(schema),
+        **_without_noise(schema),
         "required": ["format"],
         "if": {"not": {"required": ["extends"]}},
         "then": _complete(required, needed),
@@ -37,14 +37,20 @@ def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, An
     return {"required": required, "properties": properties, "dependentSchemas": {"slider": with_slider}}
 
 
-def _without_defaults_of_none(node: Any) -> Any:
-    """TOML has no null: an optional table is one that may be left out."""
+def _without_noise(node: Any) -> Any:
+    """Drop titles, which repeat the keys, and nulls, which TOML lacks: an optional key is one that may be left out."""
     if isinstance(node, list):
-        return [_without_defaults_of_none(item) for item in node]
+        return [_without_noise(item) for item in node]
     if not isinstance(node, dict):
         return node
-    kept = {key: value for key, value in node.items() if not (key == "default" and (value is None or value == {}))}
+    kept = {key: value for key, value in node.items() if not _is_noise(key, value)}
     if "anyOf" in kept:
         (only,) = [item for item in kept.pop("anyOf") if item != {"type": "null"}]
         kept |= only
-    return {key: _without_defaults_of_none(value) for key, value in kept.items()}
+    return {key: _without_noise(value) for key, value in kept.items()}
+
+
+def _is_noise(key: str, value: Any) -> bool:
+    return (key == "title" and isinstance(value, str)) or (
+        key == "default" and (value is None or isinstance(value, dict))
+    )
