@@ -116,16 +116,21 @@ def coefficients(integrations: int) -> tuple[float, ...]:
 
 def source_lines() -> list[str]:
     """Return the generated lines, markers included."""
-    lines = [BEGIN]
+    lines = [BEGIN, "# fmt: off"]
     peaks = []
     for target in TARGETS:
         lines.append(f"{target.name} = (")
-        lines += [f"    {coefficient!r}," for coefficient in coefficients(target.integrations)]
+        lines += [f"    {four}," for four in in_fours(coefficients(target.integrations))]
         lines.append(")")
         if target.peak_name:
             peak = float(closed_form(target.integrations, mpmath.mpf(1)))
             peaks.append(f"{target.peak_name} = {peak!r}")
-    return [*lines, *peaks, END]
+    return [*lines, *peaks, "# fmt: on", END]
+
+
+def in_fours(numbers: Sequence[float]) -> list[str]:
+    """Return numbers as text, four to a line."""
+    return [", ".join(map(repr, numbers[first : first + 4])) for first in range(0, len(numbers), 4)]
 
 
 def generated_span(text: str) -> tuple[int, int]:

@@ -23,3 +23,16 @@ class OutputRefused(Refused):
 
 class RunFileRefused(Refused):
     """A result file that is missing, foreign, damaged or of a newer format."""
+
+
+class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
+    """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it."""
+
+    def __init__(self, signal_number: int) -> None:
+        """Keep the number of the signal."""
+        super().__init__(signal_number)
+        self.exit_code = 128 + signal_number
+
+    def __str__(self) -> str:
+        """Say that nothing was kept."""
+        return "stopped by a signal; nothing was kept"

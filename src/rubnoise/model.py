@@ -33,7 +33,7 @@ class Slider:
 
     @property
     def damping_ratio(self) -> float:
-        """c / (2 sqrt(k m)); 1 is critical."""
+        """Damping c over the critical one, c / (2 sqrt(k m))."""
         return self.damping / (2.0 * sqrt(self.stiffness * self.mass))
 
 
@@ -41,8 +41,8 @@ class Slider:
 class Model:
     """Everything a run or the theory needs to know, and nothing else.
 
-    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), the sliding distance and the tick
-    (um). Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
+    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), sliding distance and tick (um).
+    Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
     """
 
     mean_real_contact_area: float

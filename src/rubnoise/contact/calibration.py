@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw, positive_normal_moment
 from rubnoise.errors import Refused
@@ -11,8 +12,8 @@ _DIGITS = 40
 _PAPER_LIFE_MEAN = "0.327"  # Eq. 6 rounds 1/3 down; kept for the calibration that reproduces the paper
 
 
-class NoMatchingDiameter(Refused):  # noqa: N818  (says what is missing)
-    """No mean diameter gives the wanted mean area with this absolute spread; ``minimum`` is the least mean area, um^2."""
+class NoMatchingDiameter(Refused):
+    """No mean diameter gives the wanted mean area with this absolute spread; ``minimum`` in um^2 is the least."""
 
     def __init__(self, mean_area: float, minimum: float) -> None:
         self.minimum = minimum
@@ -85,13 +86,13 @@ def _matched_diameter(mean_area: float, mean_count: float, spread: Spread) -> fl
 
 
 @lru_cache(maxsize=1)
-def _least_third_moment():  # type: ignore[no-untyped-def]  # mpmath has no types
+def _least_third_moment() -> tuple[Any, Any]:
     """Return where E[d^3]/d_m is least for unit spread, and its value there (0.887855 and 3 * 1.609247)."""
     import mpmath
 
     with mpmath.workdps(_DIGITS):
 
-        def third_over_mean(r):  # type: ignore[no-untyped-def]
+        def third_over_mean(r: Any) -> Any:
             return positive_normal_moment(r, mpmath.mpf(1), 3) / r
 
         turning = mpmath.findroot(lambda r: mpmath.diff(third_over_mean, r), mpmath.mpf("0.89"))

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,9 +114,7 @@ class NormalSizes:
         return _accepted(lambda n: self.draw(generator.random(n)), generator, largest, count)
 
 
-def _accepted(
-    propose: Callable[[int], Doubles], generator: np.random.Generator, largest: float, count: int
-) -> Doubles:
+def _accepted(propose: Callable[[int], Doubles], generator: np.random.Generator, largest: float, count: int) -> Doubles:
     """Keep proposals with probability d / largest until there are ``count`` of them."""
     kept = np.empty(0)
     while kept.size < count:
@@ -143,7 +141,7 @@ def _positive_normal_moment(mean: float, std: float, power: int) -> float:
         return float(positive_normal_moment(mpmath.mpf(mean), mpmath.mpf(std), power))
 
 
-def positive_normal_moment(mean, std, power):  # type: ignore[no-untyped-def]  # mpmath has no types
+def positive_normal_moment(mean: Any, std: Any, power: int) -> Any:
     """Return E[d^n | d > 0] for d ~ Normal(mean, std), mpmath numbers in and out, at the working precision.
 
     Integration by parts of z phi(z) = -phi'(z); the boundary term at d = 0 is there for n = 1 alone.

@@ -30,10 +30,12 @@ def junction_states(
 ) -> NDArray[np.uint8]:
     """Return the state bits of junctions; departure (um) is infinite for those that are not known to have left."""
     death = natural_death(birth, diameter)
-    state = np.where(at_start, np.uint8(JunctionState.ALIVE_AT_START), np.uint8(0))
-    state |= np.where(departure < death, np.uint8(JunctionState.ENDED_EARLY), np.uint8(0))
-    left = np.minimum(departure, death)
-    return state | np.where(left > distance, np.uint8(JunctionState.ALIVE_AT_END), np.uint8(0))
+    at_end = np.minimum(departure, death) > distance
+    state = np.zeros(birth.size, dtype=np.uint8)
+    state[at_start] |= np.uint8(JunctionState.ALIVE_AT_START)
+    state[at_end] |= np.uint8(JunctionState.ALIVE_AT_END)
+    state[departure < death] |= np.uint8(JunctionState.ENDED_EARLY)
+    return state
 
 
 def junction_columns(

@@ -9,20 +9,23 @@ from numpy.typing import NDArray
 from rubnoise.record.sink import Columns
 
 WATCHED = {
-    "trace": ("real_contact_area", "junction_count"),
-    "slider": ("friction_force", "displacement", "velocity"),
+    "trace": {"real_contact_area": 4, "junction_count": 2, "friction_force": 2},
+    "slider": {"displacement": 2, "velocity": 2},
 }
-"""Which columns are tallied, by group; the force of a run without a slider is that of its trace."""
+"""Which columns are tallied, by group, and to which power."""
 
 
 @dataclass(slots=True)
 class Moments:
     """Count, mean and the sums of the second to fourth powers about the mean of a stream of values.
 
+    With ``powers`` 2 the third and fourth are left out, and skewness and kurtosis with them.
+
     Panels are merged by the pairwise formulas of Chan, Golub and LeVeque (1983) and Pebay (2008), so that nothing is
     lost to cancellation however long the run.
     """
 
+    powers: int = 4
     count: int = 0
     mean: float = 0.0
     second: float = 0.0
@@ -35,8 +38,11 @@ class Moments:
             return
         mean = float(values.mean())
         away = values - mean
-        square = away * away
-        self._merge(values.size, mean, float(square.sum()), float((square * away).sum()), float((square**2).sum()))
+        if self.powers == 2:
+            self._merge(values.size, mean, float(away @ away), 0.0, 0.0)
+        else:
+            square = away * away
+            self._merge(values.size, mean, float(square.sum()), float(square @ away), float(square @ square))
 
     def _merge(self, count: int, mean: float, second: float, third: float, fourth: float) -> None:
         before, total = self.count, self.count + count
@@ -83,7 +89,7 @@ class Tally:
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Take in rows of a group (see Sink)."""
         del first_row
-        names = WATCHED.get(group, ())
-        for name in names:
+        for name, powers in WATCHED.get(group, {}).items():
             if name in columns:
-                self.moments.setdefault(name, Moments()).add(np.asarray(columns[name], dtype=np.float64))
+                seen = self.moments.setdefault(name, Moments(powers=powers))
+                seen.add(np.asarray(columns[name], dtype=np.float64))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from rubnoise.model import Model
 from rubnoise.simulation import kernels
 from rubnoise.simulation.panels import Panel
+from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.state import LiveRows
 
 Doubles = NDArray[np.float64]
@@ -43,12 +44,14 @@ def sample(model: Model, rows: LiveRows, panel: Panel) -> dict[str, NDArray[Any]
     return columns
 
 
-def force_integrals(rows: LiveRows, panel: Panel, cells_per_tick: int) -> ForceIntegrals:
-    """Return the force over the cells that end in a panel, in time order, exact through births, mid-lives and deaths."""
-    positions = panel.positions(cells_per_tick)
+def force_integrals(rows: LiveRows, panel: Panel, constants: Propagator) -> ForceIntegrals:
+    """Return the force over the cells that end in a panel, exact through births, mid-lives and deaths."""
+    positions = panel.positions(constants.cells_per_tick)
     integrals = np.zeros((3, positions.size))
     corrections = np.zeros((3, positions.size))
-    kernels.deposit_moments(
-        positions, rows.birth, rows.diameter, rows.departure, rows.strength, integrals, corrections
-    )
+    lives = (rows.birth, rows.diameter, rows.departure, rows.strength)
+    if constants.narrow_cells:
+        kernels.deposit_fine_moments(positions, *lives, corrections)
+    else:
+        kernels.deposit_moments(positions, *lives, integrals, corrections)
     return ForceIntegrals(positions=positions, integrals=integrals, corrections=corrections)

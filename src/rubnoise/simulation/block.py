@@ -17,7 +17,7 @@ from rubnoise.simulation.slider import SliderMotion
 from rubnoise.simulation.state import LiveRows, State
 
 Watch = Callable[[float, int, int], None]
-"""Told after each panel: the distance reached (um), the junctions born so far and the live count. It may raise to stop."""
+"""Told after each panel: distance reached (um), junctions born so far, live count. It may raise to stop the run."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +84,9 @@ def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Columns:
     columns = sample(run.model, rows, panel)
     run.sink.write("trace", panel.first, columns)
     if run.watch is not None:
-        run.watch(panel.last_distance, int(rows.junction[-1]) + 1 if len(rows) else 0, int(columns["junction_count"][-1]))
+        run.watch(
+            panel.last_distance, int(rows.junction[-1]) + 1 if len(rows) else 0, int(columns["junction_count"][-1])
+        )
     return columns
 
 

@@ -124,7 +124,7 @@ def play_block(
     move: Callable[[Panel, LiveRows, Columns], None] | None,
     intervene: Intervention | None,
 ) -> tuple[LiveRows, int]:
-    """Let one block happen; return its rows, carried ones first, as they are at its end, and how many events it took."""
+    """Let one block happen; return its rows at its end, carried ones first, and how many events it took."""
     env = Environment(initial_time=state.begin)
     live = LiveSet(state.live, born, state.begin)
     for row, death in _survivors(state.live, state.begin):
@@ -137,7 +137,7 @@ def play_block(
     if intervene is not None:
         PromptProcess(env, intervene(env, live))
     env.run(until=env.all_of([block_end, last]))
-    return live.rows(), next(env._eid)
+    return live.rows(), next(env._eid)  # noqa: SLF001  (SimPy numbers its events, and keeps the number to itself)
 
 
 def _survivors(live: LiveRows, begin: float) -> Iterator[tuple[int, float]]:

@@ -12,7 +12,7 @@ from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.state import State
 
 LARGEST_PANEL = 65_536
-"""Positions in a panel at most, so that a thin contact, whose blocks are long, needs no more memory than a dense one."""
+"""Positions in a panel at most, so that a thin contact, whose blocks are long, needs no more memory than others."""
 
 Doubles = NDArray[np.float64]
 

@@ -37,7 +37,7 @@ class PromptProcess(Process):
                 if event._ok:
                     awaited = generator.send(event._value)
                 else:
-                    event._defused = True  # type: ignore[attr-defined]  # as SimPy marks a failure that is handled
+                    event._defused = True  # as SimPy marks a failure that is handled
                     awaited = generator.throw(event._value)
             except StopIteration as stop:
                 self._end(True, stop.value)

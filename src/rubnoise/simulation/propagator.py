@@ -18,21 +18,25 @@ class Propagator:
     """Constants of one step of the slider: (x, x') gains transition @ (x, x') + gains @ (force moments of the cell).
 
     transition (2, 2): free motion over a cell less the identity, so that rounding does not turn the phase of a lightly
-    damped slider; gains (2, 3): what Legendre moments of the force over distance, int F P_i(2y - 1) ds (uN um), add.
+    damped slider; gains (2, 3): what Legendre moments of the force over distance, int F P_i(2y - 1) ds (uN um), add;
+    narrow_cells: whether these moments need the kernel for cells too narrow for differences.
     """
 
     transition: NDArray[np.float64]
     gains: NDArray[np.float64]
     cells_per_tick: int
+    narrow_cells: bool
 
 
-def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int) -> Propagator:
+def propagator(
+    slider: Slider, speed: float, tick: float, cells_per_tick: int = 1, *, narrow_cells: bool = False
+) -> Propagator:
     """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of so many cells each.
 
-    With the roots L of m L^2 + c L + k = 0, the impulse response g(t) = (e^(L1 t) - e^(L2 t)) / (L1 - L2) and h the time
-    of a cell: x(h) = x (L1 e2 - L2 e1)/(L1 - L2) + x' g(h), and the i-th gain of x is
+    With the roots L of m L^2 + c L + k = 0, the impulse response g(t) = (e^(L1 t) - e^(L2 t)) / (L1 - L2) and h the
+    time of a cell: x(h) = x (L1 e2 - L2 e1)/(L1 - L2) + x' g(h), and the i-th gain of x is
     (2i + 1)/(m V) int_0^1 g(h (1 - y)) P_i(2y - 1) dy; for x' the same with g'.
-    Worked out at 150 digits, since near critical damping and for short ticks these differences cancel, and rounded once.
+    At 150 digits, since near critical damping and for short ticks these differences cancel, and rounded once.
     """
     import mpmath
 
@@ -50,7 +54,12 @@ def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int) -
             weight = (2 * i + 1) / (mpmath.mpf(slider.mass) * mpmath.mpf(speed) * (one - two))
             gains[0].append(weight * (a - b))
             gains[1].append(weight * (one * a - two * b))
-        return Propagator(transition=_real(transition), gains=_real(gains), cells_per_tick=cells_per_tick)
+        return Propagator(
+            transition=_real(transition),
+            gains=_real(gains),
+            cells_per_tick=cells_per_tick,
+            narrow_cells=narrow_cells,
+        )
 
 
 def _roots(slider: Slider) -> tuple[Any, Any]:

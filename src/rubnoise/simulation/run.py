@@ -5,7 +5,7 @@ from collections.abc import Callable
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
 from rubnoise.simulation.block import Run, Watch, next_state
-from rubnoise.simulation.cells import cells_per_tick
+from rubnoise.simulation.cells import cells_per_tick, narrow
 from rubnoise.simulation.draws import count_births, start
 from rubnoise.simulation.junctions import Intervention
 from rubnoise.simulation.propagator import Propagator, propagator
@@ -21,7 +21,8 @@ def slider_constants(model: Model) -> Propagator | None:
     """Return the constants of the slider's step, or None where the model has no slider."""
     if model.slider is None or model.sliding_speed is None:
         return None
-    return propagator(model.slider, model.sliding_speed, model.tick, cells_per_tick(model))
+    cells = cells_per_tick(model)
+    return propagator(model.slider, model.sliding_speed, model.tick, cells, narrow_cells=narrow(model, cells))
 
 
 def finished(model: Model, state: State) -> bool:

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.record.sink import Columns
-from rubnoise.simulation import kernels
 from rubnoise.simulation.area import force_integrals
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.propagator import Propagator
+from rubnoise.simulation.recurrence import advance_slider
 from rubnoise.simulation.state import LiveRows
 
 
@@ -26,11 +26,11 @@ class SliderMotion:
     def through(self, panel: Panel, rows: LiveRows, trace: Columns) -> dict[str, NDArray[Any]]:
         """Move through a panel's cells and return the columns of /slider at its ticks."""
         every = self._constants.cells_per_tick
-        force = force_integrals(rows, panel, every)
+        force = force_integrals(rows, panel, self._constants)
         displacement = np.empty((force.positions.size - 1) // every + 1)
         velocity = np.empty_like(displacement)
         displacement[0], velocity[0] = self.displacement, self.velocity
-        kernels.advance_slider(
+        advance_slider(
             force.positions,
             force.integrals,
             force.corrections,

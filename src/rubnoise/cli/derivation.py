@@ -1,0 +1,117 @@
+"""What follows from a scenario: sizes, exact means and spreads, validity and cost, as figures and as lines to print."""
+
+from typing import Any
+
+from rubnoise.cli.foresight import counted
+from rubnoise.cli.layout import WORTH_A_WARNING, grouped, line, number, one_way_warning, size
+from rubnoise.model import Model
+from rubnoise.scenario import Scenario
+from rubnoise.simulation.cells import cells_per_tick
+from rubnoise.simulation.draws import births_per_block
+from rubnoise.simulation.panels import LARGEST_PANEL
+from rubnoise.theory.exact import Exact, exact
+
+WORTH_A_NOTE = 0.01
+BYTES_PER_ROW = 2000
+BYTES_PER_TICK = 150
+
+
+def derived(scenario: Scenario) -> dict[str, Any]:
+    """Return what follows from a scenario, by name, in working units."""
+    model = scenario.model()
+    theory = exact(model)
+    answer = {
+        "title": scenario.title,
+        "calibrated_diameter": model.calibrated_diameter,
+        "mean_life_distance": model.mean_life_distance,
+        "mean_birth_spacing": model.mean_birth_spacing,
+        "junction_count": {"mean": theory.count_mean, "std": theory.count_std},
+        "real_contact_area": {"mean": theory.area.mean, "std": theory.area.std},
+        "expected_births": theory.expected_births,
+        "expected_junctions": theory.expected_junction_rows,
+    }
+    return answer | _dynamics(model, theory) | {"cost": _cost(model, theory, counted(scenario))}
+
+
+def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
+    answer: dict[str, Any] = {}
+    if theory.force is not None:
+        answer["friction_force"] = {"mean": theory.force.mean, "std": theory.force.std}
+    if model.slider is not None and theory.slider is not None:
+        answer["slider"] = {
+            "natural_frequency": model.slider.natural_frequency,
+            "damping_ratio": model.slider.damping_ratio,
+            "displacement_mean": theory.slider.mean_displacement,
+            "displacement_std": theory.slider.displacement_std,
+            "velocity_std": theory.slider.velocity_std,
+            "one_way_validity": theory.slider.one_way_validity,
+            "cells_per_tick": cells_per_tick(model),
+        }
+    return answer
+
+
+def _cost(model: Model, theory: Exact, rows: dict[str, int]) -> dict[str, int]:
+    alive = births_per_block(model) + round(theory.count_mean)
+    panel = min(rows["ticks"], LARGEST_PANEL)
+    return rows | {"events": 2 * rows["junctions"], "working_memory": BYTES_PER_ROW * alive + BYTES_PER_TICK * panel}
+
+
+def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
+    """Return what follows from a scenario, as lines to print under a heading."""
+
+    def spread(name: str, unit: str) -> str:
+        return f"mean {number(answer[name]['mean'])}, std {number(answer[name]['std'])}{unit}"
+
+    model, cost = scenario.model(), answer["cost"]
+    lines = [
+        line("title", scenario.title),
+        line("mean diameter d_m", f"{number(answer['calibrated_diameter'])} um (calibration {model.calibration})"),
+        line("mean life L_jm", f"{number(answer['mean_life_distance'])} um"),
+        line("mean birth spacing s_jm", f"{number(answer['mean_birth_spacing'])} um"),
+        line("junction count", spread("junction_count", "")),
+        line("real contact area", spread("real_contact_area", " um^2")),
+    ]
+    if "friction_force" in answer:
+        lines.append(line("friction force", spread("friction_force", " uN")))
+    lines += _slider_lines(answer.get("slider"))
+    lines += [
+        line("births", f"{grouped(answer['expected_births'])} expected"),
+        line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks (this seed)"),
+        line("events", f"about {grouped(cost['events'])}"),
+        line("file size", size(cost["bytes"])),
+        line("working memory", f"about {size(cost['working_memory'])} beside the program's own"),
+    ]
+    return lines + _notes(model, answer)
+
+
+def _slider_lines(slider: dict[str, float] | None) -> list[str]:
+    if slider is None:
+        return []
+    validity = slider["one_way_validity"]
+    doubt = [f"  warning: {one_way_warning(validity)}"] if validity > WORTH_A_WARNING else []
+    return [
+        line("natural frequency", f"{number(slider['natural_frequency'])} Hz"),
+        line("damping ratio", number(slider["damping_ratio"])),
+        line(
+            "displacement", f"mean {number(slider['displacement_mean'])}, std {number(slider['displacement_std'])} um"
+        ),
+        line("velocity", f"std {number(slider['velocity_std'])} um/s"),
+        line("one-way validity", f"{validity:.3g} (std of velocity over sliding speed)"),
+        *doubt,
+    ]
+
+
+def _notes(model: Model, answer: dict[str, Any]) -> list[str]:
+    asked, mean = model.mean_junction_count, answer["junction_count"]["mean"]
+    notes = []
+    if abs(mean / asked - 1.0) > WORTH_A_NOTE:
+        notes.append(
+            f"redrawing diameters <= 0 puts the mean count {mean / asked - 1.0:+.1%} off the {asked:g} asked for"
+        )
+    wanted, area = model.mean_real_contact_area, answer["real_contact_area"]["mean"]
+    if abs(area / wanted - 1.0) > WORTH_A_NOTE:
+        notes.append(
+            f"the exact mean area is {area / wanted - 1.0:+.1%} off the {wanted:g} um^2 asked for;"
+            " calibration matched meets it"
+        )
+    return [f"  note: {note}" for note in notes]

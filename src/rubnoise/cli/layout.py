@@ -1,0 +1,66 @@
+"""How figures are laid out on a terminal: a label, a value, a unit."""
+
+from collections.abc import Iterable
+from math import isfinite
+
+from rubnoise.analysis.agreement import Agreement
+
+LABEL_WIDTH = 30
+WORTH_A_WARNING = 0.1
+"""Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
+
+UNITS = {
+    "real_contact_area": "um^2",
+    "junction_count": "",
+    "friction_force": "uN",
+    "displacement": "um",
+    "velocity": "um/s",
+}
+
+
+def line(label: str, value: str) -> str:
+    """Return one labelled value, indented below its heading."""
+    return f"  {label:<{LABEL_WIDTH}}{value}"
+
+
+def number(value: float) -> str:
+    """Return a number to seven digits."""
+    return f"{value:.7g}"
+
+
+def grouped(value: float) -> str:
+    """Return a whole number with its thousands apart."""
+    return f"{round(value):,}" if isfinite(value) else str(value)
+
+
+def size(count: float) -> str:
+    """Return a number of bytes in the unit that suits it."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if count < 1000.0:
+            return f"{count:.3g} {unit}"
+        count /= 1000.0
+    return f"{count:.3g} TB"
+
+
+def one_way_warning(validity: float) -> str:
+    """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
+    return f"the slider's velocity spreads by {validity:.3g} times the sliding speed, which one-way coupling takes for constant"
+
+
+def agreement_table(figures: Iterable[Agreement]) -> list[str]:
+    """Return a table of measured beside exact figures, with z-scores where there are any."""
+    heading = f"  {'':<34}{'measured':>14}{'exact':>14}{'std error':>12}{'z':>7}"
+    return [heading, *map(_row, figures)]
+
+
+def _row(figure: Agreement) -> str:
+    unit = "" if figure.name.endswith(("skewness", "kurtosis")) else _unit(figure.name)
+    label = figure.name.replace("_", " ") + (f" ({unit})" if unit else "")
+    expected = "" if figure.expected is None else number(figure.expected)
+    error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
+    z = "" if figure.z is None else f"{figure.z:+.2f}"
+    return f"  {label:<34}{number(figure.observed):>14}{expected:>14}{error:>12}{z:>7}"
+
+
+def _unit(name: str) -> str:
+    return next((unit for quantity, unit in UNITS.items() if name.startswith(quantity)), "")
