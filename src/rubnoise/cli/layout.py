@@ -44,8 +44,10 @@ def size(count: float) -> str:
 
 def one_way_warning(validity: float) -> str:
     """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
-    return f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
+    return (
+        f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
         " which one-way coupling takes for constant"
+    )
 
 
 def agreement_table(figures: Iterable[Agreement]) -> list[str]:

@@ -38,11 +38,11 @@ class Moments:
             return
         mean = float(values.mean())
         away = values - mean
-        if self.powers == 2:
-            self._merge(values.size, mean, float(away @ away), 0.0, 0.0)
-        else:
-            square = away * away
-            self._merge(values.size, mean, float(square.sum()), float(square @ away), float(square @ square))
+        # Sums rather than dot products, which wake a linear algebra library's threads for a few thousand numbers.
+        square = away * away
+        third = float((square * away).sum()) if self.powers > 2 else 0.0
+        fourth = float((square * square).sum()) if self.powers > 2 else 0.0
+        self._merge(values.size, mean, float(square.sum()), third, fourth)
 
     def _merge(self, count: int, mean: float, second: float, third: float, fourth: float) -> None:
         before, total = self.count, self.count + count
