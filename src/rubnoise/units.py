@@ -43,6 +43,10 @@ class Kind:
     dimension: tuple[int, int, int]
     example: str
 
+    def number(self, value: float) -> str:
+        """Return a value in working units (a ratio: in 1) as a short text with its unit."""
+        return f"{float(value) / float(USUAL_UNITS[self.unit].size):.3g} {self.unit}"
+
 
 LENGTH = Kind(name="length", unit="um", dimension=(1, 0, 0), example="0.2 um")
 AREA = Kind(name="area", unit="um^2", dimension=(2, 0, 0), example="200 um^2")

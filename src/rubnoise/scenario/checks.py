@@ -11,7 +11,7 @@ from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.units import USUAL_UNITS, Quantity, QuantityError, read_quantity
+from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
@@ -29,8 +29,8 @@ def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _implausible(path: Path, value: Quantity, measure: Measure, layers: Layers) -> Problem:
-    size = f"{float(value / USUAL_UNITS[value.kind.unit].size):.3g} {value.kind.unit}"
-    message = f"implausibly {'large' if value > measure.plausible.high else 'small'} ({size})"
+    size = "large" if value > measure.plausible.high else "small"
+    message = f"implausibly {size} ({value.kind.number(value)})"
     hint = _other_prefix(value, measure)
     return Problem(path=path, message=message, place=layers.value_place(path), hint=hint, severity="warning")
 

@@ -14,7 +14,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from rubnoise.scenario.limits import TITLE_CHARACTERS
-from rubnoise.units import NUMBER, Kind, Quantity, QuantityError, in_working_unit, read_quantity
+from rubnoise.units import NUMBER, Kind, Quantity, QuantityError, read_quantity
 
 FROM_PYTHON = {"from_python": True}
 
@@ -109,7 +109,7 @@ class Measure(Field):
     def _out_of_range(self, quantity: Quantity) -> tuple[str, str]:
         if quantity < 0 or (float(quantity) == 0.0 and not self.possible.zero):
             return f"must {'not be negative' if self.possible.zero else 'be above 0'}", ""
-        low, high = (in_working_unit(Fraction(b), quantity.kind) for b in (self.possible.low, self.possible.high))
+        low, high = (quantity.kind.number(bound) for bound in (self.possible.low, self.possible.high))
         return "too large" if quantity > self.possible.high else "too small", f"possible: {low} to {high}"
 
     def describe(self) -> dict[str, Any]:

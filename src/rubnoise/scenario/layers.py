@@ -174,8 +174,7 @@ def _identity(path: FilePath) -> str:
 def _read(path: FilePath, name: str) -> str:
     """Return the text of a regular file within the limits; raises ScenarioRefused."""
     try:
-        # A pipe without a writer would wait for ever; opened this way it is seen for what it is.
-        with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        with open(path, "rb", opener=_without_waiting) as file:  # noqa: PTH123  (Path.open has no opener)
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise ScenarioRefused(f"{name}: not a regular file")
             content = file.read(limits.FILE_BYTES + 1)
@@ -185,6 +184,11 @@ def _read(path: FilePath, name: str) -> str:
     if len(content) > limits.FILE_BYTES:
         raise ScenarioRefused(f"{name}: larger than {limits.FILE_BYTES // 1024} kB")
     return _decoded(content, name)
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open a pipe at once, to see that it is one, where a plain open would wait for its writer."""
+    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def _decoded(content: bytes, name: str) -> str:

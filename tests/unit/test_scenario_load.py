@@ -1,0 +1,286 @@
+"""Loading: defaults, what is needed, files on files, settings on top, limits, and values from Python."""
+
+import json
+import os
+import pickle
+import time
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from rubnoise.contact.sizes import FixedSizes, NormalSizes
+from rubnoise.errors import ScenarioRefused
+from rubnoise.model import Slider
+from rubnoise.scenario import build, load, loads
+from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
+
+
+def test_the_whole_scenario_becomes_a_model() -> None:
+    model = loads(WHOLE).model()
+    assert model.calibrated_diameter == pytest.approx(5.5300126, abs=5e-8)
+    assert model.sizes == NormalSizes(mean=model.calibrated_diameter, std=0.2)
+    assert model.mean_birth_spacing == pytest.approx(0.55300126, abs=5e-9)
+    assert model.strengths is not None
+    assert (model.strengths.mean, model.sliding_speed, model.distance) == (250.0, 1000.0, 20_000.0)
+    assert model.slider == Slider(mass=0.005, stiffness=300.0, damping=0.05)
+    assert (model.tick, model.tick_count) == (0.1, 200_000)
+
+
+def test_a_bare_scenario_has_the_defaults() -> None:
+    scenario = loads(BARE)
+    model = scenario.model()
+    diameter = model.calibrated_diameter
+    assert diameter == pytest.approx((3 * 10) ** 0.5, rel=1e-15)
+    assert (model.sizes, model.calibration, model.start) == (FixedSizes(diameter=diameter), "exact", "stationary")
+    assert (model.strengths, model.sliding_speed, model.slider) == (None, None, None)
+    assert model.tick == diameter / 100
+    assert (scenario.run.seed, scenario.run.engine, scenario.output.compression) == (1, "events", "none")
+
+
+def test_sections_mirror_the_file_in_working_units() -> None:
+    scenario = loads(WHOLE)
+    assert scenario.interface.mean_real_contact_area == 200.0
+    assert scenario.sliding.distance == 20_000.0
+    assert scenario.slider is not None
+    assert (scenario.slider.mass, scenario.slider.start) == (0.005, "equilibrium")
+    assert (scenario.title, scenario.text) == ("whole", WHOLE)
+
+
+@pytest.mark.parametrize(
+    ("spread", "std"), [('"0 um"', 0.0), ('"0 %"', 0.0), ('"20 %"', 0.2), ('"300 %"', 3.0), ('"200 nm"', None)]
+)
+def test_a_spread_is_absolute_or_relative_and_may_be_nothing(spread: str, std: float | None) -> None:
+    model = loads(whole(spread=spread)).model()
+    diameter = model.calibrated_diameter
+    wanted = 0.2 if std is None else std * diameter
+    size_law = NormalSizes(mean=diameter, std=wanted) if wanted else FixedSizes(diameter=diameter)
+    assert model.sizes == size_law
+
+
+def test_a_damping_ratio_gives_the_damping() -> None:
+    scenario = loads(WHOLE.replace('damping = "0.05 N*s/m"', "damping_ratio = 0.02"))
+    slider = scenario.model().slider
+    assert slider is not None
+    assert slider.damping_ratio == pytest.approx(0.02, rel=1e-15)
+    assert scenario.resolved()["slider"]["damping_ratio"] == 0.02
+    assert "damping" not in scenario.resolved()["slider"]
+
+
+@pytest.mark.parametrize(
+    ("distance", "tick", "count"),
+    [("0.3 um", "0.1 um", 3), ("20 mm", "0.1 um", 200_000), ("1 inch", "0.1 um", 254_000), ("0.7 um", "0.1 um", 7)],
+)
+def test_the_number_of_ticks_is_the_exact_floor_as_written(distance: str, tick: str, count: int) -> None:
+    assert loads(whole(distance=f'"{distance}"', tick=f'"{tick}"')).model().tick_count == count
+    assert 0.3 // 0.1 == 2.0  # what floats make of the first
+
+
+@pytest.mark.parametrize(
+    ("lines", "key", "reason", "line"),
+    [
+        (("mean_real",), "interface.mean_real_contact_area", "missing", 4),
+        (("mean_junction",), "interface.mean_junction_count", "missing", 4),
+        (("distance",), "sliding.distance", "missing", 16),
+        (("mass",), "slider.mass", "missing", 20),
+        (("stiffness",), "slider.stiffness", "missing", 20),
+        (("speed",), "sliding.speed", "missing; the motion of a slider needs a sliding speed", 16),
+        (("mean =",), "strength.mean", "missing", 13),
+        (("spread",), "diameter.spread", 'missing; the law "normal" needs a spread', 9),
+        (
+            ("[strength]", "mean ="),
+            "strength.mean",
+            "missing; a slider is driven by a force, which needs a strength",
+            1,
+        ),
+        (("format",), "format", "missing", 1),
+    ],
+)
+def test_a_needed_key_that_is_missing(lines: tuple[str, ...], key: str, reason: str, line: int) -> None:
+    assert refusal(without(*lines)).splitlines()[0] == f"run.toml:{line}: error: {key}: {reason}"
+
+
+def test_an_empty_file_is_told_all_that_is_needed() -> None:
+    heads = [line for line in refusal("").splitlines() if line.startswith("run.toml")]
+    keys = ("format", "interface.mean_real_contact_area", "interface.mean_junction_count", "sliding.distance")
+    assert heads == [f"run.toml:1: error: {key}: missing" for key in keys]
+
+
+@pytest.mark.parametrize("law", ['law = "fixed"\n', ""])
+def test_one_size_takes_no_spread(law: str) -> None:
+    report = refusal(WHOLE.replace('law = "normal"\n', law))
+    assert 'error: diameter.spread: the law "fixed" takes no spread' in report
+    assert report.endswith('write law = "normal", or leave the spread out')
+
+
+def test_a_newer_format_is_refused_for_that_alone() -> None:
+    report = refusal(WHOLE.replace("format = 1", "format = 3").replace("mass", "gravity"))
+    assert report.startswith(
+        "run.toml:1: error: format: needs a rubnoise that reads format 3; this one reads format 1\n"
+    )
+    assert report.count("error:") == 1
+    assert "format: needs a number, not a text" in refusal(WHOLE.replace("format = 1", 'format = "1"'))
+
+
+@pytest.mark.parametrize("seed", [0, 2**53 - 1])
+def test_a_seed_is_a_whole_number_that_doubles_hold(seed: int) -> None:
+    assert loads(whole(seed=str(seed))).run.seed == seed
+
+
+@pytest.mark.parametrize(("seed", "reason"), [("-1", "too small"), (str(2**53), "too large"), ("1.0", "needs a whole")])
+def test_other_seeds_are_refused(seed: str, reason: str) -> None:
+    assert f"run.toml:29: error: run.seed: {reason}" in refusal(whole(seed=seed))
+
+
+def test_settings_go_on_top() -> None:
+    scenario = loads(WHOLE, overrides=["sliding.distance=3 mm", 'output.tick="0.2 um"', "run.seed = 9"])
+    assert (scenario.sliding.distance, scenario.output.tick, scenario.run.seed) == (3000.0, 0.2, 9)
+    assert loads(WHOLE, overrides=["run.seed=1", "run.seed=2"]).run.seed == 2
+    assert loads(WHOLE, overrides=["slider={start='rest'}"]).slider.start == "rest"  # type: ignore[union-attr]
+    assert loads(BARE, overrides=["strength.mean=1 GPa"]).model().strengths.mean == 1000.0  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("setting", "head"),
+    [
+        ("sliding.distance=1,5 mm", "--set sliding.distance: error: sliding.distance: a comma in a number"),
+        ("run.seed=x", "--set run.seed: error: run.seed: needs a number, not a text"),
+        ("run.seed=1\nrun.engine='events'", "--set run.seed: error: run.seed: needs a number, not a text"),
+        ("run.sead=4", "--set run.sead: error: run.sead: unknown key"),
+        ("seed", "--set seed: error: not of the form KEY=VALUE, as in --set run.seed=7"),
+        ("=4", "--set : error: not of the form KEY=VALUE, as in --set run.seed=7"),
+        ("extends=base.toml", "--set extends: error: extends belongs into a file"),
+        ("run=5", "--set run: error: run: needs a table"),
+        ("format=2", "--set format: error: format: needs a rubnoise that reads format 2; this one reads format 1"),
+        ("run.seed=" + "1" * 1001, "--set run.seed: error: more than 1000 characters"),
+    ],
+)
+def test_problems_of_a_setting_name_it(setting: str, head: str) -> None:
+    assert refusal(WHOLE, setting).splitlines()[0] == head
+
+
+def write(folder: Path, **files: str) -> Path:
+    for name, text in files.items():
+        (folder / f"{name}.toml").write_text(text, encoding="utf-8")
+    return folder / f"{next(iter(files))}.toml"
+
+
+def test_a_file_extends_another_deeply(tmp_path: Path) -> None:
+    (tmp_path / "more").mkdir()
+    write(tmp_path, base=WHOLE)
+    path = write(tmp_path / "more", top='format = 1\nextends = "../base.toml"\n[slider]\nmass = "7 g"\n')
+    scenario = load(path, ["run.seed=3"])
+    assert scenario.slider is not None
+    assert (scenario.slider.mass, scenario.slider.stiffness, scenario.run.seed) == (0.007, 300.0, 3)
+    assert scenario.text == path.read_text(encoding="utf-8")
+    assert "extends" not in scenario.resolved()
+
+
+def test_a_problem_names_the_file_and_line_that_has_the_key(tmp_path: Path) -> None:
+    base = whole(distance='"1,5 mm"')
+    path = write(tmp_path, top='format = 1\nextends = "base.toml"\n[run]\nseed = "x"\n', base=base)
+    with pytest.raises(ScenarioRefused) as refused:
+        load(path)
+    assert [line for line in str(refused.value).splitlines() if "error:" in line] == [
+        f"{path}:4: error: run.seed: needs a number, not a text",
+        f"{tmp_path / 'base.toml'}:18: error: sliding.distance: a comma in a number",
+    ]
+
+
+def test_a_base_file_has_its_own_format(tmp_path: Path) -> None:
+    top = 'format = 1\nextends = "base.toml"\n'
+    with pytest.raises(ScenarioRefused, match=r"base.toml:1: error: format: needs a rubnoise that reads format 2"):
+        load(write(tmp_path, top=top, base=WHOLE.replace("format = 1", "format = 2")))
+    with pytest.raises(ScenarioRefused, match=r"base.toml:1: error: format: missing"):
+        load(write(tmp_path, top=top, base=without("format")))
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"a": "b", "b": "a"}, "extends a file that extends this one"),
+        ({"a": "a"}, "extends a file that extends this one"),
+        ({"a": "nowhere"}, "nowhere.toml: cannot be read: no such file or directory"),
+        ({f"a{n}": f"a{n + 1}" for n in range(12)}, "more than 8 files extend one another"),
+    ],
+)
+def test_files_that_do_not_lead_to_a_base(tmp_path: Path, files: dict[str, str], message: str) -> None:
+    texts = {name: f'format = 1\nextends = "{base}.toml"\n' for name, base in files.items()}
+    with pytest.raises(ScenarioRefused) as refused:
+        load(write(tmp_path, **texts))
+    assert f":2: error: extends: {message}" in str(refused.value)
+
+
+def test_extends_needs_a_name_and_a_folder(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioRefused, match="error: extends: needs the name of a file"):
+        load(write(tmp_path, a="format = 1\nextends = 3\n" + BARE.partition("\n")[2]))
+    assert "extends: a text has no folder to look in" in refusal('extends = "base.toml"\n' + WHOLE)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"#" * 65_537, "larger than 64 kB"),
+        (b"format = 1\ntitle = '\xff'\n", ":2: error: not UTF-8 text"),
+        (b"a" + b".a" * 30 + b" = 1\n", ":1: error: a key of more than 17 parts"),
+        (b"#" * 1001, ":1: error: a line of more than 1000 characters"),
+        (b"x = " + b"[\n" * 20_000, ":1: error: nested too deeply"),
+    ],
+)
+def test_a_strangers_file_is_bounded(tmp_path: Path, content: bytes, message: str) -> None:
+    (path := tmp_path / "a.toml").write_bytes(content)
+    began = time.perf_counter()
+    with pytest.raises(ScenarioRefused) as refused:
+        load(path)
+    assert message in str(refused.value)
+    assert time.perf_counter() - began < 2.0
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ScenarioRefused, match="cannot be read: no such file or directory"):
+        load(tmp_path / "none.toml")
+    with pytest.raises(ScenarioRefused, match="cannot be read: is a directory"):
+        load(tmp_path)
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ScenarioRefused, match="not a regular file"):
+        load(tmp_path / "pipe")
+
+
+def test_windows_line_ends_are_read() -> None:
+    assert loads(WHOLE.replace("\n", "\r\n")).model() == loads(WHOLE).model()
+    assert "run.toml:18: error: sliding.distance" in refusal(whole(distance='"1,5 mm"').replace("\n", "\r\n"))
+
+
+@pytest.mark.parametrize("text", [WHOLE, BARE, whole(spread='"20 %"'), whole(distance='"1 inch"')])
+def test_the_resolved_scenario_is_the_same_scenario(text: str) -> None:
+    scenario = loads(text)
+    resolved = json.loads(json.dumps(scenario.resolved()))
+    again = build(resolved)
+    assert again.model() == scenario.model()
+    assert again.resolved() == resolved
+
+
+def test_python_may_give_numbers_in_working_units() -> None:
+    values = {
+        "format": 1,
+        "interface": {"mean_real_contact_area": 200, "mean_junction_count": 20, "calibration": "paper"},
+        "diameter": {"law": "normal", "spread": 0.2},
+        "sliding": {"distance": 20_000.0},
+        "output": {"tick": 0.1},
+    }
+    scenario = build(values)
+    assert scenario.model().tick_count == 200_000
+    assert scenario.output.tick.exact == Fraction(1, 10)
+    assert scenario.model().sizes == loads(WHOLE).model().sizes
+
+
+@pytest.mark.parametrize("value", [True, float("nan"), None, [1.0], -1.0, 1e300])
+def test_python_may_not_give_anything(value: object) -> None:
+    values = {"interface": {"mean_real_contact_area": 200, "mean_junction_count": 20}, "sliding": {"distance": value}}
+    with pytest.raises(ScenarioRefused, match=r"^<python>: error: sliding.distance: "):
+        build(values)
+
+
+def test_a_scenario_survives_pickling() -> None:
+    scenario = loads(WHOLE)
+    assert pickle.loads(pickle.dumps(scenario)) == scenario  # noqa: S301  (made here)

@@ -1,0 +1,86 @@
+"""The schema on file is the schema of the code, and says what is available and needed."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from rubnoise.scenario import json_schema, load
+from rubnoise.scenario.checks import junction_bytes, tick_bytes
+from rubnoise.scenario.document import Document
+from rubnoise.storage.schema import JUNCTIONS, SLIDER, TRACE, Column
+from tests.unit.scenarios import BARE, WHOLE
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+
+def test_the_schema_on_file_is_that_of_the_code() -> None:
+    on_file = json.loads((SCENARIOS / "scenario.schema.json").read_text(encoding="utf-8"))
+    assert on_file == json_schema(), "rubnoise schema > scenarios/scenario.schema.json"
+
+
+def test_every_key_is_described() -> None:
+    for name, section in json_schema()["$defs"].items():
+        assert section["additionalProperties"] is False, name
+        assert all(about["description"] for about in section["properties"].values())
+
+
+def test_the_schema_offers_what_is_available_and_no_more() -> None:
+    sections = json_schema()["$defs"]
+    assert sections["Diameter"]["properties"]["law"]["enum"] == ["fixed", "normal"]
+    assert sections["Run"]["properties"]["engine"]["enum"] == ["events"]
+    assert "sweep" not in json_schema()["properties"]
+
+
+def test_needed_keys_are_demanded_unless_another_file_may_have_them() -> None:
+    schema = json_schema()
+    assert schema["required"] == ["format"]
+    assert schema["if"] == {"not": {"required": ["extends"]}}
+    assert schema["then"]["required"] == ["interface", "sliding"]
+    assert schema["then"]["properties"]["sliding"] == {"required": ["distance"]}
+    assert schema["then"]["dependentSchemas"]["slider"]["required"] == ["strength"]
+    assert not any("required" in section for section in schema["$defs"].values())
+
+
+@pytest.mark.parametrize("path", sorted(SCENARIOS.rglob("*.toml")), ids=lambda path: path.stem)
+def test_a_scenario_of_the_project_names_its_schema_and_loads_without_a_warning(path: Path) -> None:
+    first = path.read_text(encoding="utf-8").splitlines()[0]
+    assert (path.parent / first.removeprefix("#:schema ")).resolve() == SCENARIOS / "scenario.schema.json"
+    assert load(path).warnings == ()
+    assert set(tomllib.loads(path.read_text(encoding="utf-8"))) <= {*Document.model_fields, "extends"}
+
+
+def test_the_papers_figure_5_has_the_papers_numbers() -> None:
+    model = load(SCENARIOS / "paper" / "fig5.toml").model()
+    assert model.calibrated_diameter == pytest.approx(5.5300126, abs=5e-8)
+    assert model.stationary_mean_area == pytest.approx(204.6736, abs=5e-5)
+    assert model.equilibrium_displacement == pytest.approx(170.561, abs=5e-4)
+    assert model.slider is not None
+    assert model.slider.natural_frequency == pytest.approx(38.985, abs=5e-4)
+    assert model.slider.damping_ratio == pytest.approx(0.02041, abs=5e-6)
+    assert (model.distance, model.tick, model.tick_count) == (20_000.0, 0.1, 200_000)
+
+
+def test_the_scenarios_of_figure_6_differ_in_the_number_of_junctions_alone() -> None:
+    models = [load(SCENARIOS / "paper" / f"fig6_n{n}.toml").resolved() for n in (10, 20, 30, 40, 50)]
+    counts = [model["interface"].pop("mean_junction_count") for model in models]
+    titles = {model.pop("title") for model in models}
+    assert counts == [10, 20, 30, 40, 50]
+    assert len(titles) == 5
+    assert all(model == models[0] for model in models)
+
+
+def _bytes(columns: tuple[Column, ...], features: set[str]) -> int:
+    return sum(int(column.dtype[-1]) for column in columns if column.needs is None or column.needs in features)
+
+
+@pytest.mark.parametrize(
+    ("text", "features"), [(BARE, set()), (WHOLE, {"speed", "strength", "slider"})], ids=["bare", "whole"]
+)
+def test_the_bytes_of_a_row_are_those_of_the_result_file(text: str, features: set[str], tmp_path: Path) -> None:
+    (path := tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    model = load(path).model()
+    slider = _bytes(SLIDER.columns, features) if features else 0
+    assert junction_bytes(model) == _bytes(JUNCTIONS.columns, features)
+    assert tick_bytes(model) == _bytes(TRACE.columns, features) + slider

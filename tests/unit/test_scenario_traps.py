@@ -1,0 +1,220 @@
+"""Every trap of a scenario file is refused, or warned of, with its line, a caret and advice."""
+
+import pytest
+
+from rubnoise.scenario import loads
+from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
+
+DISTANCE = "run.toml:18: error: sliding.distance: "
+COUNT = "run.toml:6: error: interface.mean_junction_count: "
+AREA = "run.toml:5: error: interface.mean_real_contact_area: "
+
+
+def shown(head: str, line: str, marked: str, hint: str = "") -> str:
+    """Return the report of one problem: head, line, caret under what is marked, hint."""
+    caret = " " * line.index(marked) + "^" * len(marked)
+    return "\n".join([head, f"    {line}", f"    {caret}", *([f"    {hint}"] if hint else [])])
+
+
+@pytest.mark.parametrize(
+    ("value", "message", "hint"),
+    [
+        ('"1,5 mm"', "a comma in a number", 'write "1.5 mm"'),
+        ("1,5 mm", "a comma in a number", 'write "1.5 mm"'),
+        ('"\u22125 mm"', "'\u2212' (U+2212) is not the minus sign of a number; that is '-', U+002D", 'write "-5 mm"'),
+        ('"-5 mm"', "must be above 0", ""),
+        ('"0 mm"', "must be above 0", ""),
+        ('"5 mm + 3 mm"', "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
+        ('"9**9**9 um"', "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
+        ('"9 um^9^9^9"', '"um^9^9^9" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
+        ("nan", "not a finite number", 'right form: "0.2 um"'),
+        ("inf", "not a finite number", 'right form: "0.2 um"'),
+        ('"nan"', "not a finite number", 'right form: "0.2 um"'),
+        ('"inf um"', "not a finite number", 'right form: "0.2 um"'),
+        ("true", "needs a number with a unit, not a boolean", 'right form: "0.2 um"'),
+        ("20", "a number without a unit", 'right form: "20 um"'),
+        ("20.5", "a number without a unit", 'right form: "20.5 um"'),
+        ('"20"', "no unit", 'right form: "20 um"'),
+        ('["20 mm"]', "needs a number with a unit, not a list", 'right form: "0.2 um"'),
+        ("1979-05-27", "needs a number with a unit, not a date or time", 'right form: "0.2 um"'),
+        ("20 mm", "a value with a unit needs quotation marks", 'write "20 mm"'),
+        ('"1e31 um"', "too large", "possible: 1e-09 um to 1e+30 um"),
+    ],
+)
+def test_a_distance_that_is_none(value: str, message: str, hint: str) -> None:
+    line = f"distance = {value}"
+    assert refusal(whole(distance=value)) == shown(DISTANCE + message, line, value, hint)
+
+
+@pytest.mark.parametrize(
+    ("value", "message", "hint"),
+    [
+        ('"20"', "needs a number, not a text", "write 20 without quotation marks"),
+        ("true", "needs a number, not a boolean", ""),
+        ("nan", "not a finite number", ""),
+        ("-inf", "not a finite number", ""),
+        ("0", "must be above 0", "possible: 1e-06 to 1e+09"),
+        ("1e10", "too large", "possible: 1e-06 to 1e+09"),
+        ("20,5", "a comma in a number", "write 20.5"),
+    ],
+)
+def test_a_count_that_is_none(value: str, message: str, hint: str) -> None:
+    line = f"mean_junction_count = {value}"
+    assert refusal(whole(mean_junction_count=value)) == shown(COUNT + message, line, value, hint)
+
+
+@pytest.mark.parametrize(
+    ("value", "message", "hint"),
+    [
+        ('"200 um2"', 'unknown unit "um2"', 'write "200 um^2"'),
+        ('"200 um"', '"um" is the unit of a length, an area is needed', 'right form: "200 um^2"'),
+    ],
+)
+def test_an_area_that_is_none(value: str, message: str, hint: str) -> None:
+    line = f"mean_real_contact_area = {value}"
+    assert refusal(whole(mean_real_contact_area=value)) == shown(AREA + message, line, value, hint)
+
+
+def test_milli_for_mega_is_warned_of() -> None:
+    scenario = loads(WHOLE.replace("250 MPa", "250 mPa"), "run.toml")
+    head = "run.toml:14: warning: strength.mean: implausibly small (2.5e-07 MPa)"
+    assert scenario.warnings == (shown(head, 'mean = "250 mPa"', '"250 mPa"', 'did you mean "250 MPa"?'),)
+    assert loads(WHOLE).warnings == ()
+
+
+def test_both_dampings() -> None:
+    text = WHOLE.replace("[slider]", "[slider]\ndamping_ratio = 0.02")
+    head = "run.toml:24: error: slider.damping: both damping and damping_ratio are given (the other at run.toml:21)"
+    assert refusal(text) == shown(head, 'damping = "0.05 N*s/m"', "damping", "keep exactly one of the two")
+
+
+def test_no_damping() -> None:
+    head = "run.toml:20: error: slider.damping: missing"
+    hint = 'write damping = "0.05 N*s/m" or damping_ratio = 0.02'
+    assert refusal(without("damping")) == shown(head, "[slider]", "slider", hint)
+
+
+def test_a_duplicate_key() -> None:
+    text = WHOLE.replace("[slider]", '[slider]\nmass = "6 g"')
+    head = "run.toml:22: error: slider.mass: given twice"
+    assert refusal(text) == shown(head, 'mass = "5 g"', "mass", "first given in line 21; keep one of the two")
+
+
+def test_a_duplicate_table() -> None:
+    text = WHOLE + '[slider]\nmass = "6 g"\n'
+    head = "run.toml:30: error: slider: given twice"
+    assert refusal(text) == shown(head, "[slider]", "[slider]", "first given in line 20; keep one of the two")
+
+
+def test_two_errors_in_one_file_come_in_the_order_of_lines() -> None:
+    report = refusal(whole(distance='"1,5 mm"', mean_real_contact_area='"200 um"'))
+    assert [line for line in report.splitlines() if "error:" in line] == [
+        AREA + '"um" is the unit of a length, an area is needed',
+        DISTANCE + "a comma in a number",
+    ]
+
+
+def test_broken_lines_and_wrong_values_are_reported_together() -> None:
+    report = refusal(whole(distance="1,5 mm", mass="5 g", seed='"x"'))
+    assert [line for line in report.splitlines() if "error:" in line] == [
+        DISTANCE + "a comma in a number",
+        "run.toml:21: error: slider.mass: a value with a unit needs quotation marks",
+        "run.toml:29: error: run.seed: needs a number, not a text",
+    ]
+
+
+def test_a_tick_longer_than_the_mean_life() -> None:
+    head = (
+        "run.toml:26: error: output.tick: longer than the mean life of a junction (11.06 um); "
+        "a trace would miss whole lives"
+    )
+    hint = 'about "0.055 um" resolves a life well'
+    assert refusal(whole(tick='"11.1 um"')) == shown(head, 'tick = "11.1 um"', '"11.1 um"', hint)
+    assert loads(whole(tick='"11 um"')).output.tick == 11.0
+
+
+def test_a_tick_longer_than_the_distance() -> None:
+    head = "run.toml:26: error: output.tick: the tick is longer than the distance: only the start would be written"
+    hint = 'distance "0.05 um", tick "0.1 um"'
+    assert refusal(whole(distance='"0.05 um"')) == shown(head, 'tick = "0.1 um"', '"0.1 um"', hint)
+    assert loads(whole(distance='"0.1 um"')).model().tick_count == 1
+
+
+def test_a_distance_shorter_than_the_default_tick() -> None:
+    report = refusal(BARE.replace("20 mm", "0.01 um"))
+    assert "run.toml:6: error: sliding.distance: the tick is longer than the distance" in report
+    assert "(by default a two-hundredth of the mean life; set output.tick)" in report
+
+
+def test_a_run_of_1e12_km_is_refused_from_expected_rows_and_bytes() -> None:
+    head = (
+        DISTANCE + "too long a run: 1.81e+21 junctions and 1e+22 ticks expected, 8.12e+23 bytes; "
+        "at most 2e+09 rows and 1e+12 bytes"
+    )
+    hint = "make sliding.distance shorter or output.tick longer"
+    assert refusal(whole(distance='"1e12 km"')) == shown(head, 'distance = "1e12 km"', '"1e12 km"', hint)
+
+
+def test_a_fine_tick_alone_may_be_too_much() -> None:
+    report = refusal(whole(tick='"1e-6 um"'))
+    assert "sliding.distance: too long a run: 3.62e+04 junctions and 2e+10 ticks expected" in report
+    assert "output.tick longer" in report
+
+
+def test_matched_without_a_solution() -> None:
+    text = whole(calibration='"matched"', spread='"3 um"')
+    head = (
+        AREA + 'calibration "matched" has no solution: with this spread the exact mean area is at least '
+        "1.609247 mean_junction_count * spread^2 = 289.6645 um^2"
+    )
+    hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
+    line = 'mean_real_contact_area = "200 um^2"'
+    assert refusal(text) == shown(head, line, '"200 um^2"', hint)
+    assert loads(text.replace("3 um", "0.2 um")).model().calibrated_diameter == pytest.approx(5.46626015, abs=5e-9)
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "value", "available"),
+    [
+        ("diameter", "law", "lognormal", "fixed, normal"),
+        ("birth", "law", "regular", "poisson"),
+        ("pulse", "shape", "triangle", "lens"),
+        ("strength", "law", "weibull", "constant"),
+        ("slider", "coupling", "two-way", "one-way"),
+        ("run", "engine", "batch", "events"),
+    ],
+)
+def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, value: str, available: str) -> None:
+    report = refusal(WHOLE, f"{section}.{key}={value}")
+    head = f"--set {section}.{key}: error: {section}.{key}: "
+    message = f'"{value}" is not available in this version; available: {available}'
+    assert report == shown(head + message, f"{section}.{key}={value}", value)
+
+
+def test_a_sweep_is_refused() -> None:
+    report = refusal(WHOLE + "[sweep]\nreplicates = 4\n")
+    assert report.startswith("run.toml:30: error: sweep: not available in this version; available: [interface], ")
+
+
+def test_an_unknown_word_gets_a_suggestion() -> None:
+    report = refusal(WHOLE, 'interface.calibration="papr"')
+    assert report.endswith(
+        'error: interface.calibration: unknown value "papr"\n    interface.calibration="papr"\n'
+        '                          ^^^^^^\n    did you mean "paper"?'
+    )
+    assert refusal(WHOLE, "sliding.start=xyz").endswith("available: stationary, empty")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "head", "hint"),
+    [
+        ("mass", "masss", "run.toml:21: error: slider.masss: unknown key", "did you mean mass?"),
+        ("seed", "speed_of_light", "run.toml:29: error: run.speed_of_light: unknown key", "known here: seed, engine"),
+        ("seed", "tick", "run.toml:29: error: run.tick: unknown key", "did you mean output.tick?"),
+        ("title", "seed", "run.toml:2: error: seed: unknown key", "did you mean run.seed?"),
+        ("[output]", "[outptu]", "run.toml:25: error: outptu: unknown table", "did you mean output?"),
+    ],
+)
+def test_an_unknown_key_gets_a_suggestion(old: str, new: str, head: str, hint: str) -> None:
+    lines = refusal(WHOLE.replace(f"\n{old}", f"\n{new}", 1)).splitlines()
+    assert lines[lines.index(head) + 3] == f"    {hint}"

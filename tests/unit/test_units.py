@@ -1,0 +1,168 @@
+"""Quantities: the number is read exactly and strictly, the unit as pint reads it."""
+
+import pickle
+import subprocess
+import sys
+from fractions import Fraction
+
+import pint
+import pytest
+
+from rubnoise.units import (
+    AREA,
+    DAMPING,
+    KINDS,
+    LENGTH,
+    MASS,
+    RATIO,
+    SPEED,
+    STIFFNESS,
+    STRESS,
+    USUAL_UNITS,
+    Kind,
+    Quantity,
+    QuantityError,
+    parse_unit,
+    read_quantity,
+)
+
+REGISTRY = pint.UnitRegistry(non_int_type=Fraction)
+
+
+@pytest.mark.parametrize("name", USUAL_UNITS)
+def test_the_table_of_usual_units_is_equal_to_pint(name: str) -> None:
+    units = REGISTRY.parse_units(name)
+    size, _ = REGISTRY.get_base_units(units)
+    powers = tuple(int(units.dimensionality.get(d, 0)) for d in ("[length]", "[mass]", "[time]"))
+    assert USUAL_UNITS[name].dimension == powers
+    assert USUAL_UNITS[name].size == Fraction(size) * Fraction(10**6) ** powers[0]
+    assert all(d in {"[length]", "[mass]", "[time]"} for d in units.dimensionality)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_working_unit_and_example_of_a_kind_are_of_that_kind(kind: Kind) -> None:
+    assert USUAL_UNITS[kind.unit].size == (Fraction(1, 100) if kind is RATIO else 1)
+    assert read_quantity(kind.example, kind).kind is kind
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "exact"),
+    [
+        ("200 um^2", AREA, Fraction(200)),
+        ("200 \u00b5m^2", AREA, Fraction(200)),
+        ("200 \u03bcm**2", AREA, Fraction(200)),
+        ("2e-4 mm^2", AREA, Fraction(200)),
+        ("1 mm/s", SPEED, Fraction(1000)),
+        ("1 mm / s", SPEED, Fraction(1000)),
+        ("5 s^-1 m", SPEED, Fraction(5_000_000)),
+        ("5 g", MASS, Fraction(1, 200)),
+        ("250 MPa", STRESS, Fraction(250)),
+        ("1 N/mm^2", STRESS, Fraction(1)),
+        ("300 N/m", STIFFNESS, Fraction(300)),
+        ("0.05 N*s/m", DAMPING, Fraction(1, 20)),
+        ("0.05 kg/s", DAMPING, Fraction(1, 20)),
+        ("1 inch", LENGTH, Fraction(25_400)),
+        ("1 lbf/inch", STIFFNESS, Fraction(8896443230521, 50_800_000_000)),
+        ("+1.5e+3 um", LENGTH, Fraction(1500)),
+        (" 0.1 um ", LENGTH, Fraction(1, 10)),
+        ("20 %", RATIO, Fraction(1, 5)),
+        ("20%", RATIO, Fraction(1, 5)),
+    ],
+)
+def test_a_quantity_is_converted_exactly_and_rounded_once(text: str, kind: Kind, exact: Fraction) -> None:
+    quantity = read_quantity(text, kind)
+    assert quantity.exact == exact
+    assert float(quantity) == float(exact)
+    assert quantity.written == text
+
+
+def test_a_conversion_is_better_than_one_in_floats() -> None:
+    assert float(read_quantity("0.0041 mm", LENGTH)) == 4.1
+    assert 0.0041 * 1000.0 != 4.1  # what rounding twice gives
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "hint"),
+    [
+        ("1,5 mm", "a comma in a number", 'write "1.5 mm"'),
+        ("1,000.5 mm", "a comma in a number", "no commas between thousands; a dot before the decimals"),
+        ("\u22125 mm", "'\u2212' (U+2212) is not the minus sign of a number; that is '-', U+002D", 'write "-5 mm"'),
+        ("5 mm + 3 mm", "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
+        ("2*3 mm", "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
+        ("9**9**9 um", "an expression; one number and one unit are needed", 'right form: "0.2 um"'),
+        ("nan um", "not a finite number", 'right form: "0.2 um"'),
+        ("-Infinity", "not a finite number", 'right form: "0.2 um"'),
+        ("20", "no unit", 'right form: "20 um"'),
+        ("1e5", "no unit", 'right form: "1e5 um"'),
+        ("5um", "no space between number and unit", 'write "5 um"'),
+        ("1_000 um", "an underscore in a number", 'write "1000 um"'),
+        ("0x10 um", "not a decimal number", 'right form: "0.2 um"'),
+        ("1e1000 um", "an exponent of more than three digits", 'right form: "0.2 um"'),
+        ("1e999 um", "too large a number", ""),
+        ("\u0665 um", "not a number and a unit", 'right form: "0.2 um"'),
+        (".5 um", "not a number and a unit", 'right form: "0.2 um"'),
+        ("", "not a number and a unit", 'right form: "0.2 um"'),
+        ("1 um^2", '"um^2" is the unit of an area, a length is needed', 'right form: "1 um"'),
+        ("1 um^3", '"um^3" is the unit of something else, a length is needed', 'right form: "1 um"'),
+        ("1 um2", 'unknown unit "um2"', 'write "1 um^2"'),
+        ("1 micronz", 'unknown unit "micronz"', ""),
+        ("1 degC", 'the unit "degC" has no exact size in um, s and kg', ""),
+        ("1 V", 'the unit "V" holds more than length, mass and time', ""),
+        ("1 um^0.5", 'the unit "um^0.5" has no exact size in um, s and kg', ""),
+        ("1 \u212b", "the character '\u212b' (U+212B) has no place in a unit", ""),
+        ("1 um\x1b", "the character U+001B has no place in a unit", ""),
+        ("1 N.m", '"N.m" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
+        ("1 m^2^2^2^9", '"m^2^2^2^9" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
+        ("1 m^999", '"m^999" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
+        ("1 " + "m*" * 20 + "m", "a unit of more than 40 characters", ""),
+        ("1" * 201 + " um", "a text of more than 200 characters", 'right form: "0.2 um"'),
+    ],
+)
+def test_what_is_no_length_is_refused_with_advice(text: str, message: str, hint: str) -> None:
+    with pytest.raises(QuantityError) as refused:
+        read_quantity(text, LENGTH)
+    assert (str(refused.value), refused.value.hint) == (message, hint)
+
+
+@pytest.mark.parametrize("text", ["20 dB", "20 count", "3 um/mm", "20 radian"])
+def test_a_ratio_is_written_in_percent(text: str) -> None:
+    with pytest.raises(QuantityError, match=r"no unit of a ratio|no exact size"):
+        read_quantity(text, RATIO)
+
+
+def test_one_of_several_kinds_is_taken_and_else_all_are_named() -> None:
+    assert read_quantity("20 %", LENGTH, RATIO).kind is RATIO
+    assert read_quantity("2 um", LENGTH, RATIO).kind is LENGTH
+    with pytest.raises(QuantityError, match=r'"s" is the unit of something else, a length or a ratio is needed'):
+        read_quantity("2 s", LENGTH, RATIO)
+
+
+def test_a_quantity_reads_back_to_the_same_exact_value() -> None:
+    for text in ("0.1 um", "1 inch", "3.3e-7 m", "20 %", "12345678.000000001 mm"):
+        kind = RATIO if "%" in text else LENGTH
+        quantity = read_quantity(text, kind)
+        assert read_quantity(quantity.as_text(), kind).exact == quantity.exact
+
+
+def test_a_quantity_whose_decimals_do_not_end_stays_as_written() -> None:
+    assert read_quantity("1 lbf/inch", STIFFNESS).as_text() == "1 lbf/inch"
+
+
+def test_a_quantity_is_a_float_that_survives_pickling() -> None:
+    quantity = read_quantity("0.1 mm", LENGTH)
+    copy = pickle.loads(pickle.dumps(quantity))  # noqa: S301  (made here)
+    assert (copy, copy.exact, copy.kind, copy.written) == (100.0, Fraction(100), LENGTH, "0.1 mm")
+    assert Quantity(Fraction(1, 4), LENGTH).written == "0.25 um"
+
+
+def test_a_unit_has_size_and_dimension() -> None:
+    assert parse_unit("GPa").size == 1000
+    assert parse_unit("mile").dimension == (1, 0, 0)
+
+
+def test_usual_units_do_not_load_pint() -> None:
+    code = (
+        "import sys; from rubnoise.units import LENGTH, read_quantity; read_quantity('5 mm', LENGTH);"
+        "assert 'pint' not in sys.modules; read_quantity('5 inch', LENGTH); assert 'pint' in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
