@@ -24,14 +24,17 @@ def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
     return joint_cumulants(model, lag, ((1, 1),))[1, 1]
 
 
-def joint_cumulants(model: Model, lag: ArrayLike, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
+def joint_cumulants(
+    model: Model, lag: ArrayLike, powers: tuple[Powers, ...], *, sizes: int = _SIZES
+) -> dict[Powers, Doubles]:
     """Return kappa_ij(tau), the joint cumulant of i times A_r(s) and j times A_r(s + tau), in um^(2i + 2j).
 
     kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each (i, j) asked for
-    and lags tau in um (any shape). Source: Campbell's theorem for two places at once (Rice 1944, as above).
+    and lags tau in um (any shape), by so many nodes over the sizes.
+    Source: Campbell's theorem for two places at once (Rice 1944, as above).
     """
     lags = np.abs(np.asarray(lag, dtype=np.float64))
-    diameters, probabilities = size_rule(model.sizes, _SIZES)
+    diameters, probabilities = size_rule(model.sizes, sizes)
     flat = np.empty((len(powers), lags.size))
     for rows in np.array_split(np.arange(lags.size), 1 + lags.size * diameters.size // _AT_ONCE):
         overlaps = life_overlaps(lags.ravel()[rows, None] / diameters, powers)
@@ -52,4 +55,14 @@ def life_overlaps(lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doub
     earlier = 0.5 * (theta - np.sin(theta) * np.cos(theta))
     later = junction_area(2.0 * np.square(np.sin(0.5 * theta)) + t[..., None], 1.0)
     weights = weights * np.sin(theta)
-    return {(i, j): np.sum(weights * (earlier**i * later**j + earlier**j * later**i), axis=-1) for i, j in powers}
+    highest = max(max(pair) for pair in powers)
+    first, second = _powers(earlier, highest), _powers(later, highest)
+    return {(i, j): np.sum(weights * (first[i] * second[j] + first[j] * second[i]), axis=-1) for i, j in powers}
+
+
+def _powers(values: Doubles, highest: int) -> list[Doubles]:
+    """Return values to the power 0 ... highest, by products, which cost a fraction of a general power."""
+    found = [np.ones_like(values)]
+    for _ in range(highest):
+        found.append(found[-1] * values)
+    return found

@@ -20,7 +20,7 @@ from rubnoise.theory.transform import mean_square_transform, square_transform
 
 Doubles = NDArray[np.float64]
 
-_SIZES = 64
+_SIZES = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,6 +1,7 @@
 """How far and how fast the one-way slider swings: the response spectrum and its integral."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, pi, sqrt
 
 import numpy as np
@@ -32,6 +33,7 @@ def mean_displacement(model: Model) -> float:
     return force_cumulants(model).mean / drive_of(model).slider.stiffness
 
 
+@lru_cache(maxsize=8)
 def response(model: Model) -> Response:
     """Return the exact stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 

@@ -15,6 +15,7 @@ from rubnoise.theory.quadrature import lag_rule
 Doubles = NDArray[np.float64]
 
 _ORDER = 4
+_SIZES = 32  # an error of an error: seven digits are plenty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,7 +51,7 @@ def standard_errors(model: Model, distance: float | None = None) -> StandardErro
     cumulants = area_cumulants(model)
     lags, weights = lag_rule(model, distance)
     powers: tuple[Powers, ...] = tuple((i, j) for i in range(1, _ORDER + 1) for j in range(i, _ORDER + 1))
-    joint = joint_cumulants(model, lags, powers)
+    joint = joint_cumulants(model, lags, powers, sizes=_SIZES)
     covariances = np.tensordot(_moment_covariances(cumulants, joint), weights, axes=1)
     mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in _influence(cumulants))
     return StandardErrors(
