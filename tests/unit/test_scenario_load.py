@@ -246,6 +246,11 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
         load(tmp_path / "pipe")
 
 
+def test_a_byte_order_mark_is_read_over(tmp_path: Path) -> None:
+    (path := tmp_path / "a.toml").write_text(WHOLE, encoding="utf-8-sig")
+    assert load(path).text == WHOLE
+
+
 def test_windows_line_ends_are_read() -> None:
     assert loads(WHOLE.replace("\n", "\r\n")).model() == loads(WHOLE).model()
     assert "run.toml:18: error: sliding.distance" in refusal(whole(distance='"1,5 mm"').replace("\n", "\r\n"))
@@ -279,6 +284,28 @@ def test_python_may_not_give_anything(value: object) -> None:
     values = {"interface": {"mean_real_contact_area": 200, "mean_junction_count": 20}, "sliding": {"distance": value}}
     with pytest.raises(ScenarioRefused, match=r"^<python>: error: sliding.distance: "):
         build(values)
+
+
+def test_python_values_are_checked_like_a_file() -> None:
+    whole_values = loads(WHOLE).resolved()
+    with pytest.raises(ScenarioRefused, match=r"^<python>: error: format: needs a rubnoise that reads format 2"):
+        build({**whole_values, "format": 2})
+    with pytest.raises(ScenarioRefused, match=r"^<python>: error: 1: unknown key"):
+        build({**whole_values, 1: 2})  # type: ignore[dict-item]
+    assert build({name: table for name, table in whole_values.items() if name != "format"}).title == "whole"
+
+
+def test_a_slider_without_any_sliding_is_told_of_both_needed_keys() -> None:
+    report = refusal(without("[sliding]", "speed", "distance"))
+    assert [line for line in report.splitlines() if "error:" in line] == [
+        "run.toml:1: error: sliding.speed: missing; the motion of a slider needs a sliding speed",
+        "run.toml:1: error: sliding.distance: missing",
+    ]
+
+
+def test_python_values_extend_no_file() -> None:
+    with pytest.raises(ScenarioRefused, match="<python>: error: extends: unknown key"):
+        build({"extends": "base.toml", **loads(WHOLE).resolved()})
 
 
 def test_a_scenario_survives_pickling() -> None:

@@ -82,6 +82,23 @@ def test_milli_for_mega_is_warned_of() -> None:
     assert loads(WHOLE).warnings == ()
 
 
+def test_a_word_without_quotation_marks() -> None:
+    head = "run.toml:10: error: diameter.law: a text needs quotation marks"
+    assert refusal(whole(law="normal")) == shown(head, "law = normal", "normal", 'write "normal"')
+
+
+def test_a_quotation_mark_that_is_not_closed() -> None:
+    report = refusal(whole(distance='"20 mm'))
+    assert report.startswith(DISTANCE + "not valid TOML: ")
+    assert report.endswith("is the closing quotation mark missing?")
+
+
+def test_two_statements_on_one_line() -> None:
+    report = refusal(whole(mass='"5 g" stiffness = "3 N/m"'))
+    assert report.startswith("run.toml:21: error: slider.mass: not valid TOML: ")
+    assert report.count("error:") == 1
+
+
 def test_both_dampings() -> None:
     text = WHOLE.replace("[slider]", "[slider]\ndamping_ratio = 0.02")
     head = "run.toml:24: error: slider.damping: both damping and damping_ratio are given (the other at run.toml:21)"

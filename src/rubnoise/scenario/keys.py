@@ -39,15 +39,18 @@ def format_problems(layers: Layers) -> list[Problem]:
         if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
             message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
             problems.append(Problem(path=("format",), message=message, place=source.value_place(("format",))))
-        elif version is None and not isinstance(source, (Setting, Values)):
+        elif version is None and not isinstance(source, (Setting, Values)) and not layers.problems:
             message, hint = "missing", f"the first line of the file: {_RIGHT_FORMS['format',]}"
             problems.append(Problem(path=("format",), message=message, place=source.key_place(()), hint=hint))
     return problems
 
 
 def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Problem]]:
-    """Return the document, or None and what is wrong with its keys; rules among keys are checked either way."""
-    problems = list(_rule_problems(layers))
+    """Return the document, or None and what is wrong with its keys, alone and among one another.
+
+    Of sources with broken lines nothing is said to be missing: it may stand in one of those.
+    """
+    problems = [] if layers.problems else list(_rule_problems(layers))
     context = FROM_PYTHON if from_python else {}
     try:
         document = Document.model_validate({"format": FORMAT, **layers.data}, context=context)
@@ -63,11 +66,6 @@ def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:
     return Problem(path=path, message=reason, place=layers.key_place(path[:-1]), hint=f"write {_written(layers, path)}")
 
 
-def is_missing(problem: Problem) -> bool:
-    """Tell whether a problem may vanish once broken lines are mended."""
-    return problem.message.startswith("missing")
-
-
 def _written(layers: Layers, path: Path) -> str:
     table_is_there = isinstance(layers.data.get(str(path[0])), dict)
     form = _RIGHT_FORMS.get(path, f"{path[-1]} = ...")
@@ -75,12 +73,14 @@ def _written(layers: Layers, path: Path) -> str:
 
 
 def _explained(layers: Layers, path: Path, kind: str, error: Exception | None) -> Iterator[Problem]:
+    if kind == "missing" and layers.problems:
+        return
     if kind == "missing" and len(path) == 1:
         needed = (name for name, about in SECTIONS[str(path[0])].model_fields.items() if about.is_required())
         yield from (missing(layers, (*path, name)) for name in needed)
     elif kind == "missing":
         yield missing(layers, path)
-    elif kind == "extra_forbidden":
+    elif kind in {"extra_forbidden", "invalid_key"}:
         yield _unknown(layers, path)
     elif isinstance(error, Unfit):
         yield Problem(path=path, message=str(error), place=layers.value_place(path), hint=error.hint)
@@ -112,15 +112,15 @@ def _suggestion(path: Path) -> str:
 def _rule_problems(layers: Layers) -> Iterator[Problem]:
     """What keys ask of one another, from what the file holds, whether or not their values are right."""
     slider, sliding, diameter = (_table(layers, name) for name in ("slider", "sliding", "diameter"))
-    if slider is not None:
+    if isinstance(layers.data.get("slider"), dict):
         if "strength" not in layers.data:
             yield missing(
                 layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength"
             )
-        if sliding is not None and "speed" not in sliding:
+        if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
         yield from _damping_problems(layers, slider)
-    if diameter is not None:
+    if diameter:
         yield from _spread_problems(layers, diameter)
 
 
@@ -147,6 +147,7 @@ def _spread_problems(layers: Layers, diameter: dict[str, Any]) -> Iterator[Probl
         yield missing(layers, path, 'missing; the law "normal" needs a spread')
 
 
-def _table(layers: Layers, name: str) -> dict[str, Any] | None:
+def _table(layers: Layers, name: str) -> dict[str, Any]:
+    """Return a table; an empty one where there is none, or something else in its place."""
     table = layers.data.get(name)
-    return table if isinstance(table, dict) else None
+    return table if isinstance(table, dict) else {}

@@ -4,7 +4,7 @@ import os
 import stat
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -94,6 +94,13 @@ class Setting(Source):
 class Values(Source):
     """Values given in Python, which stand in no line."""
 
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The values, in tables of their own."""
+        return _merged([self.values])
+
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
         """Return the name alone."""
         return Place(source=self.name, line=0, text="", start=0, end=0)
@@ -117,7 +124,8 @@ def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
 
 def from_values(values: Mapping[str, Any], name: str) -> Layers:
     """Return the one layer of values given in Python."""
-    return Layers(sources=(Values(name, ""),), data=_merged([dict(values)]), problems=())
+    source = Values(name, "", values=values)
+    return Layers(sources=(source,), data=source.data, problems=())
 
 
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
@@ -128,7 +136,7 @@ def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[s
     problems = [replace(p, place=replace(p.place, rank=_rank(sources, p))) for p in problems]
     return Layers(
         sources=sources,
-        data=_merged(source.data for source in sources),
+        data={key: value for key, value in _merged(source.data for source in sources).items() if key != "extends"},
         problems=(*problems, *(problem for source in sources for problem in source.problems)),
     )
 
@@ -174,7 +182,7 @@ def _identity(path: FilePath) -> str:
 def _read(path: FilePath, name: str) -> str:
     """Return the text of a regular file within the limits; raises ScenarioRefused."""
     try:
-        with open(path, "rb", opener=_without_waiting) as file:  # noqa: PTH123  (Path.open has no opener)
+        with open(path, "rb", opener=_without_waiting) as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise ScenarioRefused(f"{name}: not a regular file")
             content = file.read(limits.FILE_BYTES + 1)
@@ -193,7 +201,7 @@ def _without_waiting(path: str, flags: int) -> int:
 
 def _decoded(content: bytes, name: str) -> str:
     try:
-        return content.decode("utf-8")
+        return content.decode("utf-8-sig")  # some editors begin a file with a byte order mark
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise ScenarioRefused(f"{name}:{line}: error: not UTF-8 text") from None
@@ -207,11 +215,10 @@ def _as_toml(value: str) -> Any:
     return data["value"] if data.keys() == {"value"} else value
 
 
-def _merged(layers: Iterable[dict[str, Any]]) -> dict[str, Any]:
+def _merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     merged: dict[str, Any] = {}
     for layer in layers:
         _merge(merged, layer)
-    merged.pop("extends", None)
     return merged
 
 

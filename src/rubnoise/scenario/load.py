@@ -38,16 +38,13 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
 
 
 def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
-    broken = [*given.problems]
     formats = keys.format_problems(given)
     if any(problem.message != "missing" for problem in formats):
-        raise ScenarioRefused(report([*broken, *formats]))  # the other keys may well be right in that format
+        raise ScenarioRefused(report([*given.problems, *formats]))  # the other keys may well be right in that format
     document, problems = keys.read(given, from_python=from_python)
-    problems = [*formats, *problems]
-    if broken:
-        problems = [*broken, *(problem for problem in problems if not keys.is_missing(problem))]
+    problems = [*given.problems, *formats, *problems]
     model = tick = None
-    if document and not broken:
+    if document and not given.problems:
         model, tick, more = modelled(document, given)
         problems += [*plausibility(document, given), *more]
     if document is None or model is None or tick is None or any(problem.severity == "error" for problem in problems):

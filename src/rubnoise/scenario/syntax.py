@@ -11,9 +11,10 @@ from rubnoise.scenario.problems import Path
 
 _POSITION = re.compile(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)$", re.DOTALL)
 _AT_END = "(at end of document)"
-_KEY = re.compile(r"[^#=]+=|[ \t]*\[")
+_KEY = re.compile(r"[ \t]*\[.*|[^#=]+=")
 _COMMA_NUMBER = re.compile(r"=\s*([+-]?[0-9]+),([0-9]+)\s*([^\s#\"']*)")
-_BARE_QUANTITY = re.compile(r"=\s*([+-]?[0-9][0-9.eE+-]*)\s+([A-Za-z\u00b5\u03bc%][^#\"']*?)\s*(?:#.*)?$")
+_BARE_QUANTITY = re.compile(r"=\s*([+-]?[0-9][0-9.eE+-]*)\s+([A-Za-z\u00b5\u03bc%][^=#\"']*?)\s*(?:#.*)?$")
+_BARE_WORD = re.compile(r"=\s*([A-Za-z][A-Za-z-]*)\s*(?:#.*)?$")
 _UNCLOSED = ("Illegal character '\\n'", "Unterminated string", 'Expected "\'"')
 _DUPLICATES = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot declare", "Cannot mutate immutable")
 
@@ -82,7 +83,8 @@ def _fault(error: str, lines: list[str]) -> Fault:
     line, column = (int(found[2] or last), int(found[3] or 1)) if found else (last, 1)
     reason, line = found[1] if found else error, min(line, len(lines))
     text = lines[line - 1]
-    path = last_key("\n".join(lines[:line])) if _KEY.match(text) else ()
+    key = _KEY.match(text)
+    path = last_key("\n".join([*lines[: line - 1], key[0]])) if key else ()
     if reason.startswith(_DUPLICATES):
         return _duplicate(path, line, lines)
     return _usual_slip(path, line, text) or Fault(
@@ -105,6 +107,9 @@ def _usual_slip(path: Path, line: int, text: str) -> Fault | None:
         hint = f'write "{bare[1]} {bare[2]}"'
         message = "a value with a unit needs quotation marks"
         return Fault(line=line, start=bare.start(1), end=bare.end(2), path=path, message=message, hint=hint)
+    if word := _BARE_WORD.search(text):
+        hint, (start, end) = f'write "{word[1]}"', word.span(1)
+        return Fault(line=line, start=start, end=end, path=path, message="a text needs quotation marks", hint=hint)
     return None
 
 
