@@ -99,6 +99,44 @@ def test_two_statements_on_one_line() -> None:
     assert report.count("error:") == 1
 
 
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ('"a\\u001bb"', "holds a line break or another character that does not print"),
+        ('"' + "x" * 201 + '"', "longer than 200 characters"),
+        ("7", "needs a text in quotation marks, not a number"),
+    ],
+)
+def test_a_title_that_is_none(value: str, message: str) -> None:
+    assert refusal(whole(title=value)).startswith(f"run.toml:2: error: title: {message}\n")
+
+
+def test_a_choice_that_is_no_word() -> None:
+    head = "run.toml:10: error: diameter.law: needs a word in quotation marks, not a number"
+    assert refusal(whole(law="1")) == shown(head, "law = 1", "1", "available: fixed, normal")
+
+
+@pytest.mark.parametrize(
+    ("value", "message", "hint"),
+    [
+        ('"1e7 Mg"', "implausibly large (1e+10 kg)", 'did you mean "1e7 mg"?'),
+        ('"1e10 kg"', "implausibly large (1e+10 kg)", ""),
+    ],
+)
+def test_an_implausible_mass_is_warned_of(value: str, message: str, hint: str) -> None:
+    head = f"run.toml:21: warning: slider.mass: {message}"
+    assert loads(whole(mass=value), "run.toml").warnings == (shown(head, f"mass = {value}", value, hint),)
+
+
+def test_a_suggested_unit_is_one() -> None:
+    (warning,) = loads(whole(mass='"1e12 mile*kg/mile"'), "run.toml").warnings
+    assert warning.endswith("^")  # Mile is no unit to suggest
+
+
+def test_half_a_surrogate_pair_is_no_text() -> None:
+    assert refusal("title = '\ud800'") == "run.toml: error: not UTF-8 text"
+
+
 def test_both_dampings() -> None:
     text = WHOLE.replace("[slider]", "[slider]\ndamping_ratio = 0.02")
     head = "run.toml:24: error: slider.damping: both damping and damping_ratio are given (the other at run.toml:21)"

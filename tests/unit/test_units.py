@@ -146,6 +146,7 @@ def test_a_quantity_reads_back_to_the_same_exact_value() -> None:
 
 def test_a_quantity_whose_decimals_do_not_end_stays_as_written() -> None:
     assert read_quantity("1 lbf/inch", STIFFNESS).as_text() == "1 lbf/inch"
+    assert Quantity(Fraction(1, 3), LENGTH).written == "0.3333333333333333 um"
 
 
 def test_a_quantity_is_a_float_that_survives_pickling() -> None:
