@@ -1,7 +1,6 @@
 """Long runs against exact theory: every contact of the paper's figures, the slider of Fig. 5, and faults that show."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -104,9 +103,7 @@ def test_births_a_hundredth_too_rare_are_rejected(precise: Model) -> None:
 def test_death_at_1_98_diameters_is_rejected(precise: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     live_on = junctions.junction
 
-    def shorter(
-        env: Environment, live: junctions.LiveSet, row: int, death: float, rest: float
-    ) -> Iterator[ProcessGenerator]:
+    def shorter(env: Environment, live: junctions.LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
         birth = death - 2.0 * float(live._rows.diameter[row])
         death = birth + 0.99 * (death - birth)
         yield from live_on(env, live, row, death, max(min(rest, death - env.now), 0.0))

@@ -1,0 +1,158 @@
+"""The slider of whole runs against two references that share no line with it: theta substitution and DOP853."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.model import Model, Slider
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation import area, kernels
+from tests.models import FIG5_SLIDER, model, recorded
+from tests.oracle import dop853_slider, theta_slider
+from tests.oracle.oscillator import Motion, Oscillator
+from tests.oracle.slow_contact import Rows
+from tests.verification.seeds import seed_of
+from tests.verification.test_interrupts import ends
+
+MASS, STIFFNESS = FIG5_SLIDER.mass, FIG5_SLIDER.stiffness
+CRITICAL = 2.0 * math.sqrt(MASS * STIFFNESS)
+DAMPING_RATIOS = {"figure 5": 0.05 / CRITICAL, "nearly undamped": 1e-3, "critical": 1.0, "over-damped": 20.0}
+SPEEDS = {
+    "0.01 mm/s": 10.0,
+    "0.1 mm/s": 1e2,
+    "1 mm/s": 1e3,
+    "10 mm/s": 1e4,
+    "0.1 m/s": 1e5,
+    "1 m/s": 1e6,
+    "10 m/s": 1e7,
+}
+PROMISED = 1e-9
+
+
+def sliding(ratio: float, start: Any = "equilibrium", **changes: Any) -> Model:
+    """Return Fig. 5 with a damping ratio, a start of the slider and other changes."""
+    slider = Slider(mass=MASS, stiffness=STIFFNESS, damping=ratio * CRITICAL, start=start)
+    return model(slider=slider, **changes)
+
+
+def rows_of(record: MemoryRecord) -> Rows:
+    columns = record["junctions"]
+    return Rows(
+        birth=columns["birth_distance"],
+        diameter=columns["diameter"],
+        strength=columns["shear_strength"],
+        death=columns["death_distance"],
+    )
+
+
+def reference(run: Model, record: MemoryRecord, oracle: Any = theta_slider, every: int = 1) -> Motion:
+    """Return the reference's motion at every n-th tick of a record."""
+    assert run.slider is not None
+    slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
+    ticks = record["slider"]["distance"][::every]
+    start = (run.equilibrium_displacement, 0.0)
+    motion: Motion = oracle.motion(slider, run.sliding_speed, ticks, rows_of(record), start)
+    return motion
+
+
+def difference(record: MemoryRecord, motion: Motion, every: int = 1) -> float:
+    """Return the largest difference of displacement or velocity, each relative to its largest value."""
+    place, speed = (record["slider"][name][::every] for name in ("displacement", "velocity"))
+    return max(relative(place, motion.displacement), relative(speed, motion.velocity))
+
+
+def relative(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
+    return float(np.abs(found - true).max() / np.abs(true).max())
+
+
+@pytest.mark.parametrize(("tick", "bound"), [(0.05, 1e-10), (0.1, 2e-10)])
+@pytest.mark.parametrize("start", ["equilibrium", "rest"])
+def test_figure_5(tick: float, bound: float, start: str) -> None:
+    run = sliding(DAMPING_RATIOS["figure 5"], start, distance=100.0, tick=tick)
+    record = recorded(run, seed_of(f"oracle/{start}"))
+    assert record["slider"]["displacement"][0] == (0.0 if start == "rest" else pytest.approx(170.561, rel=1e-5))
+    assert difference(record, reference(run, record)) < bound
+
+
+@pytest.mark.parametrize("name", DAMPING_RATIOS)
+def test_an_adaptive_integrator_agrees(name: str) -> None:
+    run = sliding(DAMPING_RATIOS[name], distance=40.0, tick=0.05)
+    record = recorded(run, seed_of("dop853"))
+    bound = 1e-10 if name == "figure 5" else PROMISED
+    assert difference(record, reference(run, record, dop853_slider, every=40), every=40) < bound
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize("name", DAMPING_RATIOS)
+def test_the_promise_holds_for_every_speed_and_damping(name: str, speed: str) -> None:
+    run = sliding(DAMPING_RATIOS[name], speed=SPEEDS[speed], distance=16.0, tick=0.05)
+    record = recorded(run, seed_of("speeds"))
+    assert difference(record, reference(run, record)) < PROMISED
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        sliding(0.02, count=0.5, distance=300.0, tick=0.5, speed=100.0),
+        sliding(0.02, count=200.0, distance=4.0, tick=0.02, speed=100.0),
+        sliding(0.02, count=5.0, distance=30.0, tick=1.0, speed=300.0),
+    ],
+    ids=["few", "many", "long ticks"],
+)
+def test_the_promise_holds_for_few_and_many_junctions_and_long_ticks(run: Model) -> None:
+    record = recorded(run, seed_of("counts"))
+    assert difference(record, reference(run, record)) < PROMISED
+
+
+def test_junctions_that_end_early_act_until_then() -> None:
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=60.0, tick=0.1)
+    seed = seed_of("ends early")
+    rows = rows_of(recorded(run, seed))
+    places = {5: 1.93, 30: 0.31, 40: 1.4, 41: 0.02, 42: 1.0}
+    when = {number: rows.birth[number] + share * rows.diameter[number] for number, share in places.items()}
+    when = {number: float(place) for number, place in when.items() if place > 0.0}
+    record = recorded(run, seed, intervene=ends(when))
+    assert difference(record, reference(run, record)) < 1e-10
+    assert difference(record, reference(run, recorded(run, seed))) > 1e-3
+
+
+def test_a_first_order_hold_would_be_worse_than_1e_6() -> None:
+    """What scipy's lsim does: the force taken as straight between ticks, carried by the exact transition."""
+    from scipy.signal import lsim
+
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=100.0, tick=0.05)
+    record = recorded(run, seed_of("hold"))
+    system = ([[0.0, 1.0], [-STIFFNESS / MASS, -0.05 / MASS]], [[0.0], [1.0 / MASS]], np.eye(2), np.zeros((2, 1)))
+    slider = record["slider"]
+    start = [slider["displacement"][0], slider["velocity"][0]]
+    held = lsim(system, slider["friction_force"], slider["time"], X0=start)[1]
+    true = reference(run, record)
+    assert relative(held[:, 0], true.displacement) > 1e-6
+    assert difference(record, true) < 1e-10
+
+
+def test_a_missing_kink_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The reference without mid-life in its list of breaks: the smallest form of the fault."""
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.1)
+    record = recorded(run, seed_of("kink"))
+    cut = theta_slider.pieces
+
+    def without_mid_life(rows: Rows, row: int, ticks: NDArray[np.float64]) -> NDArray[np.float64]:
+        cuts = cut(rows, row, ticks)
+        return cuts[cuts != rows.birth[row] + rows.diameter[row]]
+
+    monkeypatch.setattr(theta_slider, "pieces", without_mid_life)
+    assert difference(record, reference(run, record)) > 1e-7
+
+
+def test_a_kernel_that_passes_over_mid_life_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=12.0, tick=0.5, count=4.0)
+    seed = seed_of("kernel kink")
+    monkeypatch.setattr(area.kernels, "deposit_moments", kernels.deposit_moments.py_func)
+    record = recorded(run, seed)
+    assert difference(record, reference(run, record)) < PROMISED
+    monkeypatch.setattr(kernels, "_pass_mid_life", lambda *_: None)
+    assert difference(recorded(run, seed), reference(run, record)) > 1e-3
