@@ -66,4 +66,6 @@ def run_to_end(run: Model, seed: int = 1, **how: Any) -> tuple[MemoryRecord, Sta
 
 def contents(record: MemoryRecord) -> dict[tuple[str, str], bytes]:
     """Return every column of a record as bytes."""
-    return {(group, name): values.tobytes() for group, columns in record.groups.items() for name, values in columns.items()}
+    return {
+        (group, name): values.tobytes() for group, columns in record.groups.items() for name, values in columns.items()
+    }

@@ -36,5 +36,5 @@ def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:
 
 
 def uniforms(seed: int, stream: Stream, block: int, count: int) -> NDArray[np.float64]:
-    """Return ``count`` numbers uniform on [0, 1), multiples of 2^-53: integer arithmetic, the same bits everywhere."""
+    """Return ``count`` numbers uniform on [0, 1), multiples of 2^-53: integer arithmetic, equal bits everywhere."""
     return generator(seed, stream, block).random(count)

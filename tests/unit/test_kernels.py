@@ -1,5 +1,7 @@
 """The compiled kernel against the plain formula, over single junctions."""
 
+from itertools import pairwise
+
 import mpmath
 import numpy as np
 import pytest
@@ -104,7 +106,7 @@ def test_area_integral_over_a_cell(h, bound):
 
         edges = [integral((mpmath.mpf(float(p)) - mpmath.mpf(birth)) / mpmath.mpf(diameter)) for p in positions]
         expected = np.array(
-            [float((b - a) * mpmath.mpf(diameter) ** 3) for a, b in zip(edges, edges[1:], strict=False)]
+            [float((b - a) * mpmath.mpf(diameter) ** 3) for a, b in pairwise(edges)]
         )
     # The first and last cells hold a sliver of a life whose area is all rounding; they are held to the life's scale.
     full = expected > 1e-3 * expected.max()

@@ -26,7 +26,15 @@ def test_a_state_survives_its_bytes():
 
 def test_a_state_without_rows_survives_its_bytes():
     state = State(
-        block=3, begin=1 / 3, next_birth=1e300, junctions=0, ticks=7, events=9, live=LiveRows.none(), displacement=-0.0, velocity=5e-324
+        block=3,
+        begin=1 / 3,
+        next_birth=1e300,
+        junctions=0,
+        ticks=7,
+        events=9,
+        live=LiveRows.none(),
+        displacement=-0.0,
+        velocity=5e-324,
     )
     again = State.unpack(state.pack())
     assert_same(again, state)

@@ -31,7 +31,9 @@ def targets(record):
     rows = record["junctions"]
     birth, diameter = rows["birth_distance"], rows["diameter"]
     share = {0: 1.9, 30: 0.3, 500: 1.0, 501: 1.2, 1200: 1.7, 1500: 0.05}
-    return {n: float(max(birth[n] + s * diameter[n], 0.37)) for n, s in share.items() if birth[n] + 2 * diameter[n] > 0.4}
+    return {
+        n: float(max(birth[n] + s * diameter[n], 0.37)) for n, s in share.items() if birth[n] + 2 * diameter[n] > 0.4
+    }
 
 
 @pytest.fixture(scope="module")

@@ -109,6 +109,7 @@ def _compose_group(file: h5py.File, group: Group, features: frozenset[Feature], 
 def _create_group(file: h5py.File, name: str) -> h5py.Group:
     """Create a group that remembers the order of its columns, so that viewers list them as the schema does."""
     creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    creation.set_obj_track_times(False)
     creation.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
     return h5py.Group(h5py.h5g.create(file.id, name.encode(), gcpl=creation))
 
