@@ -4,7 +4,7 @@ import json
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -16,14 +16,17 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.analysis.summary import summarise
 from rubnoise.contact.overlap import junction_area
+from rubnoise.errors import ScenarioRefused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario, build, load
+from rubnoise.scenario.limits import SEED_END
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.run import extent, slider_constants
 from rubnoise.simulation.run import simulate as run_events
 from rubnoise.storage.layout import RunDescription, features_of
+from rubnoise.storage.output import check_output
 from rubnoise.storage.provenance import gather
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.writer import RunWriter
@@ -64,7 +67,9 @@ class Columns:
         self._group = group
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Read one column."""
+        """Read one column; raises KeyError with the names there are."""
+        if name not in self.names:
+            raise KeyError(f"/{self._group} has no column {name!r}; it has {', '.join(self.names)}")
         return self._file.column(self._group, name)
 
     def __len__(self) -> int:
@@ -110,7 +115,9 @@ class Run:
 
     @property
     def slider(self) -> Columns:
-        """The slider's motion at every tick; KeyError on reading where the run has no slider."""
+        """The slider's motion at every tick; raises KeyError where the run has no slider."""
+        if "slider" not in self._file.columns:
+            raise KeyError("the run has no slider")
         return Columns(self._file, "slider")
 
     def junction(self, number: int) -> Junction:
@@ -147,8 +154,12 @@ class Run:
 
 
 def simulate(scenario: Scenario, seed: int | None = None) -> MemoryRecord:
-    """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``."""
-    model, seed = scenario.model(), scenario.run.seed if seed is None else seed
+    """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``.
+
+    ``seed`` replaces that of the scenario; raises ScenarioRefused where it is none.
+    """
+    scenario = _seeded(scenario, seed)
+    model, seed = scenario.model(), scenario.run.seed
     record = MemoryRecord(extent(model, seed))
     run_events(model, seed, record)
     return record
@@ -166,26 +177,18 @@ def run(
     """Run a scenario into a result file and open it.
 
     ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
-    ``command`` is what /provenance says was called. Raises OutputRefused before anything is created.
+    ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
+    after each panel. Raises OutputRefused before anything is created, ScenarioRefused for a seed that is none.
     """
-    model, seed = scenario.model(), scenario.run.seed if seed is None else seed
-    description = RunDescription(
-        title=scenario.title or Path(path).stem,
-        extent=extent(model, seed),
-        features=features_of(model),
-        compression="gzip" if scenario.output.compression == "gzip" else "none",
-        scenario_toml=scenario.text,
-        scenario_resolved=scenario.resolved(),
-        provenance=gather(
-            seed=seed,
-            calibrated_diameter=model.calibrated_diameter,
-            propagator_constants=_named_constants(scenario),
-            command=command or [Path(sys.argv[0]).name, *sys.argv[1:]],
-        ),
-    )
+    check_output(path, force=force)
+    scenario = _seeded(scenario, seed)
+    model = scenario.model()
+    description = _description(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+    if watch is not None:
+        watch(0.0, 0, 0)
     tally = Tally()
     with RunWriter(path, description, force=force) as writer:
-        run_events(model, seed, Tee((writer, tally)), watch=watch)
+        run_events(model, scenario.run.seed, Tee((writer, tally)), watch=watch)
         figures: dict[str, float | int | str] = {}
         for figure in summarise(model, tally):
             figures |= figure.as_attributes()
@@ -201,6 +204,33 @@ def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open rea
 def exact(scenario: Scenario) -> Exact:
     """Return what theory says about a scenario: moments of area, count and force, the slider's response."""
     return exact_of_model(scenario.model())
+
+
+def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
+    """Return the scenario with another seed, so that what is kept of it says what was run."""
+    if seed is None:
+        return scenario
+    if not 0 <= seed < SEED_END:
+        raise ScenarioRefused(f"run.seed: {seed} is not from 0 to {SEED_END - 1}")
+    return replace(scenario, run=scenario.run.model_copy(update={"seed": seed}))
+
+
+def _description(scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str]) -> RunDescription:
+    model, seed = scenario.model(), scenario.run.seed
+    return RunDescription(
+        title=scenario.title or Path(path).stem,
+        extent=extent(model, seed),
+        features=features_of(model),
+        compression="gzip" if scenario.output.compression == "gzip" else "none",
+        scenario_toml=scenario.text,
+        scenario_resolved=scenario.resolved(),
+        provenance=gather(
+            seed=seed,
+            calibrated_diameter=model.calibrated_diameter,
+            propagator_constants=_named_constants(scenario),
+            command=command,
+        ),
+    )
 
 
 def _named_constants(scenario: Scenario) -> dict[str, float]:

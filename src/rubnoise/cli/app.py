@@ -1,6 +1,8 @@
 """The command line: `rubnoise COMMAND`. Commands import what they need when they are called, so that --help is fast."""
 
+import os
 import sys
+from io import TextIOWrapper
 
 import typer
 from typer import Typer
@@ -36,12 +38,33 @@ def root(
 
 def main() -> None:
     """Run the command line; what is refused or fails is one text on stderr and an exit code, never a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        # A file name or title that the terminal's encoding lacks is no reason to fail.
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
-        app(prog_name="rubnoise")
+        _call()
     except RubnoiseError as problem:
         print(problem, file=sys.stderr)
         sys.exit(problem.exit_code)
+    except KeyboardInterrupt:
+        sys.exit(130)
     except BrokenPipeError:
-        # Whoever read our output has seen enough; Python must not try to flush the rest at exit.
-        sys.stderr.close()
-        sys.exit(141)
+        _forget_output()  # whoever read it has seen enough
+        sys.exit(1)
+    except OSError as problem:
+        _forget_output()
+        print(f"{problem.filename or 'output'}: {problem.strerror or problem}", file=sys.stderr)
+        sys.exit(1)
+
+
+def _call() -> None:
+    try:
+        app(prog_name="rubnoise")
+    finally:
+        sys.stdout.flush()
+
+
+def _forget_output() -> None:
+    """Keep Python from trying once more, at exit, to write what could not be written."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

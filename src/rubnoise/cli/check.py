@@ -8,7 +8,7 @@ import typer
 
 
 def command(
-    files: Annotated[list[Path], typer.Argument(help="Scenario files.", metavar="FILE...", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(help="Scenario files.", metavar="FILE", show_default=False)],
     *,
     changes: Annotated[
         list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")
@@ -26,14 +26,14 @@ def command(
     from rubnoise.errors import RubnoiseError
 
     answers: dict[str, Any] = {}
-    refused = False
+    refused: dict[str, str] = {}
     for file in files:
         try:
-            scenario = scenario_of(file, changes or ())
+            scenario = scenario_of(file, changes or (), quiet=as_json)
             answers[str(file)] = derived(scenario)
         except RubnoiseError as problem:
             print(problem, file=sys.stderr)
-            refused = True
+            refused[str(file)] = str(problem)
             continue
         if not as_json:
             print("\n".join([f"{file}: ok", *described(scenario, answers[str(file)])]))

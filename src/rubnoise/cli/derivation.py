@@ -3,7 +3,7 @@
 from typing import Any
 
 from rubnoise.cli.foresight import counted
-from rubnoise.cli.layout import WORTH_A_WARNING, grouped, line, number, one_way_warning, size
+from rubnoise.cli.layout import WORTH_A_WARNING, about, grouped, line, number, one_way_warning, remark, size
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cells import cells_per_tick
@@ -30,7 +30,8 @@ def derived(scenario: Scenario) -> dict[str, Any]:
         "expected_births": theory.expected_births,
         "expected_junctions": theory.expected_junction_rows,
     }
-    return answer | _dynamics(model, theory) | {"cost": _cost(model, theory, counted(scenario))}
+    answer |= _dynamics(model, theory) | {"cost": _cost(model, theory, counted(scenario))}
+    return answer | {"warnings": list(scenario.warnings), "notes": _notes(model, answer)}
 
 
 def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
@@ -77,18 +78,20 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     lines += [
         line("births", f"{grouped(answer['expected_births'])} expected"),
         line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks (this seed)"),
-        line("events", f"about {grouped(cost['events'])}"),
-        line("file size", size(cost["bytes"])),
+        line("events", about(cost["events"])),
+        line(
+            "file size", size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else "")
+        ),
         line("working memory", f"about {size(cost['working_memory'])} beside the program's own"),
     ]
-    return lines + _notes(model, answer)
+    return lines + [remark(f"note: {note}") for note in answer["notes"]]
 
 
 def _slider_lines(slider: dict[str, float] | None) -> list[str]:
     if slider is None:
         return []
     validity = slider["one_way_validity"]
-    doubt = [f"  warning: {one_way_warning(validity)}"] if validity > WORTH_A_WARNING else []
+    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING else []
     return [
         line("natural frequency", f"{number(slider['natural_frequency'])} Hz"),
         line("damping ratio", number(slider["damping_ratio"])),
@@ -96,7 +99,7 @@ def _slider_lines(slider: dict[str, float] | None) -> list[str]:
             "displacement", f"mean {number(slider['displacement_mean'])}, std {number(slider['displacement_std'])} um"
         ),
         line("velocity", f"std {number(slider['velocity_std'])} um/s"),
-        line("one-way validity", f"{validity:.3g} (std of velocity over sliding speed)"),
+        line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)"),
         *doubt,
     ]
 
@@ -114,4 +117,4 @@ def _notes(model: Model, answer: dict[str, Any]) -> list[str]:
             f"the exact mean area is {area / wanted - 1.0:+.1%} off the {wanted:g} um^2 asked for;"
             " calibration matched meets it"
         )
-    return [f"  note: {note}" for note in notes]
+    return notes

@@ -21,8 +21,11 @@ def command(
     import json
 
     from rubnoise import api
+    from rubnoise.errors import RunFileRefused
 
     with api.open(file) as run:
+        if not run.provenance["finished"]:
+            raise RunFileRefused(f"{file}: unfinished; the run that writes it goes on or was stopped")
         answer = contents(run, file)
         print(json.dumps(answer) if as_json else "\n".join(described(run, answer)))
 
@@ -52,11 +55,12 @@ def contents(run: "Run", file: Path) -> dict[str, Any]:
 def described(run: "Run", answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     from rubnoise.cli import derivation
-    from rubnoise.cli.layout import agreement_table, grouped, line, size
+    from rubnoise.cli.layout import agreement_table, grouped, line, printable, size
 
     lines = [
-        f"{answer['file']}: {answer['title']}",
-        line("written by", f"{answer['source']}, {answer['started']} to {answer['finished']}"),
+        f"{answer['file']}: {printable(answer['title'])}",
+        line("written by", answer["source"]),
+        line("from, to", f"{answer['started']}, {answer['finished']}"),
         line("command", answer["command"]),
         line("seed", str(answer["seed"])),
         line("size", size(answer["bytes"])),

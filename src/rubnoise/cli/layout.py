@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from math import isfinite
+from textwrap import fill
 
 from rubnoise.analysis.agreement import Agreement
 
+WIDTH = 80
 LABEL_WIDTH = 30
 WORTH_A_WARNING = 0.1
 """Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
@@ -19,8 +21,25 @@ UNITS = {
 
 
 def line(label: str, value: str) -> str:
-    """Return one labelled value, indented below its heading."""
-    return f"  {label:<{LABEL_WIDTH}}{value}"
+    """Return one labelled value, indented below its heading, on several lines where it is long."""
+    return _filled(printable(value), f"  {label:<{LABEL_WIDTH}}", " " * (2 + LABEL_WIDTH))
+
+
+def remark(text: str) -> str:
+    """Return a sentence below the values."""
+    return _filled(text, "  ", "    ")
+
+
+def _filled(text: str, first: str, others: str) -> str:
+    broken = fill(
+        text, WIDTH, initial_indent=first, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
+    )
+    return broken or first.rstrip()
+
+
+def printable(text: str) -> str:
+    """Return a text from a file with whatever would steer a terminal escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def number(value: float) -> str:
@@ -33,10 +52,15 @@ def grouped(value: float) -> str:
     return f"{round(value):,}" if isfinite(value) else str(value)
 
 
+def about(value: float) -> str:
+    """Return a whole number that is an estimate, to three digits."""
+    return f"about {grouped(float(f'{value:.3g}'))}"
+
+
 def size(count: float) -> str:
     """Return a number of bytes in the unit that suits it."""
     for unit in ("B", "kB", "MB", "GB"):
-        if count < 1000.0:
+        if count < 999.5:
             return f"{count:.3g} {unit}"
         count /= 1000.0
     return f"{count:.3g} TB"
@@ -52,17 +76,17 @@ def one_way_warning(validity: float) -> str:
 
 def agreement_table(figures: Iterable[Agreement]) -> list[str]:
     """Return a table of measured beside exact figures, with z-scores where there are any."""
-    heading = f"  {'':<34}{'measured':>14}{'exact':>14}{'std error':>12}{'z':>7}"
+    heading = f"  {'':<33}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
     return [heading, *map(_row, figures)]
 
 
 def _row(figure: Agreement) -> str:
     unit = "" if figure.name.endswith(("skewness", "kurtosis")) else _unit(figure.name)
-    label = figure.name.replace("_", " ") + (f" ({unit})" if unit else "")
+    label = figure.name.replace("one_way", "one-way").replace("_", " ") + (f" ({unit})" if unit else "")
     expected = "" if figure.expected is None else number(figure.expected)
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
     z = "" if figure.z is None else f"{figure.z:+.2f}"
-    return f"  {label:<34}{number(figure.observed):>14}{expected:>14}{error:>12}{z:>7}"
+    return f"  {label:<33}{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}".rstrip()
 
 
 def _unit(name: str) -> str:

@@ -15,13 +15,19 @@ _BETWEEN = 0.1
 
 
 class Watcher:
-    """Told after every panel how far a run is: shows it on a terminal, and raises RunStopped after a signal."""
+    """Told how far a run is: shows it on a terminal, and raises RunStopped after a signal.
+
+    It is told at the start and after every panel. Before the start, while births are counted, nothing has been created
+    yet: a signal is obeyed at once then.
+    """
 
     def __init__(self, distance: float, *, shown: bool) -> None:
         """Watch a run of a length in um; shown: whether to say anything."""
         self._distance = distance
         self._shown = shown
-        self._began = self._last = time.monotonic()
+        self._began: float | None = None
+        self._shown_at = 0.0
+        self._origin = 0.0
         self._width = 0
         self.stopped_by: int | None = None
 
@@ -30,17 +36,34 @@ class Watcher:
         if self.stopped_by is not None:
             raise RunStopped(self.stopped_by)
         now = time.monotonic()
-        if self._shown and now - self._last >= _BETWEEN:
-            self._last = now
-            self._show(distance, junctions, live, now - self._began)
+        if self._shown and now - self._shown_at >= _BETWEEN:
+            self._shown_at = now
+            self._write(self._text(distance, junctions, live) + self._rest(distance, now))
+        if self._began is None or self._origin == 0.0 < distance:
+            # The first panel is slow where kernels are compiled for it: the time to go is told from the second on.
+            self._began, self._origin = now, distance
 
-    def _show(self, distance: float, junctions: int, live: int, elapsed: float) -> None:
+    def interrupt(self, number: int) -> None:
+        """Take note of a signal, and obey it at once where nothing has begun."""
+        self.stopped_by = number
+        if self._began is None:
+            raise RunStopped(number)
+
+    def counting(self) -> None:
+        """Say that births are being counted, which takes a while for a run of millions."""
+        if self._shown:
+            self._write("counting the births")
+
+    def _text(self, distance: float, junctions: int, live: int) -> str:
         share = min(distance / self._distance, 1.0)
-        rest = elapsed * (1.0 - share) / share if share > 0.0 else 0.0
-        text = (
-            f"{share:4.0%}  {distance / 1000.0:.6g} mm  {junctions:,} junctions, {live:,} alive  {_clock(rest)} to go"
-        )
-        self._write(text)
+        reached, whole = distance / 1000.0, self._distance / 1000.0
+        return f"{share:4.0%}  {reached:.6g} of {whole:.6g} mm  {junctions:,} junctions, {live:,} alive"
+
+    def _rest(self, distance: float, now: float) -> str:
+        if self._began is None or distance <= self._origin or self._origin == 0.0:
+            return ""
+        rest = (now - self._began) * max(self._distance - distance, 0.0) / (distance - self._origin)
+        return f"  {_clock(rest)} to go"
 
     def _write(self, text: str) -> None:
         sys.stderr.write("\r" + text.ljust(self._width))
@@ -57,13 +80,13 @@ class Watcher:
 
 @contextmanager
 def watching(distance: float, *, shown: bool) -> Iterator[Watcher]:
-    """Watch a run; SIGINT and SIGTERM stop it at its next panel, a second one leaves at once."""
+    """Watch a run; SIGINT and SIGTERM stop it at its next panel at the latest, a second one leaves at once."""
     watcher = Watcher(distance, shown=shown)
 
     def stop(number: int, _frame: FrameType | None) -> None:
-        watcher.stopped_by = number
         for each in SIGNALS:
             signal.signal(each, signal.SIG_DFL)
+        watcher.interrupt(number)
 
     before = {each: signal.signal(each, stop) for each in SIGNALS}
     try:
@@ -83,8 +106,8 @@ def announce_compilation() -> None:
     """Say once that the kernels are being compiled, where no compiled ones are kept yet."""
     from rubnoise.simulation import kernels
 
-    kept = Path(kernels.deposit_areas.stats.cache_path)
-    if not any(kept.glob("kernels.deposit_areas-*.nbi")):
+    kept = kernels.deposit_areas.stats.cache_path
+    if kept is None or not any(Path(kept).glob("kernels.deposit_areas-*.nbi")):
         print("Compiling the kernels; this happens once and takes some seconds.", file=sys.stderr)
 
 

@@ -37,7 +37,7 @@ def command(
     """
     from rubnoise.cli.loading import overrides, scenario_of
 
-    scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet)
+    scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
     path = Path(f"{file.stem}.h5") if output is None else output
     if dry_run:
         _foresee(scenario, path, force=force, as_json=as_json, quiet=quiet)
@@ -58,10 +58,11 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         announce_compilation()
     began = time.monotonic()
     with watching(scenario.model().distance, shown=shown) as watcher:
+        watcher.counting()
         result = api.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
     with result:
         if as_json:
-            _print_json(result, path)
+            _print_json(result, path, scenario.warnings)
         elif not quiet:
             _print_result(result, path, time.monotonic() - began)
 
@@ -72,12 +73,19 @@ def _print_result(result: "Run", path: Path, seconds: float) -> None:
     rows, ticks = layout.grouped(len(result.junctions)), layout.grouped(len(result.trace))
     print(f"{path}: {rows} junctions, {ticks} ticks, {layout.size(path.stat().st_size)}, in {seconds:.1f} s")
     print("\n".join(layout.agreement_table(result.summary)))
-    for figure in result.summary:
-        if figure.name == "one_way_validity" and figure.observed > layout.WORTH_A_WARNING:
-            print(f"warning: {layout.one_way_warning(figure.observed)}", file=sys.stderr)
+    for doubt in _doubts(result):
+        print(layout.remark(f"warning: {doubt}"), file=sys.stderr)
 
 
-def _print_json(result: "Run", path: Path) -> None:
+def _doubts(result: "Run") -> list[str]:
+    """Return what makes the result doubtful."""
+    from rubnoise.cli import layout
+
+    spread = [figure.observed for figure in result.summary if figure.name == "one_way_validity"]
+    return [layout.one_way_warning(validity) for validity in spread if validity > layout.WORTH_A_WARNING]
+
+
+def _print_json(result: "Run", path: Path, warnings: tuple[str, ...]) -> None:
     import json
 
     from rubnoise.analysis.agreement import as_json
@@ -89,6 +97,7 @@ def _print_json(result: "Run", path: Path) -> None:
         "ticks": len(result.trace),
         "bytes": path.stat().st_size,
         "summary": as_json(result.summary),
+        "warnings": [*warnings, *_doubts(result)],
     }
     print(json.dumps(answer))
 
@@ -103,7 +112,7 @@ def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, qu
     check_output(path, force=force)
     rows = counted(scenario)
     if as_json:
-        print(json.dumps({"output": str(path), "dry_run": True} | rows))
+        print(json.dumps({"output": str(path), "dry_run": True} | rows | {"warnings": list(scenario.warnings)}))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(rows["junctions"])))
