@@ -186,7 +186,8 @@ def _pass_mid_life(
     cell = max(cell, _first_at_or_after(positions, born + size) - 1)
     while cell < len(positions) and (positions[cell] - born) * inverse <= 1.0:
         cell += 1
-    if cell == 0 or cell == len(positions) or departure <= born + size:
+    # Which half a place lies in is decided by one expression everywhere, lest rounding call mid-life itself both.
+    if cell == 0 or cell == len(positions) or (departure - born) * inverse <= 1.0:
         return
     if (positions[cell - 1] - born) * inverse > 1.0:
         return
@@ -203,7 +204,7 @@ def _end_early(
     cell = _first_at_or_after(positions, departure)
     if cell == 0 or cell == len(positions) or departure <= born:
         return
-    s = (departure - born) / size
+    s = (departure - born) * (1.0 / size)
     u = max(min(s, 2.0 - s), 0.0)
     weight = scale * (u * u * np.sqrt(u))
     sign = 1.0 if s <= 1.0 else -1.0
