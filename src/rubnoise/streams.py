@@ -27,8 +27,8 @@ class Stream(IntEnum):
 def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:
     """Return the generator of one stream at the beginning of one block.
 
-    Philox 4x64-10 (Salmon et al. 2011, doi:10.1145/2063384.2063405) keyed by (seed, stream), with the block in the third
-    word of its counter: any block's numbers are reached without drawing those before it.
+    Philox 4x64-10 (Salmon et al. 2011, doi:10.1145/2063384.2063405) keyed by (seed, stream), with the block in the
+    third word of its counter: any block's numbers are reached without drawing those before it.
     """
     key = np.array([seed, int(stream)], dtype=np.uint64)
     counter = np.array([0, 0, block, 0], dtype=np.uint64)
