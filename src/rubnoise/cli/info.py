@@ -61,7 +61,7 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
         f"{answer['file']}: {printable(answer['title'])}",
         line("written by", answer["source"]),
         line("from, to", f"{answer['started']}, {answer['finished']}"),
-        line("command", answer["command"]),
+        line("command", answer["command"], whole=True),
         line("seed", str(answer["seed"])),
         line("size", size(answer["bytes"])),
     ]

@@ -20,9 +20,10 @@ UNITS = {
 }
 
 
-def line(label: str, value: str) -> str:
-    """Return one labelled value, indented below its heading, on several lines where it is long."""
-    return _filled(printable(value), f"  {label:<{LABEL_WIDTH}}", " " * (2 + LABEL_WIDTH))
+def line(label: str, value: str, *, whole: bool = False) -> str:
+    """Return one labelled value, indented below its heading; a long one on several lines unless it is kept whole."""
+    head = f"  {label:<{LABEL_WIDTH}}"
+    return head + printable(value) if whole else _filled(printable(value), head, " " * len(head))
 
 
 def remark(text: str) -> str:

@@ -1,0 +1,133 @@
+"""The command line as a user has it: called in this process where that is enough, in one of its own where it is not."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import h5py
+
+from rubnoise.cli.app import main
+from tests.architecture.sources import ROOT
+
+PAPER = ROOT / "scenarios" / "paper"
+
+CONTACT = """\
+format = 1
+title = "a short contact"
+
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 20
+
+[sliding]
+distance = "300 um"
+"""
+WITH_SLIDER = """\
+format = 1
+
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 20
+calibration = "paper"
+
+[diameter]
+law = "normal"
+spread = "0.2 um"
+
+[strength]
+mean = "250 MPa"
+
+[sliding]
+speed = "1 mm/s"
+distance = "300 um"
+
+[slider]
+mass = "5 g"
+stiffness = "300 N/m"
+damping = "0.05 N*s/m"
+
+[output]
+tick = "0.1 um"
+"""
+LONG = ("--set", "sliding.distance=2 m", "--set", "output.tick=1 um")
+"""Changes that make a run last many seconds."""
+LONGEST = ("--set", "sliding.distance=400 m", "--set", "output.tick=10 um")
+"""Changes that make it last minutes to count the births alone."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What a call left: exit code and text on both streams."""
+
+    code: int
+    out: str
+    err: str
+
+    def json(self) -> Any:
+        """Return standard output as the one JSON object that it is."""
+        return json.loads(self.out)
+
+
+def call(*arguments: str | Path) -> Answer:
+    """Call the command line in this process; neither stream is a terminal."""
+    out, err, code = StringIO(), StringIO(), 0
+    with patch.object(sys, "argv", ["rubnoise", *map(str, arguments)]), redirect_stdout(out), redirect_stderr(err):
+        try:
+            main()
+        except SystemExit as left:
+            code = left.code if isinstance(left.code, int) else 0 if left.code is None else 1
+    return Answer(code=code, out=out.getvalue(), err=err.getvalue())
+
+
+def command(*arguments: str | Path) -> list[str]:
+    """Return the words of a call in a process of its own."""
+    return [sys.executable, "-m", "rubnoise", *map(str, arguments)]
+
+
+def spawn(*arguments: str | Path, **environment: str) -> Answer:
+    """Call the command line in a process of its own, with pipes for its streams."""
+    done = subprocess.run(
+        command(*arguments), capture_output=True, text=True, check=False, env=os.environ | environment
+    )
+    return Answer(code=done.returncode, out=done.stdout, err=done.stderr)
+
+
+def begin(*arguments: str | Path, part: Path) -> "subprocess.Popen[str]":
+    """Start a run in a process of its own, and return it when rows are being written to its part file."""
+    run = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    for _ in range(3000):
+        if part.exists():
+            break
+        time.sleep(0.01)
+    assert run.poll() is None, "the run ended before it began"
+    time.sleep(0.3)  # over the opening of the part, into the panels
+    return run
+
+
+def stop(run: "subprocess.Popen[str]", *numbers: signal.Signals) -> tuple[Answer, float]:
+    """Send signals to a run; return its answer and the seconds until it left."""
+    sent = time.monotonic()
+    for number in numbers:
+        run.send_signal(number)
+    out, err = run.communicate(timeout=60)
+    return Answer(code=run.returncode, out=out, err=err), time.monotonic() - sent
+
+
+def columns(path: Path) -> dict[str, bytes]:
+    """Return the bytes of every column of a result."""
+    with h5py.File(path) as file:
+        return {f"{group}/{name}": data[:].tobytes() for group in file for name, data in file[group].items()}
+
+
+def names(folder: Path) -> list[str]:
+    """Return the names of everything in a folder, hidden ones too."""
+    return sorted(entry.name for entry in folder.iterdir())

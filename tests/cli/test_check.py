@@ -1,0 +1,113 @@
+"""`rubnoise check`: what follows from a scenario."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.terminal import PAPER, call, names
+
+SHORT = Path("../given/contact.toml")
+SLIDER = Path("../given/slider.toml")
+
+
+def _value(text: str, label: str) -> str:
+    """Return what stands behind a label."""
+    found = [line for line in text.splitlines() if line.startswith(f"  {label}  ")]
+    assert len(found) == 1, (label, text)
+    return found[0].removeprefix(f"  {label}  ").strip()
+
+
+def test_figure_5_says_what_follows_from_it(here: Path) -> None:
+    answer = call("check", PAPER / "fig5.toml")
+    assert (answer.code, answer.err) == (0, "")
+    assert _value(answer.out, "mean diameter d_m") == "5.530013 um (calibration paper)"
+    assert _value(answer.out, "mean life L_jm") == "11.06003 um"
+    assert _value(answer.out, "mean birth spacing s_jm") == "0.5530013 um"
+    assert _value(answer.out, "junction count") == "mean 20, std 4.472136"
+    assert _value(answer.out, "real contact area") == "mean 204.6736, std 56.42936 um^2"
+    assert _value(answer.out, "friction force") == "mean 51168.4, std 14107.34 uN"
+    assert _value(answer.out, "natural frequency") == "38.98484 Hz"
+    assert _value(answer.out, "damping ratio") == "0.02041241"
+    assert _value(answer.out, "displacement") == "mean 170.5613, std 195.3059 um"
+    assert _value(answer.out, "velocity") == "std 47241.1 um/s"
+    assert _value(answer.out, "one-way validity").startswith("47.2411 ")
+    assert _value(answer.out, "births") == "36,166 expected"
+    assert "  warning: the velocity of the slider spreads by 47.2 times the sliding speed" in answer.out
+    assert "+2.3% off the 200 um^2 asked for" in answer.out
+    assert names(here) == []
+
+
+def test_a_stiff_slider_gets_no_warning(here: Path) -> None:
+    answer = call("check", SLIDER, "--set", "strength.mean=0.1 MPa", "--set", "interface.calibration=matched")
+    assert answer.code == 0
+    assert "one-way validity" in answer.out
+    assert "warning" not in answer.out
+    assert "note" not in answer.out
+
+
+def test_redrawn_diameters_are_noted(here: Path) -> None:
+    answer = call("check", SLIDER, "--set", "diameter.spread=5.530012636 um")
+    assert answer.code == 0
+    flat = " ".join(answer.out.split())
+    assert "redrawing diameters <= 0 puts the mean count +28.8% off the 20 asked for" in flat
+
+
+def test_every_file_is_reported_and_one_broken_file_is_enough_for_a_refusal(here: Path) -> None:
+    (here / "broken.toml").write_text("format = 1\n[interface]\nmean_junction_count = -1\n", encoding="utf-8")
+    answer = call("check", "broken.toml", SHORT, "missing.toml", SLIDER)
+    assert answer.code == 2
+    assert "broken.toml:3: error: interface.mean_junction_count: " in answer.err
+    assert "broken.toml:2: error: interface.mean_real_contact_area: missing" in answer.err
+    assert "missing.toml: cannot be read" in answer.err
+    assert f"{SHORT}: ok\n" in answer.out
+    assert f"{SLIDER}: ok\n" in answer.out
+    told = call("check", "broken.toml", SHORT, "missing.toml", SLIDER, "--json")
+    assert told.code == 2
+    assert sorted(told.json()["scenarios"]) == [str(SHORT), str(SLIDER)]
+    assert sorted(told.json()["refused"]) == ["broken.toml", "missing.toml"]
+
+
+def test_json_holds_the_figures_in_full(here: Path) -> None:
+    answer = call("check", PAPER / "fig5.toml", "--json", "--set", "title=in full")
+    assert (answer.code, answer.err) == (0, "")
+    told = answer.json()["scenarios"][str(PAPER / "fig5.toml")]
+    assert answer.json()["refused"] == {}
+    assert told["title"] == "in full"
+    assert told["calibrated_diameter"] == pytest.approx(5.5300126361, abs=1e-10)
+    assert told["real_contact_area"]["std"] == pytest.approx(56.42936, abs=5e-6)
+    assert told["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
+    assert told["cost"]["ticks"] == 200_001
+    assert len(told["notes"]) == 1
+
+
+def test_doubtful_values_are_told_and_allowed(here: Path) -> None:
+    answer = call("check", SLIDER, "--set", "strength.mean=250 mPa")
+    assert answer.code == 0
+    assert 'did you mean "250 MPa"?' in answer.err
+    quiet = call("check", SLIDER, "--set", "strength.mean=250 mPa", "--json")
+    assert quiet.err == ""
+    assert 'did you mean "250 MPa"?' in quiet.json()["scenarios"][str(SLIDER)]["warnings"][0]
+
+
+@pytest.mark.parametrize("scenario", [SLIDER, SHORT], ids=["with slider", "contact alone"])
+def test_the_size_of_the_file_is_foreseen(here: Path, scenario: Path) -> None:
+    longer = ("--set", "sliding.distance=20 mm")
+    told = call("check", scenario, *longer, "--json").json()["scenarios"][str(scenario)]["cost"]["bytes"]
+    assert call("run", scenario, *longer, "-q", "-o", "x.h5").code == 0
+    assert told == pytest.approx((here / "x.h5").stat().st_size, rel=0.01)
+
+
+def test_a_compressed_file_is_foreseen_before_compression(here: Path) -> None:
+    answer = call("check", SHORT, "--set", "output.compression=gzip")
+    assert _value(answer.out, "file size").endswith("kB before compression")
+
+
+def test_a_speed_too_slow_to_follow_is_refused_by_name(here: Path) -> None:
+    answer = call("check", SLIDER, "--set", "sliding.speed=1e-9 mm/s")
+    assert (answer.code, answer.out) == (2, "")
+    said = answer.err.splitlines()[-1]
+    assert "sliding.speed" in said
+    assert "output.tick" in said
+    assert "1e-06 um/s" in said
+    assert call("run", SLIDER, "--set", "sliding.speed=1e-9 mm/s").code == 2
+    assert names(here) == []

@@ -1,0 +1,123 @@
+"""`rubnoise info`: what is in a result, and one line for whatever is none."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import pytest
+
+from rubnoise import open as open_run
+from tests.cli.terminal import CONTACT, call, names
+from tests.format.runs import describe, random_rows, write_run
+
+SLIDER = Path("../given/slider.toml")
+
+
+@pytest.fixture
+def result(here: Path) -> Path:
+    assert call("run", SLIDER, "--seed", "4", "-q", "-o", "x.h5").code == 0
+    return here / "x.h5"
+
+
+def test_a_result_tells_what_is_in_it(result: Path) -> None:
+    answer = call("info", "x.h5")
+    assert (answer.code, answer.err) == (0, "")
+    lines = answer.out.splitlines()
+    assert lines[0] == "x.h5: x"
+    assert f"  {'command':<30}rubnoise run ../given/slider.toml --seed 4 -q -o x.h5" in lines
+    assert f"  {'seed':<30}4" in lines
+    assert any(line.startswith(f"  {'/trace':<30}3,001 rows: distance, real_contact_area") for line in lines)
+    assert "38.98484 Hz" in answer.out
+    assert "measured beside exact" in lines
+    assert sum(line.startswith("  friction force mean (uN) ") for line in lines) == 1
+
+
+def test_json_is_one_object_and_nothing_else(result: Path) -> None:
+    answer = call("info", "x.h5", "--json")
+    assert (answer.code, answer.err) == (0, "")
+    told = answer.json()
+    assert told["groups"]["slider"]["rows"] == 3001
+    assert told["groups"]["slider"]["columns"] == ["time", "distance", "friction_force", "displacement", "velocity"]
+    assert told["bytes"] == result.stat().st_size
+    area = told["summary"]["real_contact_area_mean"]
+    assert area["z"] == pytest.approx((area["observed"] - area["expected"]) / area["standard_error"])
+
+
+def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) -> None:
+    (here / "base.toml").write_text(CONTACT, encoding="utf-8")
+    (here / "top.toml").write_text(
+        'format = 1\nextends = "base.toml"\n[interface]\nmean_junction_count = 7\n', encoding="utf-8"
+    )
+    assert call("run", "top.toml", "--set", "sliding.distance=80 um", "-q").code == 0
+    (here / "base.toml").unlink()
+    told = call("info", "top.h5", "--json").json()
+    assert told["derived"]["junction_count"]["mean"] == pytest.approx(7.0)
+    assert told["derived"]["mean_life_distance"] == pytest.approx(2.0 * (200.0 / 7.0 * 3.0) ** 0.5)
+    assert "a short contact" in call("info", "top.h5").out
+
+
+def _cut(path: Path, size: int) -> None:
+    with path.open("r+b") as file:
+        file.truncate(size)
+
+
+def _newer(path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        file.attrs.modify("format_version", 99)
+
+
+def _foreign(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        file["x"] = 1.0
+
+
+SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
+    "cut short": (lambda path: _cut(path, path.stat().st_size // 2), "cut short"),
+    "hardly begun": (lambda path: _cut(path, 100), "cut short"),
+    "empty": (lambda path: _cut(path, 0), "is empty"),
+    "newer": (_newer, "has format version 99"),
+    "foreign": (_foreign, "not one of rubnoise"),
+    "text": (lambda path: path.write_text("format = 1"), "is not an HDF5 file"),
+    "missing": (lambda path: path.unlink(), "no such file"),
+}
+
+
+@pytest.mark.parametrize("case", SPOILT)
+def test_a_file_that_is_no_result_gets_one_line(result: Path, case: str) -> None:
+    spoil, said = SPOILT[case]
+    spoil(result)
+    answer = call("info", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("x.h5: ")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_a_folder_is_no_result(here: Path) -> None:
+    answer = call("info", here.parent)
+    assert (answer.code, answer.err) == (2, f"{here.parent}: is not a regular file\n")
+
+
+def test_an_unfinished_file_gets_one_line(here: Path) -> None:
+    description = describe()
+    said = []
+
+    def look() -> None:
+        said.append(call("info", "x.h5.part"))
+
+    write_run("x.h5", description, random_rows(description), meanwhile=look)
+    assert said[0].code == 2
+    assert said[0].out == ""
+    assert said[0].err == "x.h5.part: unfinished; the run that writes it goes on or was stopped\n"
+    assert names(here) == ["x.h5"]
+
+
+def test_what_would_steer_a_terminal_is_escaped(result: Path) -> None:
+    with h5py.File(result, "r+") as file:
+        file.attrs.modify("title", b"\x1b")
+    with open_run(result) as run:
+        assert run.attributes["title"] == "\x1b"
+    answer = call("info", "x.h5")
+    assert answer.code == 0
+    assert answer.out.startswith("x.h5: \\x1b\n")
+    assert "\x1b" not in answer.out

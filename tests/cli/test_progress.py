@@ -1,0 +1,137 @@
+"""What a terminal shows of a run."""
+
+import io
+import os
+import pty
+import re
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numba
+import pytest
+
+from rubnoise.cli.progress import Watcher, announce_compilation
+from rubnoise.simulation import kernels
+from tests.cli.terminal import LONGEST, command
+
+SLIDER = Path("../given/slider.toml")
+LINE = re.compile(
+    r"\r *(?P<share>\d+)%  (?P<reached>[\d.e-]+) of 40 mm  (?P<junctions>[\d,]+) junctions, (?P<live>\d+) alive"
+    r"(?P<rest>  \d+:\d\d to go)?"
+)
+
+
+def _begun(arguments: list[str], environment: dict[str, str]) -> tuple["subprocess.Popen[bytes]", int]:
+    """Start a program on a terminal of its own; return it and our end of that terminal."""
+    ours, theirs = pty.openpty()
+    program = subprocess.Popen(arguments, stdin=theirs, stdout=theirs, stderr=theirs, env=os.environ | environment)
+    os.close(theirs)
+    return program, ours
+
+
+def _read(ours: int) -> bytes:
+    try:
+        return os.read(ours, 65536)
+    except OSError:  # what Linux says when the other end is closed
+        return b""
+
+
+def _shown(arguments: list[str], **environment: str) -> tuple[int, str]:
+    """Return the exit code of a program on a terminal, and all that the terminal got."""
+    program, ours = _begun(arguments, environment)
+    shown = b"".join(iter(lambda: _read(ours), b""))
+    os.close(ours)
+    return program.wait(), shown.decode()
+
+
+def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
+    arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=40 mm")
+    code, first = _shown(arguments, NUMBA_CACHE_DIR=str(tmp_path))
+    assert code == 0
+    assert first.count("Compiling the kernels") == 1
+    code, second = _shown(arguments, NUMBA_CACHE_DIR=str(tmp_path))
+    assert code == 0
+    assert "Compiling" not in second
+    for shown in (first, second):
+        _check_progress(shown)
+    assert "real contact area mean (um^2)" in second
+
+
+def _check_progress(shown: str) -> None:
+    lines = list(LINE.finditer(shown))
+    assert len(lines) >= 3
+    reached = [float(line["reached"]) for line in lines]
+    junctions = [int(line["junctions"].replace(",", "")) for line in lines]
+    assert reached == sorted(reached)
+    assert junctions == sorted(junctions)
+    assert junctions[-1] > 1000.0
+    assert all(0 < int(line["live"]) < 60 for line in lines[1:])
+    assert any(line["rest"] for line in lines)
+    assert all(len(line[0].rstrip()) <= 80 for line in lines)
+
+
+@pytest.mark.parametrize("option", ["-q", "--json"])
+def test_a_terminal_sees_no_progress_where_silence_was_asked_for(here: Path, option: str) -> None:
+    code, shown = _shown(command("run", SLIDER, option, "--set", "strength.mean=0.1 MPa"))
+    assert code == 0
+    assert "alive" not in shown
+    assert "Compiling" not in shown
+    assert shown == "" if option == "-q" else shown.startswith('{"output"')
+
+
+def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(here: Path) -> None:
+    run, ours = _begun(command("run", SLIDER, *LONGEST), {})
+    assert b"counting the births" in _read(ours)
+    time.sleep(0.2)
+    sent = time.monotonic()
+    run.send_signal(signal.SIGINT)
+    shown = b"".join(iter(lambda: _read(ours), b""))
+    os.close(ours)
+    assert run.wait() == 130
+    assert time.monotonic() - sent < 1.0
+    assert b"stopped by a signal" in shown
+    assert list(here.iterdir()) == []
+
+
+def test_compilation_is_announced_where_kernels_are_never_kept(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(kernels, "deposit_areas", numba.njit(kernels.deposit_areas.py_func))
+    announce_compilation()
+    assert capsys.readouterr().err.startswith("Compiling the kernels")
+
+
+class Clock:
+    """A clock that is put forward by hand."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_the_time_to_go_leaves_out_the_first_panel(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, screen = Clock(), io.StringIO()
+    monkeypatch.setattr("rubnoise.cli.progress.time.monotonic", clock)
+    monkeypatch.setattr("sys.stderr", screen)
+    watcher = Watcher(1000.0, shown=True)
+    for seconds, distance in [(0.0, 0.0), (60.0, 100.0), (1.0, 200.0), (1.0, 300.0)]:
+        clock.now += seconds
+        watcher(distance, 10, 3)
+    shown = screen.getvalue().split("\r")
+    assert [text.partition("alive")[2].strip() for text in shown[1:]] == ["", "", "0:08 to go", "0:07 to go"]
+    assert "0.3 of 1 mm" in shown[-1]
+
+
+def test_an_hour_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, screen = Clock(), io.StringIO()
+    monkeypatch.setattr("rubnoise.cli.progress.time.monotonic", clock)
+    monkeypatch.setattr("sys.stderr", screen)
+    watcher = Watcher(1000.0, shown=True)
+    for seconds, distance in [(0.0, 0.0), (1.0, 1.0), (10.0, 2.0)]:
+        clock.now += seconds
+        watcher(distance, 10, 3)
+    assert screen.getvalue().endswith("alive  2:46:20 to go")

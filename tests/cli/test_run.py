@@ -1,0 +1,178 @@
+"""`rubnoise run`: what it writes, what it prints, what it leaves alone."""
+
+from pathlib import Path
+
+import h5py
+import pytest
+
+from tests.cli.terminal import CONTACT, call, columns, names, spawn
+
+SHORT = Path("../given/contact.toml")
+SLIDER = Path("../given/slider.toml")
+
+
+def test_the_result_bears_the_name_of_the_scenario_in_the_current_folder(here: Path) -> None:
+    answer = call("run", SHORT)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith("contact.h5: ")
+    assert names(here) == ["contact.h5"]
+
+
+def test_a_run_in_a_process_of_its_own_says_nothing_on_stderr_when_nothing_is_wrong(here: Path) -> None:
+    answer = spawn("run", SHORT, "-o", "x.h5")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith("x.h5: ")
+    assert names(here) == ["x.h5"]
+
+
+def test_no_line_is_wider_than_a_terminal(here: Path) -> None:
+    printed = [call("run", SLIDER).out, call("info", "slider.h5").out, call("check", SLIDER).out]
+    assert max(len(line) for text in printed for line in text.splitlines()) <= 80
+
+
+def test_the_seed_is_the_one_of_the_file_option_or_setting(here: Path) -> None:
+    (here / "seven.toml").write_text(CONTACT + "[run]\nseed = 7\n", encoding="utf-8")
+    for output, arguments in {
+        "file.h5": ("seven.toml",),
+        "option.h5": (SHORT, "--seed", "7"),
+        "setting.h5": (SHORT, "--set", "run.seed=7"),
+        "other.h5": (SHORT,),
+    }.items():
+        assert call("run", *arguments, "-o", output).code == 0
+    seven = columns(here / "file.h5")
+    assert seven == columns(here / "option.h5") == columns(here / "setting.h5")
+    assert seven["junctions/diameter"] != b""
+    assert seven["trace/real_contact_area"] != columns(here / "other.h5")["trace/real_contact_area"]
+
+
+def test_settings_are_numbers_quoted_texts_or_plain_texts(here: Path) -> None:
+    settings = ["interface.mean_junction_count=5", 'sliding.distance="50 um"', "output.tick=1 um", "title=set by hand"]
+    assert call("run", SHORT, *(word for text in settings for word in ("--set", text))).code == 0
+    with h5py.File(here / "contact.h5") as file:
+        assert file["trace/distance"][:].tolist() == list(range(51))
+        assert file.attrs["title"] == b"set by hand"
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("sliding.distnce=2 mm", "did you mean distance?"),
+        ("sliding.distance=2", "a number without a unit"),
+        ("interface.mean_junction_count=true", "interface.mean_junction_count: "),
+        ("run.engine=evnts", 'did you mean "events"?'),
+        ("run.engine=batch", "available: events"),
+        ("nonsense", "KEY=VALUE"),
+    ],
+)
+def test_a_wrong_setting_is_refused_by_its_name(here: Path, setting: str, said: str) -> None:
+    answer = call("run", SHORT, "--set", setting)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"--set {setting.partition('=')[0]}: error: ")
+    assert said in answer.err
+    assert names(here) == []
+
+
+def test_the_engine_is_events(here: Path) -> None:
+    assert call("run", SHORT, "--engine", "events").code == 0
+    answer = call("run", SHORT, "--engine", "evnts", "--force")
+    assert answer.code == 2
+    assert 'did you mean "events"?' in answer.err
+
+
+def test_an_existing_result_is_refused_and_untouched(here: Path) -> None:
+    (here / "contact.h5").write_bytes(b"precious")
+    answer = call("run", SHORT)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.endswith("contact.h5: exists already (--force replaces it)\n")
+    assert (here / "contact.h5").read_bytes() == b"precious"
+    assert names(here) == ["contact.h5"]
+    assert call("run", SHORT, "--force").code == 0
+    assert columns(here / "contact.h5")["junctions/diameter"]
+
+
+def test_a_dry_run_writes_nothing_and_refuses_what_a_run_would(here: Path) -> None:
+    answer = call("run", SHORT, "--dry-run")
+    assert (answer.code, answer.err) == (0, "")
+    assert "nothing written" in answer.out
+    foreseen = call("run", SHORT, "--dry-run", "--json").json()
+    assert call("run", SHORT, "--dry-run", "-q").out == ""
+    assert names(here) == []
+    call("run", SHORT)
+    with h5py.File(here / "contact.h5") as file:
+        assert foreseen["junctions"] == file["junctions/diameter"].size
+        assert foreseen["ticks"] == file["trace/distance"].size
+    assert call("run", SHORT, "--dry-run").code == 2
+
+
+def test_json_is_one_object_and_nothing_else(here: Path) -> None:
+    answer = spawn("run", SLIDER, "--json", "--seed", "3")
+    assert (answer.code, answer.err) == (0, "")
+    told = answer.json()
+    assert (told["output"], told["seed"], told["ticks"]) == ("slider.h5", 3, 3001)
+    assert told["bytes"] == (here / "slider.h5").stat().st_size
+    assert told["summary"]["real_contact_area_mean"]["expected"] == pytest.approx(204.6736, abs=5e-5)
+    assert "one-way coupling" in told["warnings"][0]
+
+
+def test_quiet_is_silent(here: Path) -> None:
+    answer = spawn("run", SLIDER, "-q")
+    assert (answer.code, answer.out, answer.err) == (0, "", "")
+    assert names(here) == ["slider.h5"]
+
+
+def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
+    told = call("run", SLIDER)
+    assert told.code == 0
+    assert "warning: the velocity of the slider spreads by" in told.err
+    assert call("run", SLIDER, "-q", "--force").err == ""
+    slow = call("run", SLIDER, "--force", "--set", "strength.mean=0.1 MPa")
+    assert (slow.code, slow.err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "bad.toml: cannot be read: no such file or directory"),
+        (b"", "bad.toml:1: error: format: missing"),
+        (b'title = "\xff"\n', "bad.toml:1: error: not UTF-8 text"),
+        (CONTACT.encode() + b"[sweep]\nreplicates = 4\n", "sweep: not available"),
+        (CONTACT.encode().replace(b"300 um", b"300 um^2"), "bad.toml:9: error: sliding.distance: "),
+    ],
+    ids=["missing", "empty", "not UTF-8", "a sweep", "a wrong unit"],
+)
+def test_a_scenario_that_is_none_is_refused_and_nothing_written(here: Path, content: bytes | None, said: str) -> None:
+    scenario = here.parent / "given" / "bad.toml"
+    if content is not None:
+        scenario.write_bytes(content)
+    answer = call("run", scenario)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert "Traceback" not in answer.err
+    assert names(here) == []
+
+
+def test_a_folder_is_no_scenario(here: Path) -> None:
+    answer = call("run", "..")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "..: cannot be read: is a directory\n"
+
+
+@pytest.mark.parametrize(
+    ("output", "said"),
+    [("missing/x.h5", "no such folder"), ("../given", "is not a regular file"), ("/dev/null", "is not a regular file")],
+)
+def test_an_output_that_cannot_be_is_refused(here: Path, output: str, said: str) -> None:
+    answer = call("run", SHORT, "-o", output, "--force")
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+    assert names(here) == []
+
+
+@pytest.mark.parametrize(
+    "arguments", [(), ("--seed", "1.5"), ("--bogus",)], ids=["no file", "half a seed", "no option"]
+)
+def test_wrong_usage_is_refused(here: Path, arguments: tuple[str, ...]) -> None:
+    answer = call("run", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert "Usage: rubnoise run" in answer.err

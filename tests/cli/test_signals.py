@@ -1,0 +1,69 @@
+"""A signal in the middle of a long run: gone within a second, and nothing left of it."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rubnoise.cli.progress import SIGNALS, watching
+from rubnoise.errors import RunStopped
+from tests.cli.terminal import LONG, begin, call, names, stop
+
+SLIDER = Path("../given/slider.toml")
+TWICE = """
+import signal
+from rubnoise.cli.progress import watching
+with watching(1.0, shown=False) as watcher:
+    watcher(0.0, 0, 0)
+    signal.raise_signal(signal.SIGINT)
+    print("one", flush=True)
+    signal.raise_signal(signal.{second})
+    print("two", flush=True)
+"""
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_stops_a_run_and_an_older_result_stays(here: Path, number: signal.Signals, code: int) -> None:
+    assert call("run", SLIDER, "-o", "short.h5", "-q").code == 0  # no kernel is left to be compiled
+    (here / "x.h5").write_bytes(b"precious")
+    run = begin("run", SLIDER, "-o", "x.h5", "--force", *LONG, part=here / "x.h5.part")
+    answer, seconds = stop(run, number)
+    assert (answer.code, answer.out) == (code, "")
+    assert answer.err == "stopped by a signal; nothing was kept\n"
+    assert seconds < 1.0
+    assert (here / "x.h5").read_bytes() == b"precious"
+    assert names(here) == ["short.h5", "x.h5"]
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_is_obeyed_when_the_run_next_asks(number: signal.Signals) -> None:
+    with watching(100.0, shown=False) as watcher:
+        watcher(0.0, 0, 0)
+        signal.raise_signal(number)
+        with pytest.raises(RunStopped) as stopped:
+            watcher(50.0, 100, 20)
+    assert stopped.value.exit_code == 128 + number
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> None:
+    with watching(100.0, shown=False), pytest.raises(RunStopped):
+        signal.raise_signal(number)
+
+
+def test_what_was_done_about_signals_before_is_done_again_after() -> None:
+    before = [signal.getsignal(number) for number in SIGNALS]
+    with watching(100.0, shown=False) as watcher:
+        watcher(0.0, 0, 0)
+        assert [signal.getsignal(number) for number in SIGNALS] != before
+        signal.raise_signal(signal.SIGINT)
+    assert [signal.getsignal(number) for number in SIGNALS] == before
+
+
+@pytest.mark.parametrize("second", SIGNALS)
+def test_the_second_signal_leaves_at_once(second: signal.Signals) -> None:
+    program = TWICE.format(second=second.name)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (-second, "one\n"), done.stderr
