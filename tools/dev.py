@@ -1,4 +1,4 @@
-"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test` or `lint`.
+"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint` or `sync`.
 
 The first call makes `.venv` and installs what the command needs; later calls find it there (tools/bootstrap.py).
 Nothing but Python 3.11 or newer and its pip, or venv with ensurepip, is needed; nothing is written outside `.venv`.
@@ -20,12 +20,13 @@ from bootstrap import PROGRAM, PYTHON, ROOT, SetupFailed, set_up
 if TYPE_CHECKING:
     from typing import NoReturn
 
-LOCKS = {"run": ("run",), "test": ("run", "test"), "lint": ("run", "test")}
+LOCKS = {"run": ("run",), "test": ("run", "test"), "lint": ("run", "test"), "sync": ("run", "test")}
 USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 
   run [ARGUMENTS]    rubnoise run, with every argument passed on (try: run --help)
   test [ARGUMENTS]   the tests, with every argument passed on to pytest
   lint               ruff and mypy
+  sync               only install, what tests, pictures and tables need too
 """
 
 
@@ -39,7 +40,7 @@ def main(arguments: list[str]) -> int:
     signal.signal(signal.SIGTERM, _terminated)
     try:
         set_up(LOCKS[command])
-        return {"run": run, "test": test, "lint": lint}[command](rest)
+        return {"run": run, "test": test, "lint": lint, "sync": sync}[command](rest)
     except SetupFailed as problem:
         print(f"dev.py: {problem}", file=sys.stderr)
         return 1
@@ -73,6 +74,14 @@ def lint(arguments: list[str]) -> int:
         return 2
     checks = (["ruff", "check"], ["ruff", "format", "--check"], ["mypy"])
     return max([min(1, subprocess.call([str(PYTHON), "-m", *check], cwd=ROOT)) for check in checks])
+
+
+def sync(arguments: list[str]) -> int:
+    """Be content with what has been set up, so that `.venv/bin/rubnoise` can draw and export as well."""
+    if arguments:
+        print("dev.py: sync takes no arguments", file=sys.stderr)
+        return 2
+    return 0
 
 
 if __name__ == "__main__":

@@ -54,6 +54,14 @@ def test_a_run_installs_its_own_lock_only(sandbox: Sandbox) -> None:
     assert {f"--editable={sandbox.folder}", "--no-deps", "--no-build-isolation"} <= set(project)
 
 
+def test_sync_installs_everything_and_runs_nothing(sandbox: Sandbox) -> None:
+    code, output, _ = sandbox.dev("sync")
+    packages = sandbox.pip_calls()[0]["arguments"]
+    assert [Path(word).name for word in packages if word.startswith("--requirement")] == ["run.lock", "test.lock"]
+    assert (code, output) == (0, "")
+    assert sandbox.dev("sync", "more")[0] == 2
+
+
 def test_tests_need_both_locks_and_a_run_is_content_with_them(sandbox: Sandbox) -> None:
     sandbox.dev("lint")
     packages = sandbox.pip_calls()[0]["arguments"]
