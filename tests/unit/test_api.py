@@ -1,0 +1,178 @@
+"""The Python interface, used as a person would."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.contact.overlap import junction_area
+from rubnoise.errors import OutputRefused, RunFileRefused, RunStopped, ScenarioRefused
+from rubnoise.record.rows import JunctionState
+from rubnoise.scenario import build
+from tests.cli.terminal import CONTACT, WITH_SLIDER, names
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Any:
+    file = tmp_path / "given.toml"
+    file.write_text(WITH_SLIDER, encoding="utf-8")
+    return rubnoise.load(file)
+
+
+@pytest.fixture
+def contact(tmp_path: Path) -> Any:
+    file = tmp_path / "contact.toml"
+    file.write_text(CONTACT, encoding="utf-8")
+    return rubnoise.load(file)
+
+
+def test_a_scenario_is_loaded_with_changes(tmp_path: Path) -> None:
+    file = tmp_path / "given.toml"
+    file.write_text(WITH_SLIDER, encoding="utf-8")
+    assert rubnoise.load(str(file), ["run.seed=9"]).run.seed == 9
+    with pytest.raises(ScenarioRefused, match="did you mean seed"):
+        rubnoise.load(file, ["run.sed=9"])
+
+
+def test_a_run_in_memory_is_the_run_in_the_file(scenario: Any, tmp_path: Path) -> None:
+    record = rubnoise.simulate(scenario)
+    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
+        groups = {name: columns for name, columns in run.groups().items() if name != "life_curve"}
+        assert {name: set(columns.names) for name, columns in groups.items()} == {
+            name: set(columns) for name, columns in record.groups.items()
+        }
+        for name, columns in groups.items():
+            for column in columns.names:
+                assert columns[column].dtype == record[name][column].dtype
+                assert columns[column].tobytes() == record[name][column].tobytes(), (name, column)
+
+
+def test_a_file_is_opened_and_closed(scenario: Any, tmp_path: Path) -> None:
+    rubnoise.run(scenario, tmp_path / "x.h5").close()
+    run = rubnoise.open(tmp_path / "x.h5")
+    with run as same:
+        assert same is run
+        assert len(run.trace) == len(run.slider) == 3001
+        assert run.trace.names == ("distance", "real_contact_area", "junction_count", "friction_force")
+        assert run.trace["distance"][[0, 1, -1]].tolist() == [0.0, 0.1, 300.0]
+        assert run.attributes["title"] == "x"
+    with pytest.raises(ValueError, match=r"x\.h5: the run file is closed"):
+        run.trace["distance"]
+
+
+def test_a_junction_is_the_overlap_of_two_circles(scenario: Any, tmp_path: Path) -> None:
+    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
+        junction = run.junction(40)
+        assert junction.number == 40
+        assert junction.state == JunctionState.COMPLETE
+        assert junction.birth_distance == run.junctions["birth_distance"][40] > 0.0
+        assert junction.birth_time == pytest.approx(junction.birth_distance / 1000.0)
+        assert junction.shear_strength == 250.0
+        born, died = junction.birth_distance, junction.death_distance
+        inside = np.linspace(born, died, 51)[:-1].reshape(5, 10)
+        area = junction.area(inside)
+        assert area.shape == (5, 10)
+        np.testing.assert_array_equal(area, junction_area(inside - born, junction.diameter))
+        assert junction.area([born - 1.0, born - 1e-9, died, died + 1.0]).tolist() == [0.0] * 4
+        assert junction.area(born + junction.diameter) == pytest.approx(junction.max_area, rel=1e-14)
+
+
+def test_the_trace_is_the_sum_of_the_junctions(scenario: Any, tmp_path: Path) -> None:
+    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
+        total = sum(run.junction(n).area(run.trace["distance"]) for n in range(len(run.junctions)))
+        np.testing.assert_allclose(total, run.trace["real_contact_area"], rtol=0, atol=1e-9)
+
+
+def test_what_is_not_there_is_named(contact: Any, tmp_path: Path) -> None:
+    with rubnoise.run(contact, tmp_path / "x.h5") as run:
+        rows = len(run.junctions)
+        for number in (-1, rows):
+            with pytest.raises(IndexError, match=rf"junction {number}: the run has junctions 0 to {rows - 1}"):
+                run.junction(number)
+        with pytest.raises(KeyError, match="/trace has no column 'force'; it has distance, real_contact_area"):
+            run.trace["force"]
+        with pytest.raises(KeyError, match="the run has no slider"):
+            _ = run.slider
+        assert run.junction(0).shear_strength is None
+        assert run.junction(0).birth_time is None
+    with pytest.raises(RunFileRefused, match=r"nothing\.h5: no such file"):
+        rubnoise.open(tmp_path / "nothing.h5")
+
+
+def test_the_scenario_of_a_run_runs_again_to_the_same_bits(scenario: Any, tmp_path: Path) -> None:
+    with rubnoise.run(scenario, tmp_path / "x.h5", seed=77) as run:
+        again = run.scenario
+        area = run.trace["real_contact_area"]
+        assert run.provenance["seed"] == again.run.seed == 77
+    assert again.model() == scenario.model()
+    assert again.resolved() == scenario.resolved() | {"run": {"seed": 77, "engine": "events"}}
+    assert rubnoise.simulate(again)["trace"]["real_contact_area"].tobytes() == area.tobytes()
+
+
+def test_another_seed_is_another_run(contact: Any) -> None:
+    first, same, other = (rubnoise.simulate(contact, seed=seed) for seed in (1, None, 2))
+    assert first["junctions"]["diameter"].size > 20
+    assert first["trace"]["real_contact_area"].tobytes() == same["trace"]["real_contact_area"].tobytes()
+    assert first["trace"]["real_contact_area"].tobytes() != other["trace"]["real_contact_area"].tobytes()
+
+
+@pytest.mark.parametrize("seed", [-1, 2**53])
+def test_a_seed_that_is_none_is_refused(contact: Any, tmp_path: Path, seed: int) -> None:
+    with pytest.raises(ScenarioRefused, match=rf"run\.seed: {seed} is not from 0 to"):
+        rubnoise.simulate(contact, seed=seed)
+    with pytest.raises(ScenarioRefused, match=r"run\.seed"):
+        rubnoise.run(contact, tmp_path / "x.h5", seed=seed)
+    assert names(tmp_path) == ["contact.toml"]
+
+
+def test_an_existing_file_is_kept_unless_forced(contact: Any, tmp_path: Path) -> None:
+    rubnoise.run(contact, tmp_path / "x.h5").close()
+    before = (tmp_path / "x.h5").read_bytes()
+    with pytest.raises(OutputRefused, match="exists already"):
+        rubnoise.run(contact, tmp_path / "x.h5", seed=2)
+    assert (tmp_path / "x.h5").read_bytes() == before
+    with rubnoise.run(contact, tmp_path / "x.h5", seed=2, force=True) as run:
+        assert run.provenance["seed"] == 2
+
+
+def test_a_watcher_is_told_from_the_start_and_may_stop_the_run(contact: Any, tmp_path: Path) -> None:
+    told: list[tuple[float, int, int]] = []
+    created: list[list[str]] = []
+
+    def watch(distance: float, junctions: int, live: int) -> None:
+        told.append((distance, junctions, live))
+        created.append(names(tmp_path))
+        if distance > 0.0:
+            raise RunStopped(2)
+
+    with pytest.raises(RunStopped):
+        rubnoise.run(contact, tmp_path / "x.h5", watch=watch)
+    assert told[0] == (0.0, 0, 0)
+    assert created[0] == ["contact.toml"]
+    assert told[1][0] > 0.0
+    assert "x.h5.part" in created[1]
+    assert names(tmp_path) == ["contact.toml"]
+
+
+def test_theory_and_summary_speak_of_the_same_values(scenario: Any, tmp_path: Path) -> None:
+    theory = rubnoise.exact(scenario)
+    assert theory.area.mean == pytest.approx(204.6736, abs=5e-5)
+    assert theory.area.std == pytest.approx(56.42936, abs=5e-6)
+    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
+        figures = {figure.name: figure for figure in run.summary}
+        assert figures["real_contact_area_mean"].expected == theory.area.mean
+        assert figures["real_contact_area_mean"].observed == pytest.approx(run.trace["real_contact_area"].mean())
+
+
+def test_a_scenario_of_python_values_is_run_and_kept(tmp_path: Path) -> None:
+    values = {
+        "format": 1,
+        "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
+        "sliding": {"distance": 50.0},
+    }
+    with rubnoise.run(build(values), tmp_path / "by_hand.h5", command=["by", "hand"]) as run:
+        assert run.provenance["command"] == "by hand"
+        assert run.attributes["title"] == "by_hand"
+        assert run.scenario.model() == build(values).model()
