@@ -37,13 +37,13 @@ class Column:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:
-    """Columns of equal length; the first is their dimension scale, ``plotted`` the ones a viewer shows first."""
+    """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it."""
 
     name: str
     long_name: str
     length: Literal["junctions", "ticks", "curve"]
     columns: tuple[Column, ...]
-    plotted: tuple[str, ...]
+    plotted: str
     needs: Feature | None = None
 
 
@@ -51,7 +51,7 @@ JUNCTIONS: Final = Group(
     name="junctions",
     long_name="whole life of every junction, in order of birth",
     length="junctions",
-    plotted=("diameter",),
+    plotted="diameter",
     columns=(
         Column(name="junction", dtype="<i8", units="1", symbol="j", long_name="row number of the junction"),
         Column(name="birth_distance", units="um", symbol="s_birth", long_name="sliding distance at first touch"),
@@ -83,7 +83,7 @@ TRACE: Final = Group(
     name="trace",
     long_name="the contact at every tick of sliding distance",
     length="ticks",
-    plotted=("real_contact_area", "junction_count", "friction_force"),
+    plotted="real_contact_area",
     columns=(
         Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
         Column(name="real_contact_area", units="um^2", symbol="A_r", long_name="real contact area"),
@@ -97,7 +97,7 @@ SLIDER: Final = Group(
     long_name="motion of the slider, uniform in time",
     length="ticks",
     needs="slider",
-    plotted=("displacement", "velocity", "friction_force"),
+    plotted="displacement",
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time"),
         Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
@@ -111,7 +111,7 @@ LIFE_CURVE: Final = Group(
     name="life_curve",
     long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
     length="curve",
-    plotted=("area_fraction",),
+    plotted="area_fraction",
     columns=(
         Column(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
         Column(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),

@@ -101,7 +101,7 @@ def _compose_group(file: h5py.File, group: Group, features: frozenset[Feature], 
     scale.make_scale(columns[0].name)
     for dataset in rest:
         dataset.dims[0].attach_scale(scale)
-    _describe_group(owner, group, [column.name for column in columns])
+    _describe_group(owner, group, columns[0].name)
     for column, dataset in zip(columns, datasets, strict=True):
         _describe_column(dataset, column)
 
@@ -129,15 +129,16 @@ def _create_dataset(owner: h5py.Group, column: Column, rows: int, *, compressed:
     return h5py.Dataset(h5py.h5d.create(owner.id, column.name.encode(), kind, space, creation))
 
 
-def _describe_group(owner: h5py.Group, group: Group, names: Sequence[str]) -> None:
-    """Say what the group is, and in NeXus terms what to plot against what."""
-    signal, *others = [name for name in group.plotted if name in names]
+def _describe_group(owner: h5py.Group, group: Group, scale: str) -> None:
+    """Say what the group is, and in NeXus terms what to plot against what.
+
+    One column only: viewers draw auxiliary signals on the axis of the first, where a force of 5e4 uN hides an area of
+    200 um^2.
+    """
     put_text(owner, "long_name", group.long_name)
     put_text(owner, "NX_class", "NXdata")
-    put_text(owner, "signal", signal)
-    _put_texts(owner, "axes", [names[0]])
-    if others:
-        _put_texts(owner, "auxiliary_signals", others)
+    put_text(owner, "signal", group.plotted)
+    _put_texts(owner, "axes", [scale])
 
 
 def _describe_column(dataset: h5py.Dataset, column: Column) -> None:
