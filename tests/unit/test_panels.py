@@ -1,0 +1,86 @@
+"""Panels cover every tick once, whatever the block and however large they may be."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rubnoise.model import Model
+from rubnoise.simulation import panels as module
+from rubnoise.simulation.draws import BlockBirths, start
+from rubnoise.simulation.panels import LARGEST_PANEL, Panel, panels
+from rubnoise.simulation.state import State
+from tests.models import bare
+
+
+def block_up_to(next_birth: float) -> BlockBirths:
+    none = np.empty(0)
+    return BlockBirths(birth=none, gaps=none, diameter=none, strength=none, next_birth=next_birth)
+
+
+def covered(run: Model, begin: State, next_birth: float, cells: int = 1) -> list[int]:
+    return [
+        tick for panel in panels(run, begin, block_up_to(next_birth), cells) for tick in range(panel.first, panel.end)
+    ]
+
+
+RUN = bare(distance=10.0, tick=0.1)
+BEGIN = start(RUN, 1)
+
+
+def test_a_block_owns_the_ticks_before_the_next_birth() -> None:
+    assert covered(RUN, BEGIN, 2.05) == list(range(21))
+    assert covered(RUN, BEGIN, 2.0) == list(range(20))  # a tick at the birth itself sees the newborn
+    assert covered(RUN, BEGIN, np.nextafter(2.0, 3.0)) == list(range(21))
+    assert covered(RUN, BEGIN, 0.0) == []
+
+
+def test_the_last_block_ends_the_run() -> None:
+    assert covered(RUN, BEGIN, 11.0) == list(range(101))
+    assert covered(RUN, BEGIN, np.nextafter(10.0, 11.0)) == list(range(101))
+    assert covered(RUN, BEGIN, 10.0) == list(range(100))
+
+
+def test_a_birth_after_the_last_tick_but_within_the_run_ends_nothing_early() -> None:
+    run = bare(distance=10.05, tick=0.1)
+    assert covered(run, start(run, 1), 10.04) == list(range(101))
+
+
+def test_a_block_begins_where_the_one_before_ended() -> None:
+    assert covered(RUN, replace(BEGIN, ticks=21), 5.05) == list(range(21, 51))
+    assert covered(RUN, replace(BEGIN, ticks=21), 2.08) == []
+
+
+@pytest.mark.parametrize("tick", [0.1, 0.3, 1.0 / 3.0, 1e-3, 7.7])
+def test_ticks_and_births_are_told_apart_to_the_last_bit(tick: float) -> None:
+    """The distance of a tick is i * tick as a float, not what i * tick would be in exact arithmetic."""
+    run = replace(RUN, distance=1e6 * tick, tick=tick, tick_count=1_000_000)
+    for i in (1, 3, 7, 999, 123_457):
+        at = float(i) * tick
+        for birth, last in ((np.nextafter(at, 0.0), i - 1), (at, i - 1), (np.nextafter(at, np.inf), i)):
+            found = list(panels(run, BEGIN, block_up_to(float(birth)), 1))
+            assert found[-1].end - 1 == last
+
+
+@pytest.mark.parametrize("cells", [1, 4, 64, 2 * LARGEST_PANEL])
+def test_panels_are_no_larger_than_allowed_and_cover_all(monkeypatch: pytest.MonkeyPatch, cells: int) -> None:
+    monkeypatch.setattr(module, "LARGEST_PANEL", 128)
+    assert covered(RUN, BEGIN, 11.0, cells) == list(range(101))
+    sizes = [panel.end - panel.first for panel in panels(RUN, BEGIN, block_up_to(11.0), cells)]
+    assert max(sizes) == min(max(128 // cells, 1), 101)
+
+
+@pytest.mark.parametrize("cells", [1, 2, 8, 512])
+def test_edges_of_cells_hold_the_ticks_to_the_bit(cells: int) -> None:
+    panel = Panel(first=37, end=90, tick=0.1)
+    edges = panel.positions(cells)
+    assert edges.size == 53 * cells + 1
+    assert np.array_equal(edges[cells::cells], panel.distance)
+    assert edges[0] == 36 * 0.1
+    assert np.all(np.diff(edges) > 0.0)
+
+
+def test_the_first_panel_has_no_cell_before_its_first_tick() -> None:
+    panel = Panel(first=0, end=4, tick=0.5)
+    assert panel.positions(2).tolist() == [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5]
+    assert panel.last_distance == 1.5
