@@ -7,19 +7,19 @@ from io import TextIOWrapper
 import typer
 from typer import Typer
 
-from rubnoise.cli import check, info, run, schema
+from rubnoise.cli import check, info, new, run, schema
 from rubnoise.errors import RubnoiseError
 
 app = Typer(
     name="rubnoise",
     help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 app.command("run")(run.command)
 app.command("check")(check.command)
 app.command("info")(info.command)
+app.command("new")(new.command)
 app.command("schema")(schema.command)
 
 

@@ -1,0 +1,83 @@
+"""A scenario to begin with: every key of this version with its meaning, written from the keys themselves."""
+
+import json
+from collections.abc import Iterator
+from textwrap import wrap
+from typing import Any, Final
+
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from rubnoise.scenario.document import Document, Section
+from rubnoise.scenario.fields import Choice
+from rubnoise.scenario.keys import SECTIONS
+
+WIDTH: Final = 100
+HEADING: Final = """\
+# A rubnoise scenario: TOML. Values with a unit are texts, numbers without one are numbers.
+# A line that begins with # does nothing; take the # away to set an optional key. Every value that is
+# set and not called needed is the default, and its line may go."""
+EXTENDS: Final = "A scenario file to build on, relative to this one; what is set here is set on top."
+
+SAMPLES: Final[dict[tuple[str, str], str | float]] = {
+    ("interface", "mean_real_contact_area"): "200 um^2",
+    ("interface", "mean_junction_count"): 20,
+    ("diameter", "spread"): "0.2 um",
+    ("strength", "mean"): "250 MPa",
+    ("sliding", "distance"): "40 mm",
+    ("sliding", "speed"): "1 mm/s",
+    ("slider", "mass"): "5 g",
+    ("slider", "stiffness"): "300 N/m",
+    ("slider", "damping"): "0.05 N*s/m",
+    ("slider", "damping_ratio"): 0.02,
+    ("output", "tick"): "0.05 um",
+}
+"""A sensible value for every key that has no default: the contact of the paper's Figure 5."""
+
+REMARKS: Final[dict[tuple[str, str], str]] = {
+    ("diameter", "spread"): 'Only with law = "normal".',
+    ("slider", "damping_ratio"): "In place of damping.",
+}
+
+
+def template() -> str:
+    """Return the text of a scenario that runs as it is, with everything optional beside it as comments."""
+    lines = [HEADING, *_key("format", 1, Document.model_fields["format"])]
+    lines += [*_comment(EXTENDS), '#extends = "base.toml"']
+    lines += _key("title", "", Document.model_fields["title"])
+    for name, section in SECTIONS.items():
+        lines += ["", *_table(name, section)]
+    return "\n".join(lines) + "\n"
+
+
+def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
+    """Yield a table; one that may be left out is a comment as a whole."""
+    optional = Document.model_fields[name].default is None
+    text = " ".join((section.__doc__ or "").split())
+    yield from _comment(f"{text} Optional, as a whole." if optional else text)
+    yield f"{'#' if optional else ''}[{name}]"
+    for key, about in section.model_fields.items():
+        value = _value(name, key, about)
+        yield from _key(key, value, about, off=optional or about.default is None, remark=REMARKS.get((name, key), ""))
+
+
+def _value(table: str, key: str, about: FieldInfo) -> Any:
+    given = about.default not in (None, PydanticUndefined)
+    return about.default if given else SAMPLES[table, key]
+
+
+def _key(key: str, value: Any, about: FieldInfo, *, off: bool = False, remark: str = "") -> Iterator[str]:
+    need = "Needed." if about.is_required() else ""
+    yield from _comment(" ".join(filter(None, (about.description, _choices(about), need, remark))))
+    yield f"{'#' if off else ''}{key} = {json.dumps(value, ensure_ascii=False)}"
+
+
+def _choices(about: FieldInfo) -> str:
+    """Return the words that a choice offers, where its description does not name them all."""
+    words = next((each.available for each in about.metadata if isinstance(each, Choice)), ())
+    missing = [word for word in words if word not in (about.description or "")]
+    return f"One of {', '.join(words)}." if missing else ""
+
+
+def _comment(text: str) -> list[str]:
+    return [f"# {line}" for line in wrap(text, WIDTH - 2, break_long_words=False, break_on_hyphens=False)]

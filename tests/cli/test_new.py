@@ -1,0 +1,86 @@
+"""`rubnoise new`: a template that runs as it is, names every key, and replaces nothing."""
+
+import os
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from rubnoise.scenario import loads
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.template import template
+from tests.cli.terminal import call, names
+
+OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
+ELSEWHERE = ("extends", "damping_ratio")  # one needs another file, the other excludes damping
+
+
+def _everything() -> str:
+    """Return the template with every optional key set."""
+    lines = [line for line in template().splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
+    return OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"')
+
+
+def test_the_template_is_written_checked_and_run(here: Path) -> None:
+    made = call("new", "contact.toml")
+    assert (made.code, made.err) == (0, "")
+    assert "rubnoise check contact.toml" in made.out
+    assert names(here) == ["contact.toml"]
+    checked = call("check", "contact.toml")
+    assert (checked.code, checked.err) == (0, "")
+    assert call("run", "contact.toml", "--set", "sliding.distance=100 um").code == 0
+
+
+def test_what_is_set_beside_what_is_needed_is_the_default() -> None:
+    bare = (
+        'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
+        '[sliding]\ndistance = "40 mm"\n'
+    )
+    assert loads(template()).resolved() == loads(bare).resolved()
+
+
+def test_every_key_is_there_with_its_meaning() -> None:
+    keys = tomllib.loads(OPTIONAL.sub("", template()))
+    assert {name: set(keys[name]) for name in SECTIONS} == {
+        name: set(section.model_fields) for name, section in SECTIONS.items()
+    }
+    flat = " ".join(template().replace("\n#", "").split())
+    for section in SECTIONS.values():
+        for about in section.model_fields.values():
+            assert about.description
+            assert " ".join(about.description.split()) in flat
+
+
+def test_every_optional_key_may_be_set() -> None:
+    scenario = loads(_everything())
+    assert scenario.slider is not None
+    assert scenario.warnings == ()
+    ratio = _everything().replace('damping = "0.05 N*s/m"', "damping_ratio = 0.02")
+    assert loads(ratio).model().slider != scenario.model().slider
+
+
+def test_an_existing_file_is_left_alone(here: Path) -> None:
+    (here / "mine.toml").write_text("precious", encoding="utf-8")
+    answer = call("new", "mine.toml")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "mine.toml: exists already, and is left as it is; choose another name\n"
+    assert (here / "mine.toml").read_text(encoding="utf-8") == "precious"
+
+
+def test_a_dangling_link_is_left_alone(here: Path) -> None:
+    (here / "link.toml").symlink_to("elsewhere.toml")
+    assert call("new", "link.toml").code == 2
+    assert names(here) == ["link.toml"]
+
+
+def test_a_missing_folder_is_named(here: Path) -> None:
+    answer = call("new", "nowhere/mine.toml")
+    assert (answer.code, answer.err) == (2, "nowhere: no such folder\n")
+    assert names(here) == []
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_is_not_writable_is_refused(here: Path) -> None:
+    here.chmod(0o500)
+    assert call("new", "mine.toml").code == 2
