@@ -1,0 +1,141 @@
+"""Every block of docs/reading.md, run as it stands by the tool it is for, finds the junction that the page shows.
+
+A tool that is not installed is skipped by name; MATLAB's block is run by Octave, with stand-ins for two functions.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import h5py
+import pytest
+
+from tests.reading.page import blocks, printed_row
+
+JUNCTION = 17
+AREA_AT_3_UM = 10.39759
+FOUND = ("birth_distance", "death_distance", "diameter", "max_area")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+MATLAB_STAND_INS = Path(__file__).parent / "matlab"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reader:
+    """How a block is run, whether that is possible here, and what to install where it is not."""
+
+    command: tuple[str, ...]
+    is_there: Callable[[], bool]
+    install: str
+
+
+def _python(*packages: str) -> Reader:
+    return Reader(
+        command=(sys.executable, "-W", "error", "-c"),
+        is_there=lambda: all(find_spec(package) for package in packages),
+        install=f"pip install {' '.join(packages)}",
+    )
+
+
+def _octave(*options: str) -> Reader:
+    return Reader(
+        command=("octave-cli", "--quiet", "--norc", *options, "--eval"),
+        is_there=lambda: shutil.which("octave-cli") is not None,
+        install="apt install octave",
+    )
+
+
+def _r(package: str, debian: str) -> Reader:
+    return Reader(command=("Rscript", "-e"), is_there=lambda: _has_r(package), install=f"apt install {debian}")
+
+
+@cache
+def _has_r(package: str) -> bool:
+    asked = ("Rscript", "-e", f"stopifnot(requireNamespace('{package}'))")
+    return (
+        shutil.which("Rscript") is not None and not subprocess.run(asked, capture_output=True, check=False).returncode
+    )
+
+
+READERS = {
+    "h5py": _python("h5py"),
+    "xarray": _python("xarray", "h5netcdf"),
+    "pandas": _python("h5py", "pandas"),
+    "polars": _python("h5py", "polars"),
+    "Octave": _octave(),
+    "MATLAB": _octave("--path", str(MATLAB_STAND_INS)),
+    "R": _r("rhdf5", "r-bioc-rhdf5"),
+    "R 2": _r("hdf5r", "r-cran-hdf5r"),
+    "h5dump": Reader(
+        command=("sh", "-ec"), is_there=lambda: shutil.which("h5dump") is not None, install="apt install hdf5-tools"
+    ),
+}
+AREA_READERS = {
+    "Its area at any distance": READERS["h5py"],
+    "Its area at any distance 2": READERS["Octave"],
+    "Its area at any distance 3": READERS["R"],
+}
+
+
+def _numbers(reader: Reader, code: str, folder: Path) -> list[float]:
+    """Run a block in a folder and return every number it prints."""
+    if not reader.is_there():
+        pytest.skip(f"{reader.command[0]} cannot run this block: {reader.install}")
+    done = subprocess.run(
+        [*reader.command, code],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "LC_ALL": "C.UTF-8"},
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return [float(number) for number in NUMBER.findall(done.stdout)]
+
+
+def _holds(printed: list[float], wanted: float) -> bool:
+    """Return whether a number was printed, to the five digits that Octave shows."""
+    return any(abs(number - wanted) <= 5e-5 * abs(wanted) for number in printed)
+
+
+def _row(folder: Path, number: int) -> dict[str, float]:
+    with h5py.File(folder / "fig5.h5") as file:
+        return {name: column[number].item() for name, column in file["junctions"].items()}
+
+
+def test_every_block_of_the_page_has_its_reader() -> None:
+    assert set(blocks()) == READERS.keys() | AREA_READERS.keys()
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_reader_finds_the_junction(name: str, folder: Path) -> None:
+    printed = _numbers(READERS[name], blocks()[name][1], folder)
+    row, neighbour = _row(folder, JUNCTION), _row(folder, JUNCTION + 1)
+    assert [column for column in FOUND if not _holds(printed, row[column])] == []
+    assert not all(_holds(printed, neighbour[column]) for column in FOUND)
+
+
+@pytest.mark.parametrize("name", AREA_READERS)
+def test_a_reader_finds_its_area(name: str, folder: Path) -> None:
+    printed = _numbers(AREA_READERS[name], blocks()[name][1], folder)
+    assert _holds(printed, AREA_AT_3_UM)
+
+
+def test_the_page_shows_the_numbers_of_the_file(folder: Path) -> None:
+    shown, row = printed_row(), _row(folder, JUNCTION)
+    assert shown.keys() == row.keys() - {"junction"}
+    with h5py.File(folder / "fig5.h5") as file:
+        for name, (unit, value) in shown.items():
+            assert value == pytest.approx(row[name], rel=1e-6)
+            assert unit == file["junctions"][name].attrs["units"].decode()
+
+
+@pytest.mark.parametrize("name", [name for name in READERS if name != "h5dump"])
+def test_a_block_is_five_lines_of_code_at_most(name: str) -> None:
+    assert len([line for line in blocks()[name][1].splitlines() if line.strip()]) <= 5
