@@ -99,10 +99,12 @@ def test_the_promise_holds_for_every_speed_and_damping(name: str, speed: str) ->
         sliding(0.02, count=0.5, distance=300.0, tick=0.5, speed=100.0),
         sliding(0.02, count=200.0, distance=4.0, tick=0.02, speed=100.0),
         sliding(0.02, count=5.0, distance=30.0, tick=1.0, speed=300.0),
+        sliding(200.0, distance=12.0, tick=0.05, speed=300.0),
+        sliding(1.0, distance=12.0, tick=0.2, speed=10.0),
     ],
-    ids=["few", "many", "long ticks"],
+    ids=["few", "many", "long ticks", "far over-damped", "follows the force"],
 )
-def test_the_promise_holds_for_few_and_many_junctions_and_long_ticks(run: Model) -> None:
+def test_the_promise_holds_for_other_counts_ticks_and_sliders(run: Model) -> None:
     record = recorded(run, seed_of("counts"))
     assert difference(record, reference(run, record)) < PROMISED
 

@@ -9,6 +9,9 @@ TARGET = 3e-10
 """Error aimed at, relative to the largest displacement, by a rule that is an envelope: the median is 5 times less."""
 
 COEFFICIENT = 8e-4
+VELOCITY_SHARE = 0.3
+"""Weight of the velocity's error, relative to the largest velocity: 1e-9 is enough for it."""
+
 WIDEST_CELL = 0.25
 MOST_CELLS = 4096
 
@@ -20,7 +23,8 @@ def cells_per_tick(model: Model) -> int:
     err = 8e-4 / sqrt(N_jm) q min(r h, 6)^3.5, with q the cell over d_m and r h the rate of a mode of the slider times
     the cell's time. The power laws are those of the third moment at a mid-life kink; the coefficient is an envelope
     over some 11 500 measured cases. The fast mode of an over-damped slider counts by sqrt(r_slow / r_fast): its share
-    in the displacement is r_slow / r_fast, in the velocity 1.
+    in the displacement is r_slow / r_fast. In the velocity it is 1; and where the slider follows the force,
+    r_slow d_m > V, its largest velocity is smaller by r_slow h / q, so that the relative error is larger by as much.
     Raises Refused where more than 4096 cells would be needed.
     """
     if model.slider is None or model.tick_duration is None:
@@ -49,6 +53,7 @@ def _error(model: Model, slider: Slider, cells: int) -> float:
     steepness = max(
         min(slow * duration, 6.0) ** 3.5,
         (slow / fast) ** 0.5 * min(fast * duration, 6.0) ** 3.5,
+        VELOCITY_SHARE * max(1.0, slow * duration / width) * min(fast * duration, 6.0) ** 3.5,
     )
     return COEFFICIENT / model.mean_junction_count**0.5 * width * steepness
 
