@@ -1,0 +1,55 @@
+"""Hashes of every column of a run of some 10 000 rows: the bits that a stream version stands for.
+
+`python -m tests.golden.hashes` prints them, in the environment it is called in; with --write it makes them the golden
+ones of the present stream version.
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import xxhash
+
+from rubnoise.contact.calibration import Spread
+from rubnoise.model import Model
+from rubnoise.streams import STREAM_VERSION
+from tests.models import model, recorded
+
+SEED = 20_240_229
+GOLDEN = Path(__file__).parent / f"stream_{STREAM_VERSION}.json"
+RUNS: dict[str, Model] = {
+    "figure 5": model(distance=5_500.0, tick=0.1),
+    "wide sizes, slow, from empty": model(
+        spread=Spread(absolute=4.0), distance=300.0, tick=0.5, speed=20.0, start="empty"
+    ),
+    "matched, relative spread, few": model(
+        count=2.0, calibration="matched", spread=Spread(relative=0.2), distance=3_000.0, tick=1.0
+    ),
+}
+
+
+def hashes() -> dict[str, dict[str, str]]:
+    """Return the xxh3_128 of each column, little-endian, by run and by group/column."""
+    return {name: columns_of(run) for name, run in RUNS.items()}
+
+
+def columns_of(run: Model) -> dict[str, str]:
+    groups = recorded(run, SEED).groups
+    return {
+        f"{group}/{column}": xxhash.xxh3_128_hexdigest(little_endian(values).tobytes())
+        for group, columns in groups.items()
+        for column, values in columns.items()
+    }
+
+
+def little_endian(values: np.ndarray) -> np.ndarray:
+    return values.astype(values.dtype.newbyteorder("<"))
+
+
+if __name__ == "__main__":
+    text = json.dumps(hashes(), indent=1) + "\n"
+    if "--write" in sys.argv:
+        GOLDEN.write_text(text, encoding="utf-8")
+    else:
+        sys.stdout.write(text)

@@ -1,0 +1,30 @@
+"""A seed stands for the same bits on every processor and with every version of the libraries."""
+
+import json
+
+import pytest
+
+from rubnoise.streams import STREAM_VERSION
+from tests.golden.hashes import GOLDEN, RUNS, SEED, columns_of
+from tests.models import contents, recorded
+
+EXPECTED = json.loads(GOLDEN.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_column_has_its_golden_bits(name: str) -> None:
+    assert columns_of(RUNS[name]) == EXPECTED[name]
+
+
+def test_the_runs_are_long_enough_to_pass_blocks_and_draw_from_every_stream() -> None:
+    assert STREAM_VERSION == 1
+    assert recorded(RUNS["figure 5"], SEED).extent.junctions > 9_500
+    assert recorded(RUNS["wide sizes, slow, from empty"], SEED).extent.junctions > 300
+
+
+def test_one_bit_changes_a_hash() -> None:
+    record = recorded(RUNS["figure 5"], SEED)
+    before = contents(record)
+    record["trace"]["real_contact_area"].view("u8")[77] ^= 1
+    changed = [column for column, data in contents(record).items() if data != before[column]]
+    assert changed == [("trace", "real_contact_area")]
