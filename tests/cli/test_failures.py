@@ -48,7 +48,10 @@ def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, mon
 
 def test_a_reader_that_leaves_early_is_no_failure_worth_a_traceback(here: Path) -> None:
     assert call("run", SHORT).code == 0
-    shown = subprocess.Popen(command("info", "contact.h5"), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    environment = {name: text for name, text in os.environ.items() if name != "PYTHONUNBUFFERED"}
+    shown = subprocess.Popen(
+        command("info", "contact.h5"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+    )
     assert shown.stdout is not None
     shown.stdout.close()
     _, said = shown.communicate(timeout=60)

@@ -7,10 +7,11 @@ import sys
 import pytest
 
 import rubnoise
+from rubnoise.cli.app import app
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 
-COMMANDS = ("run", "check", "info", "schema")
+COMMANDS = tuple(str(command.name) for command in app.registered_commands)
 # Newer versions of typer load pydantic themselves when they build a command.
 HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'pint', 'simpy', 'matplotlib', 'mpmath', 'xarray', 'rubnoise.scenario'}"
 LOADED = f"""

@@ -114,6 +114,17 @@ def test_json_is_one_object_and_nothing_else(here: Path) -> None:
     assert "one-way coupling" in told["warnings"][0]
 
 
+def test_json_holds_the_warnings_that_others_get_on_stderr(here: Path) -> None:
+    weak = ("--set", "strength.mean=250 mPa")
+    assert 'did you mean "250 MPa"?' in call("run", SLIDER, *weak).err
+    for answer in (
+        call("run", SLIDER, *weak, "--json", "--force"),
+        call("run", SLIDER, *weak, "--json", "--dry-run", "--force"),
+    ):
+        assert (answer.code, answer.err) == (0, "")
+        assert 'did you mean "250 MPa"?' in answer.json()["warnings"][0]
+
+
 def test_quiet_is_silent(here: Path) -> None:
     answer = spawn("run", SLIDER, "-q")
     assert (answer.code, answer.out, answer.err) == (0, "", "")

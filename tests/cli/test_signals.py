@@ -54,12 +54,18 @@ def test_a_signal_before_the_start_is_obeyed_at_once(number: signal.Signals) -> 
 
 
 def test_what_was_done_about_signals_before_is_done_again_after() -> None:
-    before = [signal.getsignal(number) for number in SIGNALS]
-    with watching(100.0, shown=False) as watcher:
-        watcher(0.0, 0, 0)
-        assert [signal.getsignal(number) for number in SIGNALS] != before
-        signal.raise_signal(signal.SIGINT)
-    assert [signal.getsignal(number) for number in SIGNALS] == before
+    def mine(*_: object) -> None:
+        raise AssertionError
+
+    before = {number: signal.signal(number, mine) for number in SIGNALS}
+    try:
+        with watching(100.0, shown=False) as watcher:
+            watcher(0.0, 0, 0)
+            signal.raise_signal(signal.SIGINT)
+        assert [signal.getsignal(number) for number in SIGNALS] == [mine, mine]
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @pytest.mark.parametrize("second", SIGNALS)
