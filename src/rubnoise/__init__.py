@@ -4,10 +4,47 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rubnoise.api import exact, load, open, run, simulate  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api import (
+        Agreement,
+        Column,
+        Columns,
+        Exact,
+        Junction,
+        JunctionState,
+        Record,
+        Refused,
+        RubnoiseError,
+        Run,
+        Scenario,
+        build,
+        exact,
+        load,
+        open,  # noqa: A004  (rubnoise.open reads like h5py.File)
+        run,
+        simulate,
+    )
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "exact", "load", "open", "run", "simulate"]
+__all__ = [
+    "Agreement",
+    "Column",
+    "Columns",
+    "Exact",
+    "Junction",
+    "JunctionState",
+    "Record",
+    "Refused",
+    "RubnoiseError",
+    "Run",
+    "Scenario",
+    "__version__",
+    "build",
+    "exact",
+    "load",
+    "open",
+    "run",
+    "simulate",
+]
 
 
 def __getattr__(name: str) -> object:

@@ -1,5 +1,8 @@
 """Everything rubnoise refuses or fails at, each with the exit code the command line returns for it."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class RubnoiseError(Exception):
     """A failure that is reported as one clear text, without a traceback; exit code 1."""
@@ -25,6 +28,10 @@ class RunFileRefused(Refused):
     """A result file that is missing, foreign, damaged or of a newer format."""
 
 
+class ExtraMissing(Refused):
+    """An optional library that something asked for needs and that is not installed."""
+
+
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
     """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it."""
 
@@ -36,3 +43,13 @@ class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no
     def __str__(self) -> str:
         """Say that nothing was kept."""
         return "stopped by a signal; nothing was kept"
+
+
+@contextmanager
+def needing(extra: str, purpose: str) -> Iterator[None]:
+    """Turn a library that cannot be imported here into ExtraMissing, which says how to install its extra."""
+    try:
+        yield
+    except ModuleNotFoundError as problem:
+        library = (problem.name or "a library").partition(".")[0]
+        raise ExtraMissing(f'{purpose} needs {library}: python -m pip install "rubnoise[{extra}]"') from problem

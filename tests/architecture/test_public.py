@@ -46,7 +46,7 @@ def test_every_public_name_is_there_and_documented(name: str) -> None:
 
 
 def test_public_names_are_listed() -> None:
-    assert {"load", "simulate", "run", "open", "exact", "__version__"} <= set(dir(rubnoise))
+    assert {"build", "load", "simulate", "run", "open", "exact", "__version__"} <= set(dir(rubnoise))
 
 
 def test_an_unknown_name_is_refused_as_by_any_module() -> None:

@@ -86,7 +86,7 @@ def test_a_file_holds_what_memory_holds(tmp_path: Path, name: str) -> None:
         assert names == {group: set(columns) for group, columns in record.groups.items()}
         for group, columns in record.groups.items():
             for column, values in columns.items():
-                assert run.groups()[group][column].tobytes() == values.tobytes()
+                assert run.groups()[group][column][:].tobytes() == values.tobytes()
         assert run.scenario.model() == given.model()
         assert all(np.isfinite(figure.observed) for figure in run.summary)
     with h5py.File(path, "r") as file:

@@ -52,7 +52,7 @@ class RunFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], file: h5py.File) -> None:
-        self._path = path
+        self.path = Path(path)
         self._file = file
         _check_format(file)
         self.features: frozenset[Feature] = _features(file)
@@ -76,6 +76,11 @@ class RunFile:
     def columns(self) -> Mapping[str, tuple[str, ...]]:
         """Names of the columns in each group, the dimension scale first."""
         return {group: tuple(datasets) for group, datasets in self._datasets.items()}
+
+    @property
+    def closed(self) -> bool:
+        """Whether the file was closed."""
+        return not self._file
 
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
@@ -127,8 +132,8 @@ class RunFile:
     @contextmanager
     def _reading(self) -> Iterator[None]:
         if not self._file:
-            raise ValueError(f"{self._path}: the run file is closed")
-        with _refusing(self._path):
+            raise ValueError(f"{self.path}: the run file is closed")
+        with _refusing(self.path):
             yield
 
     def _is_intact(self, group: str, name: str) -> bool:

@@ -1,0 +1,42 @@
+"""One junction of a result."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.contact.overlap import junction_area
+from rubnoise.record.rows import JunctionState
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Junction:
+    """One junction's row: distances in um, area in um^2; times in s and strength in MPa where the run has them.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     junction = run.junction(17)
+    >>> middle = junction.birth_distance + junction.diameter
+    >>> bool(np.isclose(junction.area(middle), junction.max_area))
+    True
+    """
+
+    number: int
+    birth_distance: float
+    death_distance: float
+    life_distance: float
+    diameter: float
+    max_area: float
+    state: JunctionState
+    shear_strength: float | None = None
+    birth_time: float | None = None
+    death_time: float | None = None
+
+    def area(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
+
+        A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2), x = |d - (s - birth_distance)| (paper Eq. 2).
+        """
+        s = np.asarray(distance, dtype=np.float64)
+        alive = (self.birth_distance <= s) & (s < self.death_distance)
+        return np.where(alive, junction_area(s - self.birth_distance, self.diameter), 0.0)

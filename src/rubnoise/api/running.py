@@ -1,0 +1,114 @@
+"""Runs of scenarios: into memory, into a file; and what theory says about them."""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from rubnoise.analysis.summary import summarise
+from rubnoise.api.record import Record
+from rubnoise.api.result import Run
+from rubnoise.api.result import open as open_result
+from rubnoise.errors import ScenarioRefused
+from rubnoise.record.sink import Tee
+from rubnoise.record.tally import Tally
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.limits import SEED_END
+from rubnoise.simulation.block import Watch
+from rubnoise.simulation.run import extent, slider_constants
+from rubnoise.simulation.run import simulate as run_events
+from rubnoise.storage.layout import RunDescription, features_of
+from rubnoise.storage.output import check_output
+from rubnoise.storage.provenance import gather
+from rubnoise.storage.writer import RunWriter
+from rubnoise.theory.exact import Exact
+from rubnoise.theory.exact import exact as exact_of_model
+
+
+def simulate(scenario: Scenario, seed: int | None = None) -> Record:
+    """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``.
+
+    ``seed`` replaces that of the scenario; raises ScenarioRefused where it is none.
+    """
+    scenario = _seeded(scenario, seed)
+    model, seed = scenario.model(), scenario.run.seed
+    record = Record(extent(model, seed))
+    run_events(model, seed, record)
+    return record
+
+
+def run(
+    scenario: Scenario,
+    path: str | os.PathLike[str],
+    *,
+    seed: int | None = None,
+    force: bool = False,
+    command: Sequence[str] | None = None,
+    watch: Watch | None = None,
+) -> Run:
+    """Run a scenario into a result file and open it.
+
+    ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
+    ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
+    after each panel. Raises OutputRefused before anything is created, ScenarioRefused for a seed that is none.
+    """
+    check_output(path, force=force)
+    scenario = _seeded(scenario, seed)
+    model = scenario.model()
+    description = _description(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+    if watch is not None:
+        watch(0.0, 0, 0)
+    tally = Tally()
+    with RunWriter(path, description, force=force) as writer:
+        run_events(model, scenario.run.seed, Tee((writer, tally)), watch=watch)
+        figures: dict[str, float | int | str] = {}
+        for figure in summarise(model, tally):
+            figures |= figure.as_attributes()
+        writer.publish(figures)
+    return open_result(path)
+
+
+def exact(scenario: Scenario) -> Exact:
+    """Return what theory says about a scenario: moments of area, count and force, the slider's response."""
+    return exact_of_model(scenario.model())
+
+
+def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
+    """Return the scenario with another seed, so that what is kept of it says what was run."""
+    if seed is None:
+        return scenario
+    if not 0 <= seed < SEED_END:
+        raise ScenarioRefused(f"run.seed: {seed} is not from 0 to {SEED_END - 1}")
+    return replace(scenario, run=scenario.run.model_copy(update={"seed": seed}))
+
+
+def _description(scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str]) -> RunDescription:
+    model, seed = scenario.model(), scenario.run.seed
+    return RunDescription(
+        title=scenario.title or Path(path).stem,
+        extent=extent(model, seed),
+        features=features_of(model),
+        compression="gzip" if scenario.output.compression == "gzip" else "none",
+        scenario_toml=scenario.text,
+        scenario_resolved=scenario.resolved(),
+        provenance=gather(
+            seed=seed,
+            calibrated_diameter=model.calibrated_diameter,
+            propagator_constants=_named_constants(scenario),
+            command=command,
+        ),
+    )
+
+
+def _named_constants(scenario: Scenario) -> dict[str, float]:
+    constants = slider_constants(scenario.model())
+    if constants is None:
+        return {}
+    named = {"cells_per_tick": float(constants.cells_per_tick)}
+    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
+        for (row, column), value in np.ndenumerate(matrix):
+            named[f"{name}_{row}{column}"] = float(value)
+    return named

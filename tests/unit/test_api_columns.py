@@ -1,0 +1,186 @@
+"""Columns of a result: arrays to look at, read as far as they are looked at."""
+
+import sys
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import rubnoise
+from rubnoise.api import columns as module
+from rubnoise.errors import ExtraMissing
+from rubnoise.storage.schema import TRACE
+from tests.format.runs import describe, random_rows, write_run
+
+AREA = TRACE.columns[1]
+ROWS = 1000
+STOPS = (None, 0, 9, -1, -2000, 1000, 5000)
+STEPS = (None, 1, 2, 63, 64, 65, 700, -1, -3, -100)
+VALUES = np.random.default_rng(1).normal(size=ROWS)
+
+
+class Source:
+    """Rows that remember how many of them were read."""
+
+    def __init__(self, values: NDArray[Any] = VALUES) -> None:
+        self.values = values
+        self.read = 0
+        self.most = 0
+
+    def __call__(self, start: int, stop: int) -> NDArray[Any]:
+        assert 0 <= start <= stop <= self.values.size
+        self.read += stop - start
+        self.most = max(self.most, stop - start)
+        return self.values[start:stop].copy()
+
+
+@pytest.fixture(autouse=True)
+def small_panels(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "PANEL_ROWS", 64)
+    monkeypatch.setattr(module.Column.panels, "__defaults__", (64,))
+
+
+@pytest.fixture
+def source() -> Source:
+    return Source()
+
+
+@pytest.fixture
+def column(source: Source) -> rubnoise.Column:
+    return rubnoise.Column(AREA, ROWS, source)
+
+
+@pytest.mark.parametrize("start", [None, 0, 7, -3, -1001, 999, 1000, 5000])
+def test_slices_are_those_of_an_array(column: rubnoise.Column, start: int | None) -> None:
+    for stop, step in product(STOPS, STEPS):
+        where = slice(start, stop, step)
+        found, wanted = column[where], VALUES[where]
+        assert found.dtype == wanted.dtype
+        np.testing.assert_array_equal(found, wanted, err_msg=str(where))
+
+
+@pytest.mark.parametrize(
+    ("where", "rows"),
+    [
+        (slice(100), 100),
+        (slice(-5, None), 5),
+        (17, 1),
+        (-1, 1),
+        (np.int64(3), 1),
+        (slice(None, None, 500), 2),
+        (slice(None, 64, 9), 64),
+        ([4, -996, 4, 8], 5),
+        (slice(5, 5), 0),
+        ([], 0),
+        ((), ROWS),
+    ],
+)
+def test_no_more_is_read_than_holds_what_was_asked_for(
+    column: rubnoise.Column, source: Source, where: Any, rows: int
+) -> None:
+    np.testing.assert_array_equal(column[where], VALUES[where])
+    assert source.read == rows
+
+
+def test_a_mask_picks_rows(column: rubnoise.Column) -> None:
+    np.testing.assert_array_equal(column[column > 1.0], VALUES[VALUES > 1.0])
+
+
+@pytest.mark.parametrize("where", [1000, -1001, [0, 1000], [-1001]])
+def test_rows_there_are_none_of_are_refused(column: rubnoise.Column, where: Any) -> None:
+    with pytest.raises(IndexError, match="real_contact_area has 1000 rows"):
+        column[where]
+
+
+@pytest.mark.parametrize("where", ["0", 1.5, [0.0]])
+def test_what_is_no_row_number_is_refused(column: rubnoise.Column, where: Any) -> None:
+    with pytest.raises(IndexError, match="numbered 0 to 999"):
+        column[where]
+
+
+def test_whole_column_figures_are_those_of_the_array_in_panels(column: rubnoise.Column, source: Source) -> None:
+    assert column.mean() == pytest.approx(VALUES.mean(), rel=1e-12)
+    assert column.std() == pytest.approx(VALUES.std(), rel=1e-12)
+    assert (column.min(), column.max()) == (VALUES.min(), VALUES.max())
+    assert list(column) == VALUES.tolist()
+    assert source.most == 64
+
+
+def test_without_rows_there_is_no_mean(source: Source) -> None:
+    empty = rubnoise.Column(AREA, 0, Source(VALUES[:0]))
+    assert np.isnan([empty.mean(), empty.std()]).all()
+    assert (len(empty), empty[:].size, list(empty)) == (0, 0, [])
+    with pytest.raises(ValueError, match="empty"):
+        empty.max()
+
+
+def test_numpy_takes_a_column_for_an_array(column: rubnoise.Column) -> None:
+    assert (column.shape, column.size, column.ndim, column.dtype) == ((ROWS,), ROWS, 1, VALUES.dtype)
+    np.testing.assert_array_equal(np.asarray(column), VALUES)
+    assert np.asarray(column, dtype=np.float32).dtype == np.float32
+    np.testing.assert_array_equal(2.0 * column - column / 4.0, 2.0 * VALUES - VALUES / 4.0)
+    np.testing.assert_array_equal(np.concatenate([column, column]), np.tile(VALUES, 2))
+    assert np.mean(column) == VALUES.mean()
+    assert np.interp(0.5, np.arange(2), column[:2]) == VALUES[:2].mean()
+    assert (column == VALUES).all()
+    with pytest.raises(ValueError, match="no array to share"):
+        np.asarray(column, copy=False)
+    with pytest.raises(TypeError):
+        np.add(VALUES, VALUES, out=column)
+
+
+def test_looking_at_a_column_reads_four_rows(column: rubnoise.Column, source: Source) -> None:
+    shown = repr(column)
+    assert shown.startswith("<real_contact_area (um^2), 1,000 rows of float64: 0.345584 0.821618 0.330437 ... ")
+    assert source.read == 4
+
+
+def test_a_short_column_is_shown_whole() -> None:
+    assert repr(rubnoise.Column(AREA, 2, Source(np.array([1.0, 2.5])))).endswith("2 rows of float64: 1 2.5>")
+
+
+def test_groups_show_names_units_and_meaning(tmp_path: Path) -> None:
+    description = describe()
+    write_run(tmp_path / "x.h5", description, random_rows(description))
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        assert "/trace: the contact at every tick of sliding distance, 11 rows" in repr(run.trace)
+        assert "  real_contact_area  um^2   real contact area" in repr(run.trace)
+        assert repr(run).startswith(f"{tmp_path / 'x.h5'}: a small run of µm\n  .junctions ")
+        assert (next(iter(run.trace)), len(run.trace), "nonsense" in run.trace) == ("distance", 11, False)
+        assert set(dict(run.trace)) == set(run.trace.names)
+        area = run.trace["real_contact_area"]
+    assert repr(run).endswith("x.h5: a run, closed")
+    assert repr(area).endswith("closed>")
+
+
+def test_a_record_in_memory_has_the_same_face(tmp_path: Path) -> None:
+    scenario = rubnoise.build(
+        {
+            "format": 1,
+            "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
+            "sliding": {"distance": 50.0},
+        }
+    )
+    record = rubnoise.simulate(scenario)
+    with rubnoise.run(scenario, tmp_path / "x.h5") as run:
+        assert repr(record.trace) == repr(run.trace)
+        assert record.junction(3) == run.junction(3)
+        assert record.to_pandas()["trace"].equals(run.trace.to_pandas())
+    np.testing.assert_array_equal(record.trace["distance"], record["trace"]["distance"])
+    assert repr(record).startswith("a run in memory\n/junctions: ")
+    with pytest.raises(KeyError, match="no slider"):
+        _ = record.slider
+
+
+@pytest.mark.parametrize(("library", "method"), [("xarray", "to_xarray"), ("pandas", "to_pandas")])
+def test_a_missing_library_is_named_with_its_extra(
+    column: rubnoise.Column, monkeypatch: pytest.MonkeyPatch, library: str, method: str
+) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    monkeypatch.delitem(sys.modules, "rubnoise.api.labelled", raising=False)
+    monkeypatch.delattr("rubnoise.api.labelled", raising=False)
+    with pytest.raises(ExtraMissing, match=rf'{method} needs {library}: python -m pip install "rubnoise\[analysis\]"'):
+        getattr(rubnoise.Columns(TRACE, {AREA.name: column}), method)()
