@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation import area, kernels
+from rubnoise.simulation.cells import cells_per_tick, narrow
 from tests.models import FIG5_SLIDER, model, recorded
 from tests.oracle import dop853_slider, theta_slider
 from tests.oracle.oscillator import Motion, Oscillator
@@ -121,15 +122,18 @@ def test_junctions_that_end_early_act_until_then() -> None:
     assert difference(record, reference(run, recorded(run, seed))) > 1e-3
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_a_junction_may_end_at_mid_life_itself(seed: int) -> None:
+@pytest.mark.parametrize("speed", [1000.0, 20.0])  # at the second, cells are too narrow for differences of integrals
+@pytest.mark.parametrize("seed", range(6))
+def test_a_junction_may_end_at_mid_life_itself(seed: int, speed: float) -> None:
     """Which half it ends in is a matter of rounding there, and must not matter."""
-    run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.25)
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.25, speed=speed)
+    assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)
     rows = rows_of(recorded(run, seed))
     middle = rows.birth + rows.diameter
     when = {number: float(middle[number]) for number in np.flatnonzero((middle > 0.0) & (middle < 25.0))}
     record = recorded(run, seed, intervene=ends(when))
-    assert difference(record, reference(run, record)) < PROMISED
+    # Every force here ends in a jump, steeper than the kinks that cells are made for: some 1e-9 in the velocity.
+    assert difference(record, reference(run, record)) < 1e-8
 
 
 def test_a_first_order_hold_would_be_worse_than_1e_6() -> None:
