@@ -10,10 +10,6 @@ from typing import Any
 from simpy import Environment, Event, Process
 from simpy.events import ProcessGenerator
 
-_BEGINNING = Event(Environment())
-_BEGINNING._ok, _BEGINNING._value = True, None
-"""What a generator is sent to begin with: an event that has happened, of nobody's queue."""
-
 
 class PromptProcess(Process):
     """A process that runs to its first ``yield`` at once, within the event that makes it."""
@@ -23,8 +19,19 @@ class PromptProcess(Process):
         self.env = env
         self.callbacks = []
         self._generator = generator
-        maker = env._active_proc
-        self._resume(_BEGINNING)
+        maker, env._active_proc = env._active_proc, self
+        try:
+            awaited = generator.send(None)
+        except StopIteration as stop:
+            self._end(True, stop.value)
+        except BaseException as error:  # noqa: BLE001  (the failure belongs to whoever waits for the process)
+            self._end(False, error)
+        else:
+            if awaited.callbacks is None:
+                self._resume(awaited)
+            else:
+                awaited.callbacks.append(self._resume)
+                self._target = awaited
         env._active_proc = maker
 
     def _resume(self, event: Event) -> None:
