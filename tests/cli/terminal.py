@@ -122,6 +122,11 @@ def stop(run: "subprocess.Popen[str]", *numbers: signal.Signals) -> tuple[Answer
     return Answer(code=run.returncode, out=out, err=err), time.monotonic() - sent
 
 
+def a_second() -> float:
+    """Return a second, or as much longer as a machine with more to do than processors takes for a second's work."""
+    return max(1.0, 2.0 * os.getloadavg()[0] / (os.cpu_count() or 1))
+
+
 def columns(path: Path) -> dict[str, bytes]:
     """Return the bytes of every column of a result."""
     with h5py.File(path) as file:
