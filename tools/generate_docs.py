@@ -1,0 +1,144 @@
+"""Write the generated parts of the documentation: `python tools/generate_docs.py [--check]`, with rubnoise installed.
+
+A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from rubnoise.scenario.document import Document
+from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.limits import TITLE_CHARACTERS
+from rubnoise.storage.schema import GROUPS, Column, Feature, Group
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+PAGES = ("data-format.md", "scenarios.md")
+PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
+ROWS = {"junctions": "one a junction", "ticks": "one a tick", "curve": "one a point of the curve"}
+NEEDS: dict[Feature | None, str] = {
+    None: "always",
+    "speed": "with `sliding.speed`",
+    "strength": "with `[strength]`",
+    "slider": "with `[slider]`",
+}
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the pages, or with --check only name those that are out of date; 1 where there are any."""
+    stale = [page for page in PAGES if (text := read(page)) != generated(text)]
+    for page in stale:
+        if "--check" not in arguments:
+            (DOCS / page).write_text(generated(read(page)), encoding="utf-8")
+        print(f"docs/{page}", "is out of date" if "--check" in arguments else "written")
+    return int(bool(stale) and "--check" in arguments)
+
+
+def read(page: str) -> str:
+    """Return the text of a page as it stands."""
+    return (DOCS / page).read_text(encoding="utf-8")
+
+
+def generated(text: str) -> str:
+    """Return the text of a page with every generated part made anew; raises KeyError for a part that nothing makes."""
+    return PART.sub(lambda found: found[1] + found[2] + "\n" + "\n".join(PARTS[found[1]]()).rstrip() + "\n\n", text)
+
+
+def columns() -> Iterator[str]:
+    """Yield a section for each group of a result file."""
+    for group in GROUPS:
+        yield from _group(group)
+
+
+def _group(group: Group) -> Iterator[str]:
+    scale = group.columns[0].name
+    yield f"### /{group.name}"
+    yield ""
+    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {NEEDS[group.needs]}."
+    yield f"Dimension scale: `{scale}`. Drawn by viewers: `{group.plotted}` against it."
+    yield ""
+    yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
+    yield ""
+
+
+def _column(column: Column) -> tuple[str, ...]:
+    flags = "; ".join(f"{bit} {name}" for bit, name in column.flags)
+    meaning = f"{column.long_name}; {flags}" if flags else column.long_name
+    name, kind = f"`{column.name}`", TYPES[column.dtype]
+    return name, kind, column.units, f"`{column.symbol}`", meaning, NEEDS[column.needs]
+
+
+def keys() -> Iterator[str]:
+    """Yield the keys of a scenario file: those at the top, then a section for each table."""
+    top = {name: about for name, about in Document.model_fields.items() if name not in SECTIONS}
+    yield from _keys(top)
+    for name, section in SECTIONS.items():
+        yield f"### [{name}]"
+        yield ""
+        yield " ".join((section.__doc__ or "").split())
+        yield _need(Document.model_fields[name])
+        yield ""
+        yield from _keys(section.model_fields)
+
+
+def _need(table: FieldInfo) -> str:
+    if table.is_required():
+        return "This table is needed."
+    return "Without this table there is none." if table.default is None else "Without this table its defaults hold."
+
+
+def _keys(fields: dict[str, FieldInfo]) -> Iterator[str]:
+    rows = ((f"`{key}`", _values(about), _default(about), about.description or "") for key, about in fields.items())
+    yield from _table(("key", "value", "without it", "meaning"), rows)
+    yield ""
+
+
+def _values(about: FieldInfo) -> str:
+    """Return what a key may hold, as far as one line can say it."""
+    match next(each for each in about.metadata if isinstance(each, Field)):
+        case Measure(kinds=kinds, possible=possible):
+            low, high = (kinds[0].number(bound) for bound in (possible.low, possible.high))
+            examples = " or ".join(f'{kind.name}, `"{kind.example}"`' for kind in kinds)
+            return f"{examples}; {'0 or ' if possible.zero else ''}{low} to {high}"
+        case Number(possible=possible, whole=True):
+            same = possible.low == possible.high
+            return f"`{possible.low}`" if same else f"whole number, {possible.low} to {possible.high}"
+        case Number(possible=possible):
+            return f"number, {possible.low:g} to {possible.high:g}"
+        case Choice(available=available):
+            return ", ".join(f'`"{word}"`' for word in available)
+        case Line():
+            return f"text of at most {TITLE_CHARACTERS} characters"
+        case other:
+            raise TypeError(f"no words for {type(other).__name__}")
+
+
+def _default(about: FieldInfo) -> str:
+    if about.default is PydanticUndefined:
+        return "refused"
+    return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
+
+
+def _table(head: Sequence[str], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    yield "| " + " | ".join(head) + " |"
+    yield "|" + "---|" * len(head)
+    for row in rows:
+        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |"
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}."
+
+
+PARTS: dict[str, Callable[[], Iterator[str]]] = {"columns": columns, "keys": keys}
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
