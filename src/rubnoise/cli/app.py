@@ -7,7 +7,7 @@ from io import TextIOWrapper
 import typer
 from typer import Typer
 
-from rubnoise.cli import check, info, new, run, schema
+from rubnoise.cli import check, export, info, new, run, schema
 from rubnoise.errors import RubnoiseError
 
 app = Typer(
@@ -19,6 +19,7 @@ app = Typer(
 app.command("run")(run.command)
 app.command("check")(check.command)
 app.command("info")(info.command)
+app.command("export")(export.command)
 app.command("new")(new.command)
 app.command("schema")(schema.command)
 

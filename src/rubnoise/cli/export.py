@@ -1,0 +1,55 @@
+"""`rubnoise export`: a result for tools that read no HDF5."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+class Kind(StrEnum):
+    """The formats there are."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+    NETCDF = "netcdf"
+
+
+class Group(StrEnum):
+    """The groups of a run that are tables."""
+
+    JUNCTIONS = "junctions"
+    TRACE = "trace"
+    SLIDER = "slider"
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    *,
+    kind: Annotated[Kind, typer.Option("--to", help="The format.", show_default=False)],
+    group: Annotated[Group | None, typer.Option(help="One group of the run; all of them when left out.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="The file to write; RUN_GROUP.csv and so on, here, when left out.", metavar="OUT"
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+) -> None:
+    """Write a result as CSV (units in the names), Parquet or netCDF (units beside them).
+
+    CSV and Parquet files hold one group each, a netCDF file holds all.
+
+    Example: rubnoise export fig5.h5 --to csv --group trace -o trace.csv
+    """
+    from rubnoise.cli.layout import grouped, size
+    from rubnoise.cli.progress import watching
+    from rubnoise.storage.export import export, plan
+    from rubnoise.storage.reader import open_run
+
+    with open_run(file) as run, watching(1.0, shown=False) as watcher:
+        exports = plan(run, kind.value, group=group and group.value, output=output)
+        export(run, exports, force=force, between=lambda: watcher(0.0, 0, 0))
+        for each in exports:
+            rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in each.groups)
+            print(f"{each.path}: {rows}, {size(each.path.stat().st_size)}")

@@ -1,0 +1,115 @@
+"""Results for tools that read no HDF5, or would rather not: as CSV, Parquet or netCDF."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from shutil import disk_usage
+from typing import Final, Literal
+
+from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, needing
+from rubnoise.storage.output import OutputAppearedError, OutputPaths, check_output, give_final_name, sole_writer
+from rubnoise.storage.reader import RunFile
+from rubnoise.storage.schema import Scalar
+from rubnoise.storage.table import TABLES, Table, origin
+
+Kind = Literal["csv", "parquet", "netcdf"]
+ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
+TABLES_TOGETHER: Final = frozenset({"netcdf"})
+"""Formats of which one file holds several tables."""
+
+Write = Callable[[Path, Sequence[Table], dict[str, Scalar], Callable[[], None]], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Export:
+    """One file to be written: where, in which format, from which groups of the run."""
+
+    path: Path
+    kind: Kind
+    groups: tuple[str, ...]
+
+
+def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | None = None) -> list[Export]:
+    """Return the files that an export writes: one group or all there are, to ``output`` or into the current folder.
+
+    Raises Refused for a group that the run does not have, and for one output where several files are due.
+    """
+    there = tuple(name for name in TABLES if name in file.columns)
+    if group is not None and group not in there:
+        raise Refused(f"{file.path}: the run has no {group}; it has {', '.join(there)}")
+    groups = there if group is None else (group,)
+    stem, ending = file.path.stem, ENDINGS[kind]
+    if kind in TABLES_TOGETHER:
+        name = f"{stem}{ending}" if group is None else f"{stem}_{group}{ending}"
+        return [Export(path=output or Path(name), kind=kind, groups=groups)]
+    if output is not None and len(groups) > 1:
+        raise Refused(f"{output}: one {kind} file holds one group; say which with --group {'|'.join(there)}")
+    return [Export(path=output or Path(f"{stem}_{name}{ending}"), kind=kind, groups=(name,)) for name in groups]
+
+
+def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Callable[[], None]) -> None:
+    """Write files from an open run, each named when it is whole; memory does not depend on the length of the run.
+
+    ``between`` is called after each panel of rows and may raise to stop. Raises, before anything is created, Refused
+    for a run that is not finished, an output that exists already (unless ``force``) or is the run itself, and
+    ExtraMissing; RubnoiseError where the disk fails.
+    """
+    if not file.provenance["finished"]:
+        raise RunFileRefused(f"{file.path}: unfinished; the run that writes it goes on or was stopped")
+    for each in exports:
+        _check(file, each, force=force)
+    writers = {each.kind: _writer(each.kind) for each in exports}
+    for each in exports:
+        _export(file, each, writers[each.kind], force=force, between=between)
+
+
+def _check(file: RunFile, each: Export, *, force: bool) -> None:
+    paths = check_output(each.path, force=force)
+    if paths.final.exists() and paths.final.samefile(file.path):
+        raise OutputRefused(f"{each.path}: is the run itself")
+    # HDF5 takes the whole program down where a disk is full, so that there must be room before the first row.
+    needed, free = sum(Table.of(file, name).bytes for name in each.groups), disk_usage(paths.final.parent).free
+    if each.kind == "netcdf" and needed > free:
+        raise OutputRefused(f"{each.path}: needs {needed:,} bytes, and the disk has {free:,} free")
+
+
+def _writer(kind: Kind) -> Write:
+    if kind == "parquet":
+        with needing("tables", "export --to parquet"):
+            from rubnoise.storage.export_parquet import write as write_parquet
+        return write_parquet
+    if kind == "netcdf":
+        with needing("analysis", "export --to netcdf"):
+            from rubnoise.storage.export_netcdf import write as write_netcdf
+        return write_netcdf
+    from rubnoise.storage.export_csv import write
+
+    return write
+
+
+def _export(file: RunFile, each: Export, write: Write, *, force: bool, between: Callable[[], None]) -> None:
+    tables = [Table.of(file, name) for name in each.groups]
+    paths = check_output(each.path, force=force)
+    with sole_writer(paths):
+        check_output(each.path, force=force)
+        try:
+            write(paths.part, tables, origin(file), between)
+            _settle(paths, force=force)
+        except OutputAppearedError:
+            raise
+        except BaseException as problem:
+            paths.part.unlink(missing_ok=True)
+            if isinstance(problem, OSError):
+                raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
+            raise
+
+
+def _settle(paths: OutputPaths, *, force: bool) -> None:
+    """See the whole part onto the disk, and give it its name."""
+    descriptor = os.open(paths.part, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+    give_final_name(paths, force=force)

@@ -1,0 +1,31 @@
+"""A table as Parquet, with units at its fields. Imported only where pyarrow is."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+import pyarrow as pa  # type: ignore[import-untyped]
+import pyarrow.parquet as pq  # type: ignore[import-untyped]
+
+from rubnoise.storage.schema import Column, Scalar
+from rubnoise.storage.table import Table
+
+PANEL_ROWS: Final = 262_144
+
+
+def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+    """Write one table, a panel to a row group; its origin goes into the metadata of the schema."""
+    (table,) = tables
+    about = {"group": table.group.name, "long_name": table.group.long_name} | origin
+    schema = pa.schema(map(_field, table.columns), metadata={name: str(value) for name, value in about.items()})
+    with pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=False) as writer:
+        for _, panel in table.panels(PANEL_ROWS):
+            writer.write_table(pa.table(list(map(pa.array, panel)), schema=schema))
+            between()
+
+
+def _field(column: Column) -> pa.Field:
+    about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
+    if column.flags:
+        about["flags"] = " ".join(f"{bit}:{meaning}" for bit, meaning in column.flags)
+    return pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about)

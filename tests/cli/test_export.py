@@ -1,0 +1,255 @@
+"""`rubnoise export`: the rows of a result, to the last bit, for tools that read no HDF5."""
+
+import csv
+import re
+import signal
+import subprocess
+import sys
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+import xarray as xr
+
+import rubnoise
+from rubnoise.errors import RubnoiseError
+from rubnoise.storage import export_csv, export_netcdf, export_parquet
+from rubnoise.storage.export import export, plan
+from rubnoise.storage.export_csv import heading
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.schema import GROUPS
+from tests.cli.terminal import begin, call, names, stop
+from tests.format.runs import BARE, describe, random_rows, write_run
+
+TABLES = ("junctions", "trace", "slider")
+KINDS = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
+JUNCTIONS, TICKS = 57, 203
+
+
+@pytest.fixture
+def rows(here: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Return the rows of `run.h5`, of which every export takes several panels."""
+    for module in (export_csv, export_netcdf, export_parquet):
+        monkeypatch.setattr(module, "PANEL_ROWS", 50)
+    description = describe(JUNCTIONS, TICKS)
+    made = random_rows(description)
+    made["trace"]["friction_force"][:3] = [1e300, 5e-324, -0.1 - 0.2]
+    write_run(here / "run.h5", description, made)
+    return made
+
+
+def _equal(found: Any, wanted: Any) -> None:
+    found, wanted = np.asarray(found), np.asarray(wanted)
+    assert found.dtype == wanted.dtype
+    assert found.tobytes() == wanted.tobytes()
+
+
+def test_csv_is_read_back_to_the_last_bit(here: Path, rows: Any) -> None:
+    answer = call("export", "run.h5", "--to", "csv")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.splitlines()[1].startswith("run_trace.csv: 203 rows of trace, ")
+    assert names(here) == ["run.h5", "run_junctions.csv", "run_slider.csv", "run_trace.csv"]
+    for group in TABLES:
+        text = (here / f"run_{group}.csv").read_bytes().decode("ascii")
+        assert text.endswith("\n")
+        assert "\r" not in text
+        columns = zip(*csv.reader(text.splitlines()), strict=True)
+        for (name, wanted), (found, *values) in zip(rows[group].items(), columns, strict=True):
+            assert found.startswith(name)
+            _equal(np.array(list(map(wanted.dtype.type, values))), wanted)
+        assert pd.read_csv(here / f"run_{group}.csv").shape == (len(wanted), len(rows[group]))
+
+
+def test_csv_names_carry_units_in_letters_that_every_tool_takes(here: Path, rows: Any) -> None:
+    call("export", "run.h5", "--to", "csv", "--group", "junctions")
+    with (here / "run_junctions.csv").open(encoding="ascii", newline="") as stream:
+        first = next(csv.reader(stream))
+    assert first[:2] == ["junction", "birth_distance_um"]
+    assert {"max_area_um2", "shear_strength_MPa", "death_time_s", "state"} <= set(first)
+    for group in GROUPS:
+        headings = [heading(column) for column in group.columns]
+        assert all(re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) for name in headings)
+        assert len(set(headings)) == len(headings)
+    slider = {heading(column) for column in GROUPS[2].columns}
+    assert "velocity_um_per_s" in slider
+
+
+def test_parquet_is_read_back_with_units_at_its_fields(here: Path, rows: Any) -> None:
+    assert call("export", "run.h5", "--to", "parquet").code == 0
+    for group in TABLES:
+        path = here / f"run_{group}.parquet"
+        table = pq.read_table(path)
+        assert table.column_names == list(rows[group])
+        for name, wanted in rows[group].items():
+            _equal(table[name].to_numpy(), wanted)
+            assert table.schema.field(name).metadata[b"units"]
+        assert pq.ParquetFile(path).num_row_groups == -(-len(wanted) // 50)
+        assert table.schema.metadata[b"group"] == group.encode()
+        assert table.schema.metadata[b"title"] == "a small run of µm".encode()
+    junctions = pq.read_schema(here / "run_junctions.parquet")
+    assert junctions.field("max_area").metadata[b"units"] == b"um^2"
+    assert junctions.field("state").metadata[b"flags"] == b"1:alive_at_start 2:alive_at_end 4:ended_early"
+
+
+def test_netcdf_holds_all_groups_or_one_at_its_root(here: Path, rows: Any) -> None:
+    assert call("export", "run.h5", "--to", "netcdf").code == 0
+    assert call("export", "run.h5", "--to", "netcdf", "--group", "slider").code == 0
+    assert names(here) == ["run.h5", "run.nc", "run_slider.nc"]
+    for path, group, inside in [("run.nc", name, name) for name in TABLES] + [("run_slider.nc", "slider", None)]:
+        with xr.open_dataset(here / path, group=inside, engine="h5netcdf") as found:
+            assert set(found.variables) == set(rows[group])
+            assert list(found.dims) == [next(iter(rows[group]))]
+            for name, wanted in rows[group].items():
+                _equal(found[name].values, wanted)
+                assert found[name].attrs["units"]
+    with xr.open_dataset(here / "run.nc", engine="h5netcdf") as root:
+        assert root.attrs["Conventions"] == "CF-1.11"
+        assert root.attrs["title"] == "a small run of µm"
+        assert root.attrs["history"].endswith("rubnoise run fig5.toml")
+        assert 'title = "friction of µm"' in root.attrs["scenario_toml"]
+    with xr.open_datatree(here / "run.nc", engine="h5netcdf") as tree:
+        assert set(tree.children) == set(TABLES)
+        assert tree["junctions"]["state"].attrs["flag_meanings"] == "alive_at_start alive_at_end ended_early"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_memory_holds_one_panel_at_a_time(here: Path, rows: Any, kind: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[int] = []
+    whole = RunFile.column
+
+    def counted(file: RunFile, group: str, name: str, start: int = 0, stop: int | None = None) -> Any:
+        values = whole(file, group, name, start, stop)
+        read.append(values.size)
+        return values
+
+    monkeypatch.setattr(RunFile, "column", counted)
+    assert call("export", "run.h5", "--to", kind).code == 0
+    assert max(read) == 50
+    assert sum(read) == sum(values.size for values in chain(*(rows[group].values() for group in TABLES)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) -> None:
+    description = describe(0, 5, features=BARE)
+    write_run(here / "run.h5", description, random_rows(description))
+    assert call("export", "run.h5", "--to", kind).code == 0
+    if kind == "netcdf":
+        with xr.open_dataset(here / "run.nc", group="junctions", engine="h5netcdf") as found:
+            assert found["diameter"].shape == (0,)
+    else:
+        reader = pd.read_csv if kind == "csv" else pd.read_parquet
+        assert reader(here / f"run_junctions{KINDS[kind]}").shape == (0, 7)
+    answer = call("export", "run.h5", "--to", kind, "--group", "slider", "-o", "x")
+    assert (answer.code, answer.err) == (2, "run.h5: the run has no slider; it has junctions, trace\n")
+    assert not (here / "x").exists()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_output_may_be_named(here: Path, rows: Any, kind: str) -> None:
+    assert call("export", "run.h5", "--to", kind, "--group", "trace", "-o", "here.dat").code == 0
+    assert names(here) == ["here.dat", "run.h5"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_existing_file_is_refused_before_any_is_written(here: Path, rows: Any, kind: str) -> None:
+    last = here / ("run.nc" if kind == "netcdf" else f"run_slider{KINDS[kind]}")
+    last.write_bytes(b"precious")
+    answer = call("export", "run.h5", "--to", kind)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.endswith(f"{last.name}: exists already (--force replaces it)\n")
+    assert last.read_bytes() == b"precious"
+    assert names(here) == ["run.h5", last.name]
+    assert call("export", "run.h5", "--to", kind, "--force").code == 0
+    assert last.stat().st_size > 100
+
+
+def test_the_run_itself_is_never_replaced(here: Path, rows: Any) -> None:
+    before = (here / "run.h5").read_bytes()
+    answer = call("export", "run.h5", "--to", "netcdf", "-o", "run.h5", "--force")
+    assert (answer.code, answer.err) == (2, "run.h5: is the run itself\n")
+    assert (here / "run.h5").read_bytes() == before
+
+
+def test_one_name_for_several_files_is_refused(here: Path, rows: Any) -> None:
+    answer = call("export", "run.h5", "--to", "csv", "-o", "all.csv")
+    assert answer.code == 2
+    assert answer.err == "all.csv: one csv file holds one group; say which with --group junctions|trace|slider\n"
+    assert names(here) == ["run.h5"]
+
+
+def test_an_unfinished_run_is_refused(here: Path, rows: Any) -> None:
+    with h5py.File(here / "run.h5", "r+") as file:
+        file["provenance"].attrs["finished"] = np.bytes_(b"\0")
+    answer = call("export", "run.h5", "--to", "csv")
+    assert answer.code == 2
+    assert "unfinished" in answer.err
+    assert names(here) == ["run.h5"]
+
+
+@pytest.mark.parametrize("arguments", [(), ("--to", "xlsx"), ("--to", "csv", "--group", "life_curve")])
+def test_what_is_not_offered_is_a_usage_error(here: Path, rows: Any, arguments: tuple[str, ...]) -> None:
+    answer = call("export", "run.h5", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert names(here) == ["run.h5"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "library", "extra"), [("parquet", "pyarrow", "tables"), ("netcdf", "h5netcdf", "analysis")]
+)
+def test_a_missing_library_is_named_with_its_extra(
+    here: Path, rows: Any, kind: str, library: str, extra: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    monkeypatch.delitem(sys.modules, f"rubnoise.storage.export_{kind}")
+    monkeypatch.delattr(f"rubnoise.storage.export_{kind}")
+    answer = call("export", "run.h5", "--to", kind)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == f'export --to {kind} needs {library}: python -m pip install "rubnoise[{extra}]"\n'
+    assert names(here) == ["run.h5"]
+
+
+def test_a_disk_without_room_is_refused(here: Path, rows: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rubnoise.storage.export.disk_usage", lambda _: type("Usage", (), {"free": 100}))
+    answer = call("export", "run.h5", "--to", "netcdf")
+    assert answer.code == 2
+    assert "the disk has 100 free" in answer.err
+    assert names(here) == ["run.h5"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_is_left_of_an_export_that_fails_or_is_stopped(here: Path, rows: Any, kind: Any) -> None:
+    calls = 0
+
+    def fail() -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 3:
+            raise OSError(28, "No space left on device")
+
+    with open_run(here / "run.h5") as run:
+        exports = plan(run, kind, group="trace", output=here / "out")
+        with pytest.raises(RubnoiseError, match="out: writing failed: No space left"):
+            export(run, exports, force=False, between=fail)
+        assert names(here) == ["run.h5"]
+        with pytest.raises(KeyboardInterrupt):
+            export(run, exports, force=False, between=_interrupted)
+    assert names(here) == ["run.h5"]
+
+
+def _interrupted() -> None:
+    raise KeyboardInterrupt
+
+
+def test_a_signal_leaves_nothing_behind(here: Path) -> None:
+    rubnoise.run(rubnoise.load("../given/contact.toml", ["sliding.distance=0.5 m", "output.tick=0.5 um"]), "x.h5")
+    export_of_it: subprocess.Popen[str] = begin(
+        "export", "x.h5", "--to", "csv", "--group", "trace", part=here / "x_trace.csv.part"
+    )
+    answer, _ = stop(export_of_it, signal.SIGTERM)
+    assert (answer.code, answer.err) == (143, "stopped by a signal; nothing was kept\n")
+    assert names(here) == ["x.h5"]
