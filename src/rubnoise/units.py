@@ -55,8 +55,9 @@ MASS = Kind(name="mass", unit="kg", dimension=(0, 1, 0), example="5 g")
 STRESS = Kind(name="stress", unit="MPa", dimension=(-1, 1, -2), example="250 MPa")
 STIFFNESS = Kind(name="stiffness", unit="N/m", dimension=(0, 1, -2), example="300 N/m")
 DAMPING = Kind(name="damping", unit="N*s/m", dimension=(0, 1, -1), example="0.05 N*s/m")
+TIME = Kind(name="time", unit="s", dimension=(0, 0, 1), example="0.5 s")
 RATIO = Kind(name="ratio", unit="%", dimension=(0, 0, 0), example="20 %")
-KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, RATIO)
+KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +94,7 @@ USUAL_UNITS: dict[str, Unit] = {
     **_usual(STIFFNESS, {"N/mm": "1e3"}),
     **_usual(DAMPING, _FORCES, "*s/m"),
     **_usual(DAMPING, _FORCES, " s/m"),
+    **_usual(TIME, {"us": "1e-6", "ms": "1e-3", "s": "1"}),
     **_usual(RATIO, {"%": "1e-2"}),
 }
 

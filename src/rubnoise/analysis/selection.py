@@ -1,0 +1,113 @@
+"""Which junctions of a result file a condition chooses, in which order; read in panels, so that memory stays bounded."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.where import Node
+from rubnoise.storage.reader import RunFile
+
+PANEL_ROWS: Final = 1 << 18
+NEAR: Final = 4096
+"""Rows nearer to each other than this are read together with what lies between them."""
+
+RowNumbers = NDArray[np.int64]
+
+
+def select(
+    file: RunFile,
+    where: Node | None = None,
+    *,
+    sort: str | None = None,
+    descending: bool = False,
+    head: int | None = None,
+) -> tuple[RowNumbers, int]:
+    """Return the first ``head`` (all when None) row numbers that a condition chooses, and how many it chooses.
+
+    Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all are. Only the columns
+    of the condition and of the order are read. With ``head`` no more than it and a panel are held at a time.
+    """
+    best = _Best(head, descending=descending)
+    total = 0
+    for first, columns, size in _panels(file, where, sort):
+        rows = np.arange(size) if where is None else np.flatnonzero(where.chosen(columns))
+        total += rows.size
+        best.add(rows + first, rows + first if sort is None else columns[sort][rows])
+    return best.rows(), total
+
+
+def gather(file: RunFile, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    """Yield columns of the rows, in their order, a panel of them at a time."""
+    for first in range(0, rows.size, PANEL_ROWS):
+        panel = rows[first : first + PANEL_ROWS]
+        order = np.argsort(panel, kind="stable")
+        spans = list(_spans(panel[order]))
+        yield {name: _gathered(file, name, panel, order, spans) for name in names}
+
+
+def _panels(file: RunFile, where: Node | None, sort: str | None) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
+    """Yield the first row, the columns needed and the number of rows of each panel of the file."""
+    names = (frozenset() if where is None else where.columns) | ({sort} if sort else frozenset())
+    total = file.rows("junctions")
+    for first in range(0, total, PANEL_ROWS):
+        last = min(first + PANEL_ROWS, total)
+        yield first, {name: file.column("junctions", name, first, last) for name in names}, last - first
+
+
+class _Best:
+    """The first rows in some order, of panels that come in order of birth."""
+
+    def __init__(self, head: int | None, *, descending: bool) -> None:
+        self._head = head
+        self._sign = -1.0 if descending else 1.0
+        self._rows: list[RowNumbers] = []
+        self._keys: list[NDArray[np.float64]] = []
+        self._held = 0
+
+    def add(self, rows: RowNumbers, keys: NDArray[Any]) -> None:
+        """Take in chosen rows with the keys of their order."""
+        signed = self._sign * keys
+        if self._head is not None and self._held == self._head:
+            # Of equal keys the row that came first wins; written so that a NaN is kept, to be sorted last.
+            better = ~(signed >= self._keys[0][-1]) if self._head else np.zeros(rows.size, dtype=np.bool_)
+            rows, signed = rows[better], signed[better]
+        self._rows.append(rows)
+        self._keys.append(signed)
+        self._held += rows.size
+        if self._head is not None and self._held > self._head:
+            self._settle()
+
+    def rows(self) -> RowNumbers:
+        """Return the rows in order."""
+        self._settle()
+        return self._rows[0]
+
+    def _settle(self) -> None:
+        rows = np.concatenate([np.zeros(0, dtype=np.int64), *self._rows])
+        keys = np.concatenate([np.zeros(0), *self._keys])
+        order = np.argsort(keys, kind="stable")[: self._head]
+        self._rows, self._keys, self._held = [rows[order]], [keys[order]], order.size
+
+
+def _spans(rows: RowNumbers) -> Iterator[tuple[int, int]]:
+    """Yield where to cut ascending rows into runs that are each read at once."""
+    cuts = [0, *(np.flatnonzero(np.diff(rows) > NEAR) + 1).tolist(), rows.size]
+    for start, stop in zip(cuts, cuts[1:], strict=False):
+        while rows[stop - 1] - rows[start] >= PANEL_ROWS:
+            middle = int(np.searchsorted(rows, rows[start] + PANEL_ROWS))
+            yield start, middle
+            start = middle  # noqa: PLW2901  (the rest of this run)
+        yield start, stop
+
+
+def _gathered(
+    file: RunFile, name: str, rows: RowNumbers, order: RowNumbers, spans: Sequence[tuple[int, int]]
+) -> NDArray[Any]:
+    values: NDArray[Any] = np.empty(rows.size, dtype=file.column("junctions", name, 0, 0).dtype)
+    for start, stop in spans:
+        places = order[start:stop]
+        first, last = int(rows[places[0]]), int(rows[places[-1]]) + 1
+        values[places] = file.column("junctions", name, first, last)[rows[places] - first]
+    return values

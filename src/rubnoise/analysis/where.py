@@ -1,0 +1,195 @@
+"""Conditions on junctions, as in ``diameter > 6 um and not (ended_early or birth_distance < 1 mm)``.
+
+    condition  = conjunction { "or" conjunction }
+    conjunction = negation { "and" negation }
+    negation   = "not" negation | "(" condition ")" | comparison
+    comparison = side { ("<" | "<=" | ">" | ">=" | "==" | "!=") side } | STATE
+    side       = COLUMN | NUMBER [UNIT] | STATE
+
+A number without a unit is in the unit of the column it is compared with. ``0 < birth_distance < 1 mm`` is both of its
+comparisons. A state (complete, alive_at_start, alive_at_end, ended_early) by itself, or after ``state ==``, chooses
+the rows that have it; a row may have several. Nothing is ever handed to Python's own ``eval``.
+"""
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from math import isinf
+from typing import Final
+
+from rubnoise.analysis.where_tokens import KEYWORDS, ConditionRefused, Token, refusal, tokens
+from rubnoise.analysis.where_tree import Comparison, Every, InState, Negation, Node, Some
+from rubnoise.storage.schema import JUNCTIONS, Column
+from rubnoise.units import KINDS, QuantityError, read_quantity
+
+__all__ = ["ConditionRefused", "Node", "condition"]
+
+DEEPEST: Final = 50
+"""Levels of parentheses and ``not`` in a condition."""
+
+STATES: Final = {"complete": 0} | {
+    name: bit for column in JUNCTIONS.columns if column.name == "state" for bit, name in column.flags
+}
+
+
+def condition(text: str, columns: Sequence[Column] = JUNCTIONS.columns) -> Node:
+    """Return the condition that a text writes about rows with these columns.
+
+    Raises ConditionRefused, with the text and a caret below what is wrong, where it writes none.
+    """
+    return _Reader(text, columns).whole()
+
+
+def did_you_mean(word: str, names: Iterable[str]) -> str:
+    """Return advice for a word that is none of the names: the nearest, or all of them."""
+    known = list(names)
+    near = get_close_matches(word.lower(), known, n=1)
+    return f"did you mean {near[0]}?" if near else f"one of {', '.join(known)}"
+
+
+class _Reader:
+    """Reads a condition from left to right, one word ahead."""
+
+    def __init__(self, text: str, columns: Sequence[Column]) -> None:
+        self._text = text
+        self._columns = {column.name: column for column in columns}
+        self._tokens = tokens(text)
+        self._next = next(self._tokens)
+        self._depth = 0
+
+    def whole(self) -> Node:
+        if self._next.sort == "end":
+            raise refusal(self._text, 0, 1, "no condition", "for instance: diameter > 6 um")
+        node = self._condition()
+        rest = self._next
+        if rest.sort == ")":
+            raise self._refused(rest, "no parenthesis is open here")
+        if rest.sort != "end":
+            raise self._not_going_on()
+        return node
+
+    def _condition(self) -> Node:
+        parts = [self._conjunction()]
+        while self._next.sort == "or":
+            self._take()
+            parts.append(self._conjunction())
+        return parts[0] if len(parts) == 1 else Some(parts=tuple(parts))
+
+    def _conjunction(self) -> Node:
+        parts = [self._negation()]
+        while self._next.sort == "and":
+            self._take()
+            parts.append(self._negation())
+        return parts[0] if len(parts) == 1 else Every(parts=tuple(parts))
+
+    def _negation(self) -> Node:
+        if self._next.sort not in {"not", "("}:
+            return self._comparison()
+        opening = self._take()
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise self._refused(opening, f"more than {DEEPEST} levels of parentheses and not")
+        node = Negation(part=self._negation()) if opening.sort == "not" else self._in_parentheses(opening)
+        self._depth -= 1
+        return node
+
+    def _in_parentheses(self, opening: Token) -> Node:
+        node = self._condition()
+        if self._next.sort == "end":
+            raise self._refused(opening, "this parenthesis is not closed")
+        if self._next.sort != ")":
+            raise self._not_going_on()
+        self._take()
+        return node
+
+    def _comparison(self) -> Node:
+        left = self._side()
+        if self._next.sort != "comparison":
+            return self._alone(left)
+        parts: list[Node] = []
+        while self._next.sort == "comparison":
+            operator = self._take()
+            right = self._side()
+            parts.append(self._compared(left, operator, right))
+            left = right
+        return parts[0] if len(parts) == 1 else Every(parts=tuple(parts))
+
+    def _side(self) -> Token:
+        token = self._take()
+        if token.sort == "number":
+            return token
+        if token.sort != "name":
+            found = f'"{token.text}"' if token.text else "the end"
+            raise self._refused(token, f"{found} stands where a column or a number is needed")
+        if token.text not in self._columns and token.text not in STATES:
+            known = [*self._columns, *STATES]
+            raise self._refused(token, f"no column {token.text}", self._advice(token.text, known))
+        return token
+
+    def _not_going_on(self) -> ConditionRefused:
+        word = self._next.text.lower()
+        hint = f"write {word}" if word in KEYWORDS else "conditions are joined by and, or"
+        return self._refused(self._next, f'"{self._next.text}" does not belong here', hint)
+
+    def _advice(self, word: str, known: list[str]) -> str:
+        if word.lower() in KEYWORDS:
+            return f"write {word.lower()}"
+        if any(column.name == word for column in JUNCTIONS.columns):
+            return f"this run has no {word}; it has {', '.join(self._columns)}"
+        return did_you_mean(word, known)
+
+    def _alone(self, token: Token) -> Node:
+        if token.text in STATES:
+            return InState(bit=STATES[token.text])
+        if token.sort == "number":
+            raise self._refused(token, "a number by itself", "for instance: diameter > 6 um")
+        raise self._refused(token, f"{token.text} is compared with nothing", f"for instance: {token.text} > 0")
+
+    def _compared(self, left: Token, operator: Token, right: Token) -> Node:
+        if STATES.keys() & {left.text, right.text}:
+            return self._state(left, operator, right)
+        column = next((self._columns[side.text] for side in (left, right) if side.sort == "name"), None)
+        if column is None:
+            raise self._refused_span(left, right, "neither side is a column")
+        other = self._columns.get(right.text, column)
+        if other.units != column.units:
+            message = f"{column.name} is in {column.units}, {other.name} in {other.units}"
+            raise self._refused_span(left, right, message)
+        return Comparison(left=self._value(left, column), operator=operator.text, right=self._value(right, column))
+
+    def _state(self, left: Token, operator: Token, right: Token) -> Node:
+        word, other = (left, right) if left.text in STATES else (right, left)
+        if other.text != "state":
+            raise self._refused_span(left, right, f"{word.text} is a state", f"write {word.text}, or not {word.text}")
+        if operator.text not in {"==", "!="}:
+            raise self._refused(operator, "states have no order", f"write state == {word.text}")
+        node = InState(bit=STATES[word.text])
+        return node if operator.text == "==" else Negation(part=node)
+
+    def _value(self, side: Token, column: Column) -> str | float:
+        if side.sort == "name":
+            return side.text
+        value = float(side.text) if side.digits == len(side.text) else self._quantity(side, column)
+        if isinf(value):
+            raise self._refused(side, "too large a number")
+        return value
+
+    def _quantity(self, side: Token, column: Column) -> float:
+        kind = next((kind for kind in KINDS if kind.unit == column.units), None)
+        if kind is None:
+            raise self._refused(side, f"{column.name} has no unit", f"write {side.text[: side.digits]}")
+        try:
+            return float(read_quantity(side.text, kind))
+        except QuantityError as error:
+            raise self._refused(side, str(error), error.hint.replace('"', "")) from None
+
+    def _take(self) -> Token:
+        token = self._next
+        if token.sort != "end":
+            self._next = next(self._tokens)
+        return token
+
+    def _refused(self, token: Token, message: str, hint: str = "") -> ConditionRefused:
+        return refusal(self._text, token.start, token.end, message, hint)
+
+    def _refused_span(self, first: Token, last: Token, message: str, hint: str = "") -> ConditionRefused:
+        return refusal(self._text, first.start, last.end, message, hint)
