@@ -1,0 +1,148 @@
+"""JSON answers are those that docs/json.md promises: every field with its type, and no other."""
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+from tests.architecture.sources import ROOT
+from tests.cli.terminal import CONTACT, call
+
+PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+ROW = re.compile(r"^\| `([A-Za-z_.]+)(\??)` \| ([a-z ]+) \|[^|]*\|[^|]+\|$", re.MULTILINE)
+TYPES: dict[str, Any] = {
+    "string": lambda value: isinstance(value, str),
+    "boolean": lambda value: isinstance(value, bool),
+    "integer": lambda value: isinstance(value, int) and not isinstance(value, bool),
+    "number": lambda value: isinstance(value, float | int) and not isinstance(value, bool),
+    "number or null": lambda value: value is None or TYPES["number"](value),
+    "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
+}
+
+
+@dataclass(frozen=True)
+class Promise:
+    """One row of a table."""
+
+    path: tuple[str, ...]
+    kind: str
+    optional: bool
+
+
+def _sections() -> dict[str, list[Promise]]:
+    parts = re.split(r"^## (.+)$", PAGE, flags=re.MULTILINE)[1:]
+    return {
+        name: [Promise(tuple(field.split(".")), kind, bool(mark)) for field, mark, kind in ROW.findall(text)]
+        for name, text in zip(parts[::2], parts[1::2], strict=True)
+    }
+
+
+SECTIONS = _sections()
+
+
+def _leaves(value: Any, promises: list[Promise], path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield what a table speaks of: every path down to a promise, or to the end of what is there."""
+    if not isinstance(value, dict) or any(_fits(path, promise) for promise in promises):
+        yield path, value
+        return
+    for name, item in value.items():
+        yield from _leaves(item, promises, (*path, name))
+
+
+def _fits(path: tuple[str, ...], promise: Promise) -> bool:
+    return len(path) == len(promise.path) and all(
+        wanted.isupper() or wanted == name for name, wanted in zip(path, promise.path, strict=True)
+    )
+
+
+def breaches(answer: Any, section: str, seen: set[tuple[str, ...]] | None = None) -> list[str]:
+    """Return where an answer and the table of its section differ; add to ``seen`` which promises were met."""
+    promises, found = SECTIONS[section], []
+    met: set[tuple[str, ...]] = set()
+    for path, value in _leaves(answer, promises):
+        kept = next((promise for promise in promises if _fits(path, promise)), None)
+        if kept is None:
+            found.append(f"{section}: {'.'.join(path)} is promised nowhere")
+        elif kept.kind in SECTIONS:
+            found += breaches(value, kept.kind, seen)
+        elif not TYPES[kept.kind](value):
+            found.append(f"{section}: {'.'.join(path)} is no {kept.kind}: {value!r}")
+        met.update({kept.path} if kept else ())
+    if seen is not None:
+        seen.update((section, *path) for path in met)
+    must = {each.path for each in promises if not each.optional and not each.path[-1].isupper()}
+    return found + [f"{section}: {'.'.join(path)} is missing" for path in must - met]
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise AssertionError(f"{constant} is no JSON")
+
+
+@pytest.fixture
+def answers(here: Path) -> list[tuple[str, Any]]:
+    """Return answers of every kind, of a bare contact and of one with everything."""
+    (here / "bare.toml").write_text(CONTACT, encoding="utf-8")
+    (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
+    full = "../given/slider.toml"
+    calls = [
+        ("check", ("check", "bare.toml", full, "wrong.toml", "--json")),
+        ("dry run", ("run", full, "--dry-run", "--json")),
+        ("run", ("run", full, "--json")),
+        ("run", ("run", "bare.toml", "--json")),
+        ("run", ("run", full, "-o", "short.h5", "--set", "sliding.distance=1 um", "--json")),
+        ("info", ("info", "slider.h5", "--json")),
+        ("info", ("info", "bare.h5", "--json")),
+        ("info", ("info", "short.h5", "--json")),
+    ]
+    return [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
+
+
+def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:
+    seen: set[tuple[str, ...]] = set()
+    assert [breach for section, answer in answers for breach in breaches(answer, section, seen)] == []
+    promised = {(name, *each.path) for name, section in SECTIONS.items() for each in section}
+    assert promised == seen
+
+
+def test_an_answer_is_one_line(here: Path) -> None:
+    assert call("run", "../given/slider.toml", "--json").out.count("\n") == 1
+
+
+def test_every_row_of_the_page_is_understood() -> None:
+    rows = [line for line in PAGE.splitlines() if line.startswith("| `")]
+    assert len(rows) == sum(map(len, SECTIONS.values())) > 50
+    assert {each.kind for section in SECTIONS.values() for each in section} <= {*TYPES, *SECTIONS}
+
+
+def test_figures_are_named_on_the_page(answers: list[tuple[str, Any]]) -> None:
+    told = " ".join(PAGE.split())
+    for name in {name for section, answer in answers if section == "run" for name in answer["summary"]}:
+        quantity, _, figure = name.rpartition("_")
+        assert f"`{name}`" in told or (f"`{quantity}_mean`" in told and f"`_{figure}`" in told) or figure == "kurtosis"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"seed": "1"}, "run: seed is no integer: '1'"),
+        ({"seed": True}, "run: seed is no integer: True"),
+        ({"news": 1}, "run: news is promised nowhere"),
+        ({"warnings": [1]}, "run: warnings is no list of strings: [1]"),
+        ({"summary": {"x": {"observed": 1.0, "expected": None, "standard_error": None}}}, "figure: z is missing"),
+        ({"summary": {"x": {"observed": None}}}, "figure: observed is no number: None"),
+    ],
+)
+def test_a_breach_is_noticed(answers: list[tuple[str, Any]], change: dict[str, Any], said: str) -> None:
+    answer = next(answer for section, answer in answers if section == "run")
+    assert breaches(answer, "run") == []
+    assert said in breaches(answer | change, "run")
+
+
+def test_a_missing_field_is_noticed(answers: list[tuple[str, Any]]) -> None:
+    answer = dict(next(answer for section, answer in answers if section == "info"))
+    del answer["derived"]
+    assert breaches(answer, "info") == ["info: derived is missing"]
