@@ -86,7 +86,7 @@ AREA_READERS = {
 def _numbers(reader: Reader, code: str, folder: Path) -> list[float]:
     """Run a block in a folder and return every number it prints."""
     if not reader.is_there():
-        pytest.skip(f"{reader.command[0]} cannot run this block: {reader.install}")
+        pytest.skip(f"not installed here; {reader.install}")
     done = subprocess.run(
         [*reader.command, code],
         cwd=folder,
