@@ -1,0 +1,91 @@
+"""Every example in the README, the docs and the docstrings does what it says, in a folder of its own."""
+
+import doctest
+import pkgutil
+import subprocess
+from importlib import import_module
+from pathlib import Path
+from textwrap import dedent
+from typing import Any
+
+import pytest
+
+import rubnoise
+from tests.architecture.sources import ROOT
+from tests.docs.pages import examples, pages
+
+PAGES = {name: list(examples((ROOT / name).read_text(encoding="utf-8"))) for name in pages()}
+MODULES = [module.name for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise.")]
+DOCTESTS = [
+    test
+    for name in MODULES
+    if not name.endswith("__main__")
+    for test in doctest.DocTestFinder(exclude_empty=True).find(import_module(name))
+    if test.examples
+]
+
+
+@pytest.mark.parametrize("page", [name for name, found in PAGES.items() if found])
+def test_a_page_holds_what_it_says(workplace: Path, page: str) -> None:
+    names: dict[str, Any] = {"__name__": "__main__"}
+    for example in PAGES[page]:
+        if example.kind == "python":
+            # Blank lines in front, so that a traceback names the line of the page.
+            exec(compile("\n" * (example.line - 1) + example.text, str(ROOT / page), "exec"), names)  # noqa: S102
+        else:
+            done = subprocess.run(["sh", "-c", example.text], capture_output=True, text=True, check=False)
+            assert done.returncode == 0, f"{page}:{example.line}: {example.text}\n{done.stderr}"
+
+
+@pytest.mark.parametrize("test", DOCTESTS, ids=lambda test: test.name)
+def test_a_docstring_holds_what_it_says(workplace: Path, test: doctest.DocTest) -> None:
+    told: list[str] = []
+    options = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
+    doctest.DocTestRunner(optionflags=options).run(test, out=told.append, clear_globs=False)
+    assert told == [], "".join(told)
+
+
+def test_there_are_examples() -> None:
+    assert {"README.md", "docs/json.md", "docs/api.md", "docs/export.md"} <= {
+        name for name, found in PAGES.items() if found
+    }
+    assert "rubnoise.api.result.Run" in {test.name for test in DOCTESTS}
+
+
+def test_examples_are_found_on_a_page() -> None:
+    page = dedent("""\
+        Text, with `rubnoise inline`.
+
+            $ rubnoise first | cat
+            rubnoise second FILE
+            A formula, no command
+
+        ```python
+        x = 1
+
+            rubnoise not a command, it is in a block
+        ```
+
+        ```console
+        $ echo third
+        what it says
+        ```
+
+        ```toml
+        $ no shell
+        ```
+        """)
+    found = [(each.kind, each.text.splitlines()[0], each.line) for each in examples(page)]
+    assert found == [
+        ("shell", "rubnoise first | cat", 3),
+        ("shell", "rubnoise second FILE", 4),
+        ("python", "x = 1", 8),
+        ("shell", "echo third", 14),
+    ]
+
+
+def test_a_wrong_docstring_is_noticed() -> None:
+    told: list[str] = []
+    wrong = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, 0)
+    doctest.DocTestRunner().run(wrong, out=told.append)
+    assert "Expected:\n    3" in "".join(told)
