@@ -1,6 +1,7 @@
-"""Which junctions of a result file a condition chooses, in which order; read in panels, so that memory stays bounded."""
+"""Which junctions of a result file a condition chooses, and in which order; read in panels, to bound the memory."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -94,7 +95,7 @@ class _Best:
 def _spans(rows: RowNumbers) -> Iterator[tuple[int, int]]:
     """Yield where to cut ascending rows into runs that are each read at once."""
     cuts = [0, *(np.flatnonzero(np.diff(rows) > NEAR) + 1).tolist(), rows.size]
-    for start, stop in zip(cuts, cuts[1:], strict=False):
+    for start, stop in pairwise(cuts):
         while rows[stop - 1] - rows[start] >= PANEL_ROWS:
             middle = int(np.searchsorted(rows, rows[start] + PANEL_ROWS))
             yield start, middle

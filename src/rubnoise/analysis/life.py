@@ -1,0 +1,193 @@
+"""One junction's life as its file tells it: the facts of its row, its curve, and the contact at its peak."""
+
+import json
+from dataclasses import dataclass
+from math import ceil
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.analysis.neighbours import Neighbours, neighbours
+from rubnoise.contact.overlap import junction_area
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.record.rows import JunctionState
+from rubnoise.storage.reader import RunFile
+from rubnoise.units import LENGTH, QuantityError, read_quantity
+
+STEPS: Final = 100
+"""Points of a curve to a diameter of sliding, so that a whole life has 201 with mid-life among them."""
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Life:
+    """One junction and those that it shared the contact with; um, um^2, s, MPa, uN.
+
+    Its peak is where its area was largest while it lived and the record ran: at mid-life, unless its life was ended
+    before, or mid-life lies outside of the record, 0 to ``record_end``, of which alone it is known who was alive.
+    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed, forces without a
+    strength.
+    """
+
+    number: int
+    rows: int
+    birth_distance: float
+    death_distance: float
+    life_distance: float
+    diameter: float
+    max_area: float
+    state: JunctionState
+    shear_strength: float | None
+    birth_time: float | None
+    death_time: float | None
+    record_end: float
+    others: Neighbours
+
+    @property
+    def mid_life_distance(self) -> float | None:
+        """Sliding distance birth + d of full overlap (paper Eq. 5), or None where the life was ended before."""
+        middle = self.birth_distance + self.diameter
+        return middle if self.life_distance >= self.diameter else None
+
+    @property
+    def peak_age(self) -> float:
+        """Sliding in um from birth to its largest area within its life and the record: d, where nothing cuts it."""
+        reached = min(self.diameter, self.life_distance)
+        return min(max(reached, -self.birth_distance), self.record_end - self.birth_distance)
+
+    @property
+    def peak_distance(self) -> float:
+        """Sliding distance in um of that area."""
+        return self.death_distance if self._peaks_at_death else self.birth_distance + self.peak_age
+
+    @property
+    def peak_area(self) -> float:
+        """That area in um^2; of a life ended before mid-life the one that was reached."""
+        return float(self.area_at_age(self.peak_age))
+
+    @property
+    def peak_force(self) -> float | None:
+        """Friction force at the peak distance in uN: strength times peak area."""
+        return None if self.shear_strength is None else self.shear_strength * self.peak_area
+
+    @property
+    def beside(self) -> Neighbours:
+        """The others alive at the peak distance, or just before it where this life was ended there."""
+        return self.others.alive(self.peak_distance, just_before=self._peaks_at_death)
+
+    @property
+    def real_contact_area(self) -> float:
+        """Real contact area at the peak distance in um^2: the sum over all rows alive there, not the nearest tick's."""
+        return self.peak_area + float(self.beside.area(self.peak_distance).sum())
+
+    @property
+    def friction_force(self) -> float | None:
+        """Friction force at the peak distance in uN, the sum of strength times area over the same rows."""
+        beside = self.beside
+        if self.peak_force is None or beside.strength is None:
+            return None
+        return self.peak_force + float((beside.strength * beside.area(self.peak_distance)).sum())
+
+    @property
+    def area_share(self) -> float:
+        """Part of the real contact area that this junction is at its peak."""
+        return _share(self.peak_area, self.real_contact_area)
+
+    @property
+    def force_share(self) -> float | None:
+        """Part of the friction force that this junction carries at its peak."""
+        own, whole = self.peak_force, self.friction_force
+        return None if own is None or whole is None else _share(own, whole)
+
+    def time(self, distance: ArrayLike) -> Doubles | None:
+        """Return the time in s at sliding distances in um, of which it is a multiple at constant speed."""
+        if self.birth_time is None or self.death_time is None:
+            return None
+        pace = (self.death_time - self.birth_time) / (self.death_distance - self.birth_distance)
+        return self.birth_time + pace * (np.asarray(distance, dtype=np.float64) - self.birth_distance)
+
+    def area_at_age(self, age: ArrayLike) -> Doubles:
+        """Return the area in um^2 at sliding distances after birth, 0 to the life distance."""
+        return junction_area(age, self.diameter)
+
+    def force_at_age(self, age: ArrayLike) -> Doubles | None:
+        """Return the friction force in uN at sliding distances after birth: strength times area (paper Eq. 1)."""
+        return None if self.shear_strength is None else self.shear_strength * self.area_at_age(age)
+
+    def curve(self) -> dict[str, Doubles]:
+        """Return distance, time, area and force (those that the run has) from birth to death, mid-life included."""
+        age = _ages(self.diameter, self.life_distance)
+        distance = self.birth_distance + age
+        columns = {
+            "distance": distance,
+            "time": self.time(distance),
+            "area": self.area_at_age(age),
+            "force": self.force_at_age(age),
+        }
+        return {name: values for name, values in columns.items() if values is not None}
+
+    @property
+    def _peaks_at_death(self) -> bool:
+        return self.peak_age == self.life_distance
+
+
+def life_of(file: RunFile, number: int) -> Life:
+    """Return the life of one junction by its row number; reads its row, and who lived when of all rows.
+
+    Raises Refused, naming the range, where there is no such row, RunFileRefused for a file that does not say how far
+    its record goes.
+    """
+    rows = file.rows("junctions")
+    if not 0 <= number < rows:
+        there = f"it has junctions 0 to {rows - 1}" if rows else "it has no junctions at all"
+        raise Refused(f"there is no junction {number} in this run; {there}")
+    row: dict[str, Any] = {
+        name: file.column("junctions", name, number, number + 1)[0].item()
+        for name in file.columns["junctions"]
+        if name != "junction"
+    }
+    return Life(
+        number=number,
+        rows=rows,
+        birth_distance=row["birth_distance"],
+        death_distance=row["death_distance"],
+        life_distance=row["life_distance"],
+        diameter=row["diameter"],
+        max_area=row["max_area"],
+        state=JunctionState(row["state"]),
+        shear_strength=row.get("shear_strength"),
+        birth_time=row.get("birth_time"),
+        death_time=row.get("death_time"),
+        record_end=record_end(file),
+        others=neighbours(file, number, row["birth_distance"], row["death_distance"]),
+    )
+
+
+def record_end(file: RunFile) -> float:
+    """Return the sliding distance in um at which a run stopped, from its own scenario; the last tick may lie before.
+
+    Raises RunFileRefused where its scenario does not tell.
+    """
+    try:
+        return float(
+            read_quantity(json.loads(str(file.provenance["scenario_resolved"]))["sliding"]["distance"], LENGTH)
+        )
+    except (KeyError, TypeError, AttributeError, ValueError, RecursionError, QuantityError) as problem:
+        raise RunFileRefused("the scenario in the file gives no sliding distance") from problem
+
+
+def _share(part: float, whole: float) -> float:
+    # Born where the record ends: no area yet, and perhaps nobody else has one.
+    return part / whole if whole else 0.0
+
+
+def _ages(diameter: float, life: float) -> Doubles:
+    """Return distances since birth: a hundred steps a diameter up to mid-life, and from there to death."""
+    top = min(diameter, life)
+    rising = np.linspace(0.0, top, STEPS + 1)
+    if life <= top:
+        return rising
+    steps = max(1, ceil(STEPS * (life - top) / diameter - 1e-9))
+    return np.concatenate([rising, np.linspace(top, life, steps + 1)[1:]])
