@@ -10,7 +10,7 @@ from rubnoise.theory.quadrature import panels, size_rule
 Doubles = NDArray[np.float64]
 Powers = tuple[int, int]
 
-_NODES = 40
+_NODES = 20
 _SIZES = 64
 _AT_ONCE = 4096
 
