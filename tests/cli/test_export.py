@@ -246,7 +246,7 @@ def _interrupted() -> None:
 
 
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
-    rubnoise.run(rubnoise.load("../given/contact.toml", ["sliding.distance=0.5 m", "output.tick=0.5 um"]), "x.h5")
+    rubnoise.run(rubnoise.load("../given/contact.toml", ["sliding.distance=1 m", "output.tick=0.5 um"]), "x.h5")
     export_of_it: subprocess.Popen[str] = begin(
         "export", "x.h5", "--to", "csv", "--group", "trace", part=here / "x_trace.csv.part"
     )

@@ -57,7 +57,5 @@ def _numbered(scale: str, column: Column) -> xr.Coordinates:
     """Return the coordinate of row numbers, which are known without being read."""
     import pandas as pd  # type: ignore[import-untyped]
 
-    numbers = xr.indexes.PandasIndex(pd.RangeIndex(len(column), name=scale), scale)
-    coordinates = xr.Coordinates.from_xindex(numbers)
-    coordinates[scale].attrs.update(column.attributes)
-    return coordinates
+    numbers = pd.RangeIndex(len(column), name=scale)
+    return xr.Coordinates({scale: xr.Variable((scale,), numbers, column.attributes)})
