@@ -10,12 +10,12 @@ from math import inf
 
 import numpy as np
 from simpy import Environment, Interrupt, Process
-from simpy.events import Event, ProcessGenerator, Timeout
+from simpy.events import Event, ProcessGenerator
 
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.panels import Panel
-from rubnoise.simulation.process import PromptProcess
+from rubnoise.simulation.process import PromptProcess, Wait
 from rubnoise.simulation.state import LiveRows, State
 
 
@@ -61,7 +61,7 @@ def junction(env: Environment, live: LiveSet, row: int, death: float, rest: floa
     """Live from now through ``rest`` um of sliding; die at ``death``, or wherever an interrupt ends it."""
     live.join(row, env.active_process)  # type: ignore[arg-type]  # a process is running: this one
     try:
-        yield Timeout(env, rest)
+        yield Wait(env, rest)
     except Interrupt:
         live.leave(row, env.now)
     else:
@@ -70,13 +70,13 @@ def junction(env: Environment, live: LiveSet, row: int, death: float, rest: floa
 
 def births(env: Environment, live: LiveSet, state: State, block: BlockBirths, run_end: float) -> ProcessGenerator:
     """Wait for a gap, start a junction, and so on to the birth that opens the next block, or to the end of the run."""
-    carried = len(state.live)
     wait = state.next_birth - env.now
-    lives = zip(block.birth.tolist(), block.diameter.tolist(), block.gaps.tolist(), strict=True)
-    for row, (birth, diameter, gap) in enumerate(lives, start=carried):
-        yield Timeout(env, wait)
-        life = 2.0 * diameter
-        PromptProcess(env, junction(env, live, row, birth + life, life))
+    life_distances = 2.0 * block.diameter
+    deaths = block.birth + life_distances
+    lives = zip(deaths.tolist(), life_distances.tolist(), block.gaps.tolist(), strict=True)
+    for row, (death, life, gap) in enumerate(lives, start=len(state.live)):
+        yield Wait(env, wait)
+        PromptProcess(env, junction(env, live, row, death, life))
         wait = gap
     last = block.next_birth > run_end
     yield env.timeout(run_end - env.now if last else wait)
