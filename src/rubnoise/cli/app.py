@@ -7,7 +7,7 @@ from io import TextIOWrapper
 import typer
 from typer import Typer
 
-from rubnoise.cli import check, export, info, new, run, schema
+from rubnoise.cli import check, export, info, junction, junctions, new, run, schema
 from rubnoise.errors import RubnoiseError
 
 app = Typer(
@@ -19,6 +19,9 @@ app = Typer(
 app.command("run")(run.command)
 app.command("check")(check.command)
 app.command("info")(info.command)
+# Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others.
+app.command("junction", context_settings={"ignore_unknown_options": True})(junction.command)
+app.command("junctions")(junctions.command)
 app.command("export")(export.command)
 app.command("new")(new.command)
 app.command("schema")(schema.command)

@@ -1,0 +1,134 @@
+"""Chosen rows of /junctions on their way to a terminal, a table or JSON, some at a time."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from rubnoise.analysis.selection import RowNumbers, gather, select
+from rubnoise.analysis.where import condition, did_you_mean
+from rubnoise.analysis.where_tree import Node
+from rubnoise.cli.junction_text import state_names
+from rubnoise.cli.layout import grouped, number, printable
+from rubnoise.errors import Refused
+from rubnoise.record.rows import JunctionState
+from rubnoise.storage.export_csv import heading
+from rubnoise.storage.layout import stored_columns
+from rubnoise.storage.reader import RunFile
+from rubnoise.storage.schema import JUNCTIONS, Column
+
+BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
+"""What fits a terminal; columns that are asked about join them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """Rows in the order asked for, how many there are in all, and the columns to print."""
+
+    run: RunFile
+    path: Path
+    where: str | None
+    sort: str | None
+    rows: RowNumbers
+    total: int
+    columns: tuple[Column, ...]
+
+    @classmethod
+    def of(
+        cls,
+        run: RunFile,
+        path: Path,
+        *,
+        where: str | None,
+        sort: str | None,
+        reverse: bool,
+        head: int | None,
+        columns: str | None,
+        brief: bool,
+    ) -> Self:
+        """Find the rows; raises Refused for a condition or a column that is none."""
+        there = stored_columns(JUNCTIONS, run.features)
+        tree = None if where is None else condition(where, there)
+        by = None if sort is None else _named(sort.removeprefix("-"), "--sort", there).name
+        wanted = _wanted(columns, there, _asked_about(tree, by) if brief else None)
+        descending = reverse != (sort is not None and sort.startswith("-"))
+        rows, total = select(run, tree, sort=by, descending=descending, head=head)
+        return cls(run=run, path=path, where=where, sort=sort, rows=rows, total=total, columns=wanted)
+
+    def values(self) -> Iterator[tuple[Any, ...]]:
+        """Yield the values of each row as numbers of Python."""
+        names = [column.name for column in self.columns]
+        for panel in gather(self.run, self.rows, names):
+            yield from zip(*(panel[name].tolist() for name in names), strict=True)
+
+
+def print_csv(found: Found) -> None:
+    """Print a heading of names with units, then a line a row, every number to its last bit."""
+    print(",".join(map(heading, found.columns)))
+    for row in found.values():
+        print(",".join(map(repr, row)))
+
+
+def print_json(found: Found) -> None:
+    """Print one JSON object, a line a row, written as it is read."""
+    about: dict[str, Any] = {"file": str(found.path), "where": found.where, "sort": found.sort}
+    about |= {"rows": found.run.rows("junctions"), "matched": found.total}
+    names = [column.name for column in found.columns]
+    print(json.dumps(about)[:-1] + ', "junctions": [', end="")
+    for i, row in enumerate(found.values()):
+        told = dict(zip(names, row, strict=True))
+        if "state" in told:
+            told["state"] = state_names(JunctionState(told["state"]))
+        print(",\n" if i else "\n", json.dumps(told), sep="", end="")
+    print("]}")
+
+
+def print_text(found: Found) -> None:
+    """Print the rows in columns below their names and units, and how many more there are."""
+    all_rows = grouped(found.run.rows("junctions"))
+    print(f"{printable(str(found.path))}: {grouped(found.total)} of {all_rows} junctions")
+    if found.rows.size:
+        print()
+        print("\n".join(_table(found)))
+    if found.total > found.rows.size:
+        print(f"\n  and {grouped(found.total - found.rows.size)} more (--head N for more, --csv for all)")
+
+
+def _table(found: Found) -> Iterator[str]:
+    cells = [[_cell(c.name, value) for c, value in zip(found.columns, row, strict=True)] for row in found.values()]
+    names = [column.name for column in found.columns]
+    units = ["" if column.units == "1" else column.units for column in found.columns]
+    widths = [max(map(len, column)) for column in zip(names, units, *cells, strict=True)]
+    for line in (names, units, *cells):
+        padded = (_aligned(name, cell, width) for name, cell, width in zip(names, line, widths, strict=True))
+        yield ("  " + "  ".join(padded)).rstrip()
+
+
+def _aligned(name: str, cell: str, width: int) -> str:
+    return cell.ljust(width) if name == "state" else cell.rjust(width)
+
+
+def _cell(name: str, value: float) -> str:
+    if name == "state":
+        return ", ".join(state_names(JunctionState(int(value))))
+    return str(value) if isinstance(value, int) else number(value)
+
+
+def _asked_about(tree: Node | None, sort: str | None) -> frozenset[str]:
+    return frozenset(() if tree is None else tree.columns) | frozenset(() if sort is None else (sort,))
+
+
+def _wanted(columns: str | None, there: tuple[Column, ...], asked: frozenset[str] | None) -> tuple[Column, ...]:
+    if columns is not None:
+        return tuple(_named(name.strip(), "--columns", there) for name in columns.split(","))
+    if asked is None:
+        return there
+    return tuple(column for column in there if column.name in asked.union(BRIEF))
+
+
+def _named(name: str, option: str, there: tuple[Column, ...]) -> Column:
+    for column in there:
+        if column.name == name:
+            return column
+    raise Refused(f"{option}: no column {printable(name)}; {did_you_mean(name, (column.name for column in there))}")

@@ -1,0 +1,25 @@
+"""A finished result file, opened for commands that read it row by row."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.storage.reader import RunFile, open_run
+
+
+@contextmanager
+def finished_run(path: Path) -> Iterator[RunFile]:
+    """Open a result file; what is refused about it is told with its name.
+
+    Raises RunFileRefused for one that is unfinished, or that open_run refuses.
+    """
+    with open_run(path) as file:
+        if not file.provenance["finished"]:
+            raise RunFileRefused(f"{path}: unfinished; the run that writes it goes on or was stopped")
+        try:
+            yield file
+        except Refused as refusal:
+            if str(refusal).startswith((f"{path}: ", "--where: ")):
+                raise
+            raise type(refusal)(f"{path}: {refusal}") from refusal

@@ -1,0 +1,68 @@
+"""How every figure looks: colours that the colour-blind and a grey printer tell apart, units on every axis."""
+
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, Final
+
+from rubnoise.errors import Refused
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INK: Final = "#000000"
+BLUE: Final = "#0072b2"
+FAINT: Final = "#9a9a9a"
+PALE: Final = "#e8e8e8"
+"""One colour beside greys, a blue of Okabe and Ito that is dark in grey too; width and filling tell the rest."""
+
+DOTS_PER_INCH: Final = 150
+
+SETTINGS: Final[dict[str, Any]] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
+    "axes.linewidth": 0.8,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.2,
+    "hatch.linewidth": 0.5,
+    "hatch.color": FAINT,
+    "savefig.facecolor": "white",
+}
+
+
+class PicturesMissing(Refused):
+    """A picture asked for where matplotlib is not installed."""
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """Return an empty figure of a size in inches, laid out so that nothing is cut off.
+
+    To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
+    """
+    # Not through pyplot: it would look for a screen and keep every figure of the process.
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def house_style() -> Any:
+    """Return the context in which figures are made; raises PicturesMissing without matplotlib."""
+    try:
+        import matplotlib as mpl
+    except ImportError as problem:
+        raise PicturesMissing('a picture needs matplotlib: pip install "rubnoise[plot]"') from problem
+    # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
+    settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
+    return mpl.rc_context(settings | SETTINGS | {"backend": "agg"})
+
+
+def as_png(figure: "Figure") -> bytes:
+    """Return a figure as the bytes of a png file, the same for the same figure."""
+    stream = BytesIO()
+    figure.savefig(stream, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    return stream.getvalue()
