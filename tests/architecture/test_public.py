@@ -9,6 +9,7 @@ import tomllib
 import pytest
 
 import rubnoise
+from rubnoise import api
 from tests.architecture.sources import ROOT
 
 HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'pydantic', 'pint', 'simpy', 'matplotlib', 'mpmath', 'xarray'}"
@@ -36,6 +37,15 @@ def test_nothing_heavy_is_loaded(code: str) -> None:
     assert _loaded(code) == set()
 
 
+def test_who_opens_a_result_does_not_wait_for_what_runs_one() -> None:
+    assert _loaded("import rubnoise\nrubnoise.open") == {"numpy", "h5py"}
+
+
+def test_every_public_name_has_one_home() -> None:
+    homes = [name for names in api.HOMES.values() for name in names]
+    assert sorted(homes) == sorted(api.__all__) == sorted(set(rubnoise.__all__) - {"__version__"})
+
+
 def test_something_heavy_would_be_noticed() -> None:
     assert _loaded("import rubnoise, mpmath") == {"mpmath"}
 
@@ -50,8 +60,9 @@ def test_public_names_are_listed() -> None:
 
 
 def test_an_unknown_name_is_refused_as_by_any_module() -> None:
-    with pytest.raises(AttributeError, match="module 'rubnoise' has no attribute 'nonsense'"):
-        rubnoise.nonsense  # noqa: B018
+    for module in (rubnoise, api):
+        with pytest.raises(AttributeError, match=f"module '{module.__name__}' has no attribute 'nonsense'"):
+            module.nonsense  # noqa: B018
 
 
 def test_the_version_is_the_same_everywhere() -> None:

@@ -1,15 +1,19 @@
 """Everything rubnoise does, as Python functions: load a scenario, run it, open a result, ask the theory."""
 
-from rubnoise.analysis.agreement import Agreement
-from rubnoise.api.columns import Column, Columns
-from rubnoise.api.junction import Junction
-from rubnoise.api.record import Record
-from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
-from rubnoise.api.running import exact, run, simulate
-from rubnoise.errors import Refused, RubnoiseError
-from rubnoise.record.rows import JunctionState
-from rubnoise.scenario import Scenario, build, load
-from rubnoise.theory.exact import Exact
+from importlib import import_module
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rubnoise.analysis.agreement import Agreement
+    from rubnoise.api.columns import Column, Columns
+    from rubnoise.api.junction import Junction
+    from rubnoise.api.record import Record
+    from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.running import exact, run, simulate
+    from rubnoise.errors import Refused, RubnoiseError
+    from rubnoise.record.rows import JunctionState
+    from rubnoise.scenario import Scenario, build, load
+    from rubnoise.theory.exact import Exact
 
 __all__ = [
     "Agreement",
@@ -30,3 +34,26 @@ __all__ = [
     "run",
     "simulate",
 ]
+
+HOMES: Final = {
+    "rubnoise.analysis.agreement": ("Agreement",),
+    "rubnoise.api.columns": ("Column", "Columns"),
+    "rubnoise.api.junction": ("Junction",),
+    "rubnoise.api.record": ("Record",),
+    "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.running": ("exact", "run", "simulate"),
+    "rubnoise.errors": ("Refused", "RubnoiseError"),
+    "rubnoise.record.rows": ("JunctionState",),
+    "rubnoise.scenario": ("Scenario", "build", "load"),
+    "rubnoise.theory.exact": ("Exact",),
+}
+
+
+def __getattr__(name: str) -> object:
+    """Return a name on its first use: who opens a result need not wait for what runs one (PEP 562)."""
+    home = next((module for module, names in HOMES.items() if name in names), None)
+    if home is None:
+        message = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(message)
+    value = globals()[name] = getattr(import_module(home), name)
+    return value

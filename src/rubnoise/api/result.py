@@ -6,14 +6,16 @@ from collections.abc import Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.columns import Column, Columns
 from rubnoise.api.contents import Contents
-from rubnoise.scenario import Scenario, build
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
+
+if TYPE_CHECKING:
+    from rubnoise.scenario import Scenario
 
 
 class Run(Contents):
@@ -54,8 +56,10 @@ class Run(Contents):
         return dict(self._found)
 
     @cached_property
-    def scenario(self) -> Scenario:
+    def scenario(self) -> "Scenario":
         """The scenario of the run, with every default and change of it made explicit."""
+        from rubnoise.scenario import build
+
         return build(json.loads(str(self.provenance["scenario_resolved"])))
 
     @cached_property
