@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
-    from rubnoise.api.columns import Column, Columns
+    from rubnoise.api.column import Column
+    from rubnoise.api.columns import Columns
     from rubnoise.api.junction import Junction
     from rubnoise.api.record import Record
     from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
@@ -37,7 +38,8 @@ __all__ = [
 
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
-    "rubnoise.api.columns": ("Column", "Columns"),
+    "rubnoise.api.column": ("Column",),
+    "rubnoise.api.columns": ("Columns",),
     "rubnoise.api.junction": ("Junction",),
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.result": ("Run", "open"),

@@ -5,7 +5,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Column, Columns
+from rubnoise.api.column import Column
+from rubnoise.api.columns import Columns
 from rubnoise.api.contents import Contents
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.storage import schema

@@ -9,7 +9,8 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.columns import Column, Columns
+from rubnoise.api.column import Column
+from rubnoise.api.columns import Columns
 from rubnoise.api.contents import Contents
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
