@@ -105,9 +105,7 @@ def test_area_integral_over_a_cell(h, bound):
             return rising if s <= 1 else mpmath.mpf(2) / 3 - rising
 
         edges = [integral((mpmath.mpf(float(p)) - mpmath.mpf(birth)) / mpmath.mpf(diameter)) for p in positions]
-        expected = np.array(
-            [float((b - a) * mpmath.mpf(diameter) ** 3) for a, b in pairwise(edges)]
-        )
+        expected = np.array([float((b - a) * mpmath.mpf(diameter) ** 3) for a, b in pairwise(edges)])
     # The first and last cells hold a sliver of a life whose area is all rounding; they are held to the life's scale.
     full = expected > 1e-3 * expected.max()
     assert np.abs(mean / np.where(full, expected, 1.0) - 1.0)[full].max() < bound

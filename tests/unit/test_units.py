@@ -133,7 +133,7 @@ def test_a_ratio_is_written_in_percent(text: str) -> None:
 def test_one_of_several_kinds_is_taken_and_else_all_are_named() -> None:
     assert read_quantity("20 %", LENGTH, RATIO).kind is RATIO
     assert read_quantity("2 um", LENGTH, RATIO).kind is LENGTH
-    with pytest.raises(QuantityError, match=r'"s" is the unit of something else, a length or a ratio is needed'):
+    with pytest.raises(QuantityError, match=r'"s" is the unit of a time, a length or a ratio is needed'):
         read_quantity("2 s", LENGTH, RATIO)
 
 
