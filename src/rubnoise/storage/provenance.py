@@ -5,6 +5,7 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from shlex import join
 
@@ -62,6 +63,7 @@ def environment() -> dict[str, str | int]:
     return {"platform": platform.platform(), "machine": platform.machine(), "cpu_count": os.cpu_count() or 0}
 
 
+@cache
 def package_version(name: str) -> str:
     """Return the version of an installed package, or ``not installed``."""
     try:
