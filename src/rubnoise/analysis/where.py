@@ -26,6 +26,8 @@ __all__ = ["ConditionRefused", "Node", "condition"]
 DEEPEST: Final = 50
 """Levels of parentheses and ``not`` in a condition."""
 
+_JOINED: Final = "conditions are joined by and, or"
+
 STATES: Final = {"complete": 0} | {
     name: bit for column in JUNCTIONS.columns if column.name == "state" for bit, name in column.flags
 }
@@ -40,10 +42,11 @@ def condition(text: str, columns: Sequence[Column] = JUNCTIONS.columns) -> Node:
 
 
 def did_you_mean(word: str, names: Iterable[str]) -> str:
-    """Return advice for a word that is none of the names: the nearest, or all of them."""
+    """Return advice for a word that is none of the names: the nearest, or those that hold it, or all of them."""
     known = list(names)
-    near = get_close_matches(word.lower(), known, n=1)
-    return f"did you mean {near[0]}?" if near else f"one of {', '.join(known)}"
+    holding = [name for name in known if len(word) > 2 and word.lower() in name]
+    near = holding or get_close_matches(word.lower(), known, n=1)
+    return f"did you mean {' or '.join(near)}?" if near else f"one of {', '.join(known)}"
 
 
 class _Reader:
@@ -127,7 +130,7 @@ class _Reader:
 
     def _not_going_on(self) -> ConditionRefused:
         word = self._next.text.lower()
-        hint = f"write {word}" if word in KEYWORDS else "conditions are joined by and, or"
+        hint = f"write {word}" if word in KEYWORDS else _JOINED
         return self._refused(self._next, f'"{self._next.text}" does not belong here', hint)
 
     def _advice(self, word: str, known: list[str]) -> str:
@@ -174,6 +177,9 @@ class _Reader:
         return value
 
     def _quantity(self, side: Token, column: Column) -> float:
+        unit = side.text[side.digits :].strip(" ")
+        if unit in STATES or unit in self._columns:
+            raise refusal(self._text, side.end - len(unit), side.end, f'"{unit}" does not belong here', _JOINED)
         kind = next((kind for kind in KINDS if kind.unit == column.units), None)
         if kind is None:
             raise self._refused(side, f"{column.name} has no unit", f"write {side.text[: side.digits]}")

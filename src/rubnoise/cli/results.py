@@ -20,6 +20,6 @@ def finished_run(path: Path) -> Iterator[RunFile]:
         try:
             yield file
         except Refused as refusal:
-            if str(refusal).startswith((f"{path}: ", "--where: ")):
+            if str(refusal).startswith((f"{path}: ", "--")):
                 raise
             raise type(refusal)(f"{path}: {refusal}") from refusal

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.life import Life
 from rubnoise.contact.overlap import junction_area
-from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure
+from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ def life_png(life: Life, source: str = "") -> bytes:
     with house_style():
         figure = new_figure(6.6, 5.6)
         above, below = figure.subplots(2, 1, sharex=True)
-        title = f"Junction {life.number:,}" + (f" of {source}" if source else "")
+        title = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
         above.set_title(f"{title}: diameter {life.diameter:.4g} µm, born at {life.birth_distance:,.2f} µm", pad=10.0)
         _draw_neighbours(above, life)
         _draw_own(above, life)

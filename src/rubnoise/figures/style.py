@@ -1,5 +1,6 @@
 """How every figure looks: colours that the colour-blind and a grey printer tell apart, units on every axis."""
 
+import warnings
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,6 +16,7 @@ PALE: Final = "#e8e8e8"
 """One colour beside greys, a blue of Okabe and Ito that is dark in grey too; width and filling tell the rest."""
 
 DOTS_PER_INCH: Final = 150
+LONGEST_NAME: Final = 32
 
 SETTINGS: Final[dict[str, Any]] = {
     "font.family": "sans-serif",
@@ -32,6 +34,7 @@ SETTINGS: Final[dict[str, Any]] = {
     "hatch.linewidth": 0.5,
     "hatch.color": FAINT,
     "savefig.facecolor": "white",
+    "text.parse_math": False,  # a file's name may hold dollars
 }
 
 
@@ -64,5 +67,13 @@ def house_style() -> Any:
 def as_png(figure: "Figure") -> bytes:
     """Return a figure as the bytes of a png file, the same for the same figure."""
     stream = BytesIO()
-    figure.savefig(stream, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+    with warnings.catch_warnings():
+        # A title in a script that the font lacks is drawn as boxes, which is no reason for a warning on the terminal.
+        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
+        figure.savefig(stream, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
     return stream.getvalue()
+
+
+def shortened(name: str) -> str:
+    """Return a name cut to what a title has room for."""
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."

@@ -1,0 +1,159 @@
+"""`rubnoise junctions`: the rows that a condition chooses."""
+
+import csv
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rubnoise import open as open_run
+from tests.cli.terminal import call
+from tests.unit.lives import bare_file, lives_file
+
+SLIDER = Path("../given/slider.toml")
+
+
+@pytest.fixture
+def lives(here: Path) -> Path:
+    lives_file(here / "l.h5").close()
+    return here / "l.h5"
+
+
+@pytest.fixture
+def result(here: Path) -> Path:
+    assert call("run", SLIDER, "--seed", "4", "-q", "-o", "x.h5").code == 0
+    return here / "x.h5"
+
+
+TABLE = """\
+l.h5: 3 of 8 junctions
+
+  junction  birth_distance  diameter  max_area  state
+                        um        um      um^2
+         3               4         5  19.63495  ended_early
+         5               6         5  19.63495  ended_early
+         4               6         4  12.56637  ended_early
+"""
+
+
+def test_rows_are_shown_below_names_and_units(lives: Path) -> None:
+    answer = call("junctions", "l.h5", "--where", "ended_early", "--sort", "-max_area", "--columns", "junction")
+    assert answer.out.split() == ["l.h5:", "3", "of", "8", "junctions", "junction", "3", "5", "4"]
+    answer = call("junctions", "l.h5", "--where", "ended_early and diameter > 1", "--sort", "-diameter")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out == TABLE
+
+
+def test_columns_that_are_asked_about_are_shown(lives: Path) -> None:
+    heading = call("junctions", "l.h5", "--where", "birth_time > 1 ms", "--sort", "life_distance").out.splitlines()[2]
+    wanted = ["junction", "birth_distance", "life_distance", "diameter", "max_area", "birth_time", "state"]
+    assert heading.split() == wanted
+    assert len(heading) <= 80
+
+
+def test_text_shows_twenty_rows_and_says_how_many_more(result: Path) -> None:
+    lines = call("junctions", "x.h5").out.splitlines()
+    with open_run(result) as run:
+        rows = len(run.junctions)
+    assert lines[0] == f"x.h5: {rows} of {rows} junctions"
+    assert [line.split()[0] for line in lines[4:24]] == [str(i) for i in range(20)]
+    assert lines[-1] == f"  and {rows - 20} more (--head N for more, --csv for all)"
+    assert "more" not in call("junctions", "x.h5", "--head", str(rows)).out
+
+
+def test_nothing_found_is_no_failure(lives: Path) -> None:
+    answer = call("junctions", "l.h5", "--where", "diameter > 1 m")
+    assert (answer.code, answer.out) == (0, "l.h5: 0 of 8 junctions\n")
+    assert call("junctions", "l.h5", "--where", "diameter > 1 m", "--csv").out.count("\n") == 1
+    assert call("junctions", "l.h5", "--where", "diameter > 1 m", "--json").json()["junctions"] == []
+
+
+def test_csv_holds_all_rows_to_the_last_bit(result: Path) -> None:
+    heading, *rows = csv.reader(StringIO(call("junctions", "x.h5", "--csv").out))
+    with open_run(result) as run:
+        assert len(rows) == len(run.junctions)
+        for i, name in enumerate(run.junctions.names):
+            assert heading[i].startswith(name)
+            assert [float(row[i]) for row in rows] == np.asarray(run.junctions[name]).tolist()
+    assert heading[1:6] == ["birth_distance_um", "death_distance_um", "life_distance_um", "diameter_um", "max_area_um2"]
+
+
+def test_json_is_one_object_with_named_states(lives: Path) -> None:
+    told = call(
+        "junctions", "l.h5", "--where", "not complete", "--sort=-birth_distance", "--head", "2", "--json"
+    ).json()
+    assert {name: told[name] for name in ("file", "where", "sort", "rows", "matched")} == {
+        "file": "l.h5",
+        "where": "not complete",
+        "sort": "-birth_distance",
+        "rows": 8,
+        "matched": 6,
+    }
+    assert [(row["junction"], row["state"]) for row in told["junctions"]] == [
+        (7, ["alive_at_end"]),
+        (4, ["ended_early"]),
+    ]
+    assert told["junctions"][0]["death_distance"] == 42.0
+
+
+ORDERS = [
+    (("--sort", "diameter"), [1, 4, 0, 3, 5, 6, 2, 7]),
+    (("--sort", "-diameter"), [7, 2, 0, 3, 5, 6, 1, 4]),
+    (("--sort", "diameter", "--reverse"), [7, 2, 0, 3, 5, 6, 1, 4]),
+    (("--sort", "-diameter", "--reverse"), [1, 4, 0, 3, 5, 6, 2, 7]),
+    (("--reverse",), [7, 6, 5, 4, 3, 2, 1, 0]),
+    (("--sort", "state", "--head", "3"), [2, 6, 0]),
+    (("--sort", "-state", "--head", "3"), [3, 4, 5]),
+    (("--where", "3 ms < birth_time", "--head", "2"), [3, 4]),
+    (("--head", "0"), []),
+]
+
+
+@pytest.mark.parametrize(("arguments", "rows"), ORDERS)
+def test_rows_come_in_the_order_asked_for(lives: Path, arguments: tuple[str, ...], rows: list[int]) -> None:
+    answer = call("junctions", "l.h5", "--csv", "--columns", "junction", *arguments)
+    assert answer.out.split() == ["junction", *map(str, rows)]
+
+
+def test_columns_are_printed_in_the_order_asked_for(lives: Path) -> None:
+    out = call("junctions", "l.h5", "--columns", "state, diameter,junction", "--csv", "--head", "1").out
+    assert out == "state,diameter_um,junction\n1,5.0,0\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (
+            ("--where", "diametr > 6"),
+            "--where: error: no column diametr\n    diametr > 6\n    ^^^^^^^\n    did you mean diameter?\n",
+        ),
+        (("--sort", "life"), "--sort: no column life; did you mean life_distance?\n"),
+        (("--sort=-BIRTH",), "--sort: no column BIRTH; did you mean birth_distance or birth_time?\n"),
+        (("--columns", "junction,areas"), "--columns: no column areas; did you mean max_area?\n"),
+    ],
+)
+def test_what_is_no_column_is_refused_with_the_nearest(lives: Path, arguments: tuple[str, ...], said: str) -> None:
+    answer = call("junctions", "l.h5", *arguments)
+    assert (answer.code, answer.out, answer.err) == (2, "", said)
+
+
+def test_a_bare_run_names_the_columns_it_has(here: Path) -> None:
+    bare_file(here / "bare.h5").close()
+    answer = call("junctions", "bare.h5", "--where", "birth_time > 1 s")
+    assert answer.code == 2
+    assert "this run has no birth_time; it has junction, birth_distance" in answer.err
+    assert call("junctions", "bare.h5", "--sort", "birth_time").code == 2
+
+
+@pytest.mark.parametrize("arguments", [("--csv", "--json"), ("--head", "-1"), ("--head", "x")])
+def test_wrong_usage_is_refused(lives: Path, arguments: tuple[str, ...]) -> None:
+    answer = call("junctions", "l.h5", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err
+
+
+def test_a_file_that_is_no_result_gets_one_line(here: Path) -> None:
+    (here / "x.h5").write_text("format = 1")
+    for command in (("junctions", "x.h5"), ("junction", "x.h5", "0")):
+        assert call(*command).err == "x.h5: is not an HDF5 file\n"

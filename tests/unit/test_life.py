@@ -1,0 +1,151 @@
+"""One junction's life as told from its file, held to sums over all rows that are written out here."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis import neighbours as neighbours_module
+from rubnoise.analysis.life import Life, life_of
+from rubnoise.contact.overlap import junction_area
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.storage.reader import RunFile, open_run
+from tests.architecture.sources import ROOT
+from tests.format.runs import describe, random_rows, write_run
+from tests.unit.lives import BIRTH, DEPARTURE, DIAMETER, RECORD_END, SPEED, STRENGTH, bare_file, lives_file
+
+DEATH = np.minimum(DEPARTURE, BIRTH + 2.0 * DIAMETER)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Iterator[RunFile]:
+    with lives_file(tmp_path / "x.h5") as opened:
+        yield opened
+
+
+def _areas(distance: float, *, just_before: bool = False) -> np.ndarray:
+    """Return the area of every row, by the rule birth <= s < death or the limit from below."""
+    alive = (distance > BIRTH) & (distance <= DEATH) if just_before else (distance >= BIRTH) & (distance < DEATH)
+    return np.where(alive, junction_area(distance - BIRTH, DIAMETER), 0.0)
+
+
+PEAKS = {0: 0.0, 1: 1.0, 2: 8.0, 3: 8.0, 4: 10.0, 5: 11.0, 6: 25.0, 7: 30.0}
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_the_peak_and_its_shares_are_those_of_the_rows(file: RunFile, number: int) -> None:
+    life = life_of(file, number)
+    assert life.peak_distance == PEAKS[number]
+    areas = _areas(life.peak_distance, just_before=number in {3, 5})
+    assert life.peak_area == pytest.approx(areas[number], rel=1e-14)
+    assert life.real_contact_area == pytest.approx(areas.sum(), rel=1e-14)
+    assert life.area_share == pytest.approx(areas[number] / areas.sum(), rel=1e-13)
+    forces = STRENGTH * areas
+    assert life.peak_force == pytest.approx(forces[number], rel=1e-14)
+    assert life.friction_force == pytest.approx(forces.sum(), rel=1e-14)
+    assert life.force_share == pytest.approx(forces[number] / forces.sum(), rel=1e-13)
+    assert life.beside.rows.tolist() == [row for row in np.flatnonzero(areas) if row != number]
+
+
+def test_shares_of_all_that_are_alive_add_up(file: RunFile) -> None:
+    life = life_of(file, 2)
+    others = life.beside.area(life.peak_distance) / life.real_contact_area
+    assert others.sum() + life.area_share == pytest.approx(1.0, rel=1e-14)
+    assert life.area_share != pytest.approx(life.force_share, rel=0.01)  # strengths differ
+
+
+def test_a_life_ended_early_has_the_peak_that_it_reached(file: RunFile) -> None:
+    before, at, after = (life_of(file, number) for number in (3, 5, 4))
+    assert before.mid_life_distance is None
+    assert before.peak_area == pytest.approx(float(junction_area(4.0, 5.0)), rel=1e-14)
+    assert before.peak_area < before.max_area
+    assert (at.mid_life_distance, after.mid_life_distance) == (11.0, 10.0)
+    assert at.peak_area == pytest.approx(at.max_area, rel=1e-14)
+    assert after.peak_area == pytest.approx(after.max_area, rel=1e-14)
+
+
+def test_a_curve_goes_from_birth_to_death_over_mid_life(file: RunFile) -> None:
+    life = life_of(file, 2)
+    curve = life.curve()
+    distance, area = curve["distance"], curve["area"]
+    assert (distance[0], distance[100], distance[-1], distance.size) == (2.0, 8.0, 14.0, 201)
+    assert (area[0], area[-1]) == (0.0, 0.0)
+    assert area[100] == area.max() == pytest.approx(9.0 * np.pi, rel=1e-15)
+    assert np.trapezoid(area, distance) == pytest.approx(2.0 / 3.0 * 6.0**3, rel=1e-4)
+    np.testing.assert_allclose(curve["time"], distance / SPEED, rtol=1e-14)
+    np.testing.assert_allclose(curve["force"], 100.0 * area, rtol=1e-15)
+
+
+@pytest.mark.parametrize(("number", "points"), [(3, 101), (5, 101), (4, 151)])
+def test_the_curve_of_a_life_ended_early_stops_where_it_was(file: RunFile, number: int, points: int) -> None:
+    curve = life_of(file, number).curve()
+    assert curve["distance"].size == points
+    assert curve["distance"][-1] == DEATH[number]
+    assert curve["area"][-1] > 1.0
+
+
+def test_a_bare_run_has_neither_times_nor_forces(tmp_path: Path) -> None:
+    with bare_file(tmp_path / "x.h5") as file:
+        life = life_of(file, 2)
+    assert list(life.curve()) == ["distance", "area"]
+    assert life.time(3.0) is None
+    assert (life.peak_force, life.friction_force, life.force_share) == (None, None, None)
+    assert life.area_share > 0.0
+
+
+def test_born_where_the_record_ends_it_has_no_share(file: RunFile) -> None:
+    life = replace(life_of(file, 7), birth_distance=RECORD_END, others=life_of(file, 7).others.alive(-100.0))
+    assert (life.peak_area, life.real_contact_area, life.area_share) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("number", [-1, 8, 10**30])
+def test_a_row_that_is_not_there_is_refused_with_the_range(file: RunFile, number: int) -> None:
+    with pytest.raises(Refused, match=rf"no junction {number} in this run; it has junctions 0 to 7"):
+        life_of(file, number)
+
+
+def test_a_file_that_does_not_say_how_far_it_goes_is_refused(tmp_path: Path) -> None:
+    description = describe()
+    write_run(tmp_path / "x.h5", description, random_rows(description))
+    with open_run(tmp_path / "x.h5") as file, pytest.raises(RunFileRefused, match="gives no sliding distance"):
+        life_of(file, 3)
+
+
+def test_panels_do_not_change_the_answer(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = life_of(file, 2)
+    monkeypatch.setattr(neighbours_module, "PANEL_ROWS", 3)
+    parts = life_of(file, 2)
+    assert parts.others.rows.tolist() == whole.others.rows.tolist() == [1, 3, 4, 5]
+    distance = np.linspace(2.0, 14.0, 50)
+    np.testing.assert_allclose(parts.others.total_area(distance), whole.others.total_area(distance), rtol=1e-14)
+
+
+@pytest.fixture(scope="module")
+def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("lives") / "fig5.h5"
+    changes = ["sliding.distance=300 um", "output.tick=0.05 um"]
+    rubnoise.run(rubnoise.load(ROOT / "scenarios" / "paper" / "fig5.toml", changes), path).close()
+    return path
+
+
+@pytest.mark.parametrize("number", [0, 30, 200, -1])
+def test_of_a_simulated_run_all_lives_sum_up_to_the_trace(paper: Path, number: int) -> None:
+    with open_run(paper) as file:
+        life = life_of(file, number % file.rows("junctions"))
+        distance, area = file.column("trace", "distance"), file.column("trace", "real_contact_area")
+    inside = (distance >= life.birth_distance) & (distance < life.death_distance)
+    lived = distance[inside]
+    assert lived.size > 5
+    summed = life.area_at_age(lived - life.birth_distance) + life.others.total_area(lived)
+    np.testing.assert_allclose(summed, area[inside], rtol=1e-11)
+    assert _between_ticks(life, distance, area)
+
+
+def _between_ticks(life: Life, distance: np.ndarray, area: np.ndarray) -> bool:
+    """Return whether the contact at the peak agrees with its neighbouring ticks within what a tick can change."""
+    tick = np.searchsorted(distance, life.peak_distance)
+    steepest = float(np.abs(np.diff(area)).max())
+    return abs(life.real_contact_area - area[min(tick, area.size - 1)]) <= 2.0 * steepest
