@@ -55,10 +55,10 @@ def _draw_own(axes: "Axes", life: Life) -> None:
     age, area = curve["distance"] - life.birth_distance, curve["area"]
     axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
     axes.plot(age, area, color=BLUE, lw=2.4, label="this junction")
-    axes.plot([life.peak_age], [life.peak_area], "o", color=INK, ms=4.5, zorder=5)
+    axes.plot([life.peak_age], [life.peak_area], "o", color=INK, ms=4.5, zorder=5, clip_on=False)
     beyond_middle = life.peak_age > 0.5 * life.life_distance
     axes.annotate(
-        f"{life.peak_area:.4g} µm²",
+        f"{life.peak_area:.4g} µm²" + (", ended here" if life.peak_distance == life.death_distance else ""),
         (life.peak_age, life.peak_area),
         xytext=(-6.0 if beyond_middle else 6.0, 5.0),
         textcoords="offset points",
@@ -83,7 +83,7 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
     total = np.where(known, own + life.others.total_area(distance), np.nan)
     axes.fill_between(age, np.where(known, own, np.nan), color=BLUE, lw=0.0, label="this junction")
     axes.plot(age, total, color=INK, lw=1.4, label="all junctions")
-    axes.plot([life.peak_age], [life.real_contact_area], "o", color=INK, ms=4.5)
+    axes.plot([life.peak_age], [life.real_contact_area], "o", color=INK, ms=4.5, clip_on=False)
     axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.real_contact_area)))
     axes.set_ylabel("real contact area (µm²)")
     axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at {_peak_in_words(life)}")
