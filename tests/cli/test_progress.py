@@ -25,7 +25,10 @@ LINE = re.compile(
 
 def _begun(arguments: list[str], environment: dict[str, str]) -> tuple["subprocess.Popen[bytes]", int]:
     """Start a program on a terminal of its own; return it and our end of that terminal."""
-    ours, theirs = pty.openpty()
+    try:
+        ours, theirs = pty.openpty()
+    except OSError as problem:
+        pytest.skip(f"this system gives no pseudo-terminal: {problem}")
     program = subprocess.Popen(arguments, stdin=theirs, stdout=theirs, stderr=theirs, env=os.environ | environment)
     os.close(theirs)
     return program, ours

@@ -44,8 +44,10 @@ def check_output(path: str | os.PathLike[str], *, force: bool) -> OutputPaths:
     try:
         paths = OutputPaths.of(path)
         _check_folder(paths.final.parent)
+        # Before the folder's rights: nobody wants to hear that /dev is not writable when the output is /dev/null.
         for name in (paths.final, paths.part, paths.making, paths.lock):
             _check_regular(name)
+        _check_writable(paths.final.parent)
     except (OSError, ValueError) as problem:
         raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
     if not force:
@@ -118,6 +120,9 @@ class OutputAppearedError(RubnoiseError):
 def _check_folder(folder: Path) -> None:
     if not folder.is_dir():
         raise OutputRefused(f"{folder}: no such folder")
+
+
+def _check_writable(folder: Path) -> None:
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputRefused(f"{folder}: the folder is not writable")
 
