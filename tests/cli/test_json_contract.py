@@ -20,6 +20,10 @@ TYPES: dict[str, Any] = {
     "integer": lambda value: isinstance(value, int) and not isinstance(value, bool),
     "number": lambda value: isinstance(value, float | int) and not isinstance(value, bool),
     "number or null": lambda value: value is None or TYPES["number"](value),
+    "string or null": lambda value: value is None or TYPES["string"](value),
+    "list of integers": lambda value: isinstance(value, list) and all(TYPES["integer"](item) for item in value),
+    "list of numbers": lambda value: isinstance(value, list) and all(TYPES["number"](item) for item in value),
+    "list of objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
     "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }
 
@@ -97,6 +101,10 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "slider.h5", "--json")),
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
+        ("junction", ("junction", "slider.h5", "17", "--json")),
+        ("junction", ("junction", "bare.h5", "3", "--json")),
+        ("junctions", ("junctions", "slider.h5", "--json")),
+        ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
     ]
     return [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
 

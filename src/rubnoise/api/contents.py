@@ -1,5 +1,6 @@
 """What a result holds, whether it lies in a file or in memory."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -13,13 +14,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-class Contents:
+class Contents(ABC):
     """The groups of a result and what can be made of them."""
 
     __slots__ = ()
 
+    @abstractmethod
     def _groups(self) -> Mapping[str, Columns]:
-        raise NotImplementedError
+        """Return every group of columns by name."""
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return {}

@@ -4,6 +4,7 @@ Each class is an annotation for pydantic: it reads and refuses the value, and de
 """
 
 import re
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from difflib import get_close_matches
 from fractions import Fraction
@@ -39,16 +40,16 @@ class Range:
         return isinstance(value, (int, float)) and ((self.zero and value == 0) or self.low <= value <= self.high)
 
 
-class Field:
+class Field(ABC):
     """A value of one kind: ``read`` turns what the file holds into it, ``describe`` is its JSON schema."""
 
+    @abstractmethod
     def read(self, value: Any) -> Any:
         """Return the value, or raise Unfit."""
-        raise NotImplementedError
 
+    @abstractmethod
     def describe(self) -> dict[str, Any]:
         """Return the JSON schema of the value."""
-        raise NotImplementedError
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
