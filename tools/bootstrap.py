@@ -189,7 +189,7 @@ def install(locks: tuple[str, ...], lock_file: int) -> None:
     settings = connection_settings(pip)
     write_stamp({})
     files = [f"tools/{lock}.lock" for lock in locks]
-    print(f"dev.py: installing {' and '.join(files)} (the first time fetches 120 to 170 MB)", file=sys.stderr)
+    print(f"dev.py: installing {' and '.join(files)} (the first time fetches some hundred MB)", file=sys.stderr)
     options = ["install", "--quiet", "--no-deps", "--no-compile"]
     locked = ["--require-hashes", "--only-binary=:all:", *(f"--requirement={ROOT / file}" for file in files)]
     project = ["--no-index", "--no-build-isolation", f"--editable={ROOT}"]

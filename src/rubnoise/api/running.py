@@ -16,7 +16,6 @@ from rubnoise.errors import ScenarioRefused
 from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.limits import SEED_END
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.run import extent, slider_constants
 from rubnoise.simulation.run import simulate as run_events
@@ -24,6 +23,7 @@ from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
 from rubnoise.storage.provenance import gather
 from rubnoise.storage.writer import RunWriter
+from rubnoise.streams import SEED_LIMIT
 from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
 
@@ -80,8 +80,8 @@ def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
     """Return the scenario with another seed, so that what is kept of it says what was run."""
     if seed is None:
         return scenario
-    if not 0 <= seed < SEED_END:
-        raise ScenarioRefused(f"run.seed: {seed} is not from 0 to {SEED_END - 1}")
+    if not 0 <= seed < SEED_LIMIT:
+        raise ScenarioRefused(f"run.seed: {seed} is not from 0 to {SEED_LIMIT - 1}")
     return replace(scenario, run=scenario.run.model_copy(update={"seed": seed}))
 
 

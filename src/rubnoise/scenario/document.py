@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict
 from pydantic import Field as About
 
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
-from rubnoise.scenario.limits import SEED_END
+from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
 FORMAT = 1
@@ -160,7 +160,7 @@ class Run(Section):
     """How the run is made."""
 
     seed: Annotated[
-        int, Number(Range(0, SEED_END - 1), whole=True), About(description="Seed of all random numbers.")
+        int, Number(Range(0, SEED_LIMIT - 1), whole=True), About(description="Seed of all random numbers.")
     ] = 1
     engine: Annotated[str, Choice(("events",), later=("batch",)), About(description="events: SimPy.")] = "events"
 

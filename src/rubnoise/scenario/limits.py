@@ -10,4 +10,3 @@ TITLE_CHARACTERS = 200
 
 RESULT_ROWS = 2_000_000_000
 RESULT_BYTES = 10**12
-SEED_END = 2**53  # beyond it a seed is changed by every tool that reads numbers as doubles (JSON, spreadsheets, MATLAB)
