@@ -2,6 +2,7 @@
 
 import sys
 import warnings
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from rubnoise.analysis.life import Life, life_of
 from rubnoise.figures import style
 from rubnoise.figures.life import life_png
 from rubnoise.figures.style import PicturesMissing
+from rubnoise.record.rows import JunctionState
 from tests.unit.lives import bare_file, lives_file
 
 
@@ -40,6 +42,22 @@ def test_every_life_can_be_drawn_with_nothing_cut_off(lives: list[Life], number:
     assert np.all(border == 1.0)
     blue = _of_colour(pixels, style.BLUE)
     assert blue[:420].sum() > 1000  # its curve, above
+
+
+def test_nothing_is_written_over_the_axis_beside_a_narrow_band(lives: list[Life]) -> None:
+    life = replace(lives[1], birth_distance=-0.3, death_distance=7.7)
+    dark = np.all(_pixels(life_png(life, "x.h5")) < 0.3, axis=2)
+    spine = int(np.argmax(dark[:, :200].sum(axis=0)))
+    lines = np.flatnonzero(dark.sum(axis=1) > 800)
+    feet = lines[lines > 200]  # above is the axis of times
+    assert np.ptp(feet) > 300  # of both axes
+    for foot in feet[[0, -1]]:
+        assert np.all(dark[foot - 100 : foot, spine])
+
+
+def test_a_life_ended_after_its_peak_is_told_from_a_whole_one(lives: list[Life]) -> None:
+    whole = replace(lives[4], state=JunctionState.COMPLETE)
+    assert life_png(lives[4]) != life_png(whole)
 
 
 def test_its_part_of_the_contact_grows_with_its_share(lives: list[Life]) -> None:

@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 from rubnoise.analysis.life import Life
 from rubnoise.contact.overlap import junction_area
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened
+from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_DRAWN: Final = 60
-"""Neighbours drawn; of more the picture would be a grey cloud."""
+"""Neighbours drawn, evenly chosen in order of birth; of more the picture would be a grey cloud."""
 
 SAMPLES: Final = 401
 UNITS_OF_TIME: Final = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
@@ -25,29 +26,37 @@ def life_png(life: Life, source: str = "") -> bytes:
     with house_style():
         figure = new_figure(6.6, 5.6)
         above, below = figure.subplots(2, 1, sharex=True)
-        title = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
-        above.set_title(f"{title}: diameter {life.diameter:.4g} µm, born at {life.birth_distance:,.2f} µm", pad=10.0)
+        above.set_title(_title(life, source), pad=10.0)
         _draw_neighbours(above, life)
         _draw_own(above, life)
         _draw_contact(below, life)
         for axes in (above, below):
             _shade_unknown(axes, life)
+            axes.legend(loc="upper right", ncols=3, frameon=True, fancybox=False, edgecolor="none", framealpha=1.0)
         _add_times(above, below, life)
         below.set_xlabel("sliding distance since its birth (µm)")
         below.set_xlim(0.0, life.life_distance)
         return as_png(figure)
 
 
+def _title(life: Life, source: str) -> str:
+    whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
+    ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
+    return f"{whose}\ndiameter {life.diameter:.4g} µm, born at {life.birth_distance:,.2f} µm{ended}"
+
+
 def _draw_neighbours(axes: "Axes", life: Life) -> None:
     others = life.others
-    nearest = np.argsort(np.abs(others.birth - life.birth_distance), kind="stable")[:MOST_DRAWN]
+    count = others.birth.size
+    drawn = min(count, MOST_DRAWN)
+    label = "the others" if drawn == count else f"{drawn} of the {count:,} others"
     age = np.linspace(0.0, 2.0, SAMPLES)
-    for i in nearest:
+    for i in np.arange(drawn) * count // max(drawn, 1):
         lived = age * others.diameter[i]
         shown = lived <= others.death[i] - others.birth[i]
         area = junction_area(lived, others.diameter[i])
-        label = "the others" if i == nearest[0] else None
         axes.plot(others.birth[i] + lived[shown] - life.birth_distance, area[shown], color=FAINT, lw=0.7, label=label)
+        label = "_one entry is enough"
 
 
 def _draw_own(axes: "Axes", life: Life) -> None:
@@ -68,7 +77,6 @@ def _draw_own(axes: "Axes", life: Life) -> None:
     tallest = max(float(area.max()), _tallest(life))
     axes.set_ylim(0.0, 1.32 * tallest)
     axes.set_ylabel("junction area (µm²)")
-    axes.legend(loc="upper right", ncols=2)
 
 
 def _tallest(life: Life) -> float:
@@ -87,7 +95,6 @@ def _draw_contact(axes: "Axes", life: Life) -> None:
     axes.set_ylim(0.0, 1.25 * float(np.nanmax(total, initial=life.real_contact_area)))
     axes.set_ylabel("real contact area (µm²)")
     axes.set_title(f"{100.0 * life.area_share:.3g} % of the real contact area at {_peak_in_words(life)}")
-    axes.legend(loc="upper right", ncols=2)
 
 
 def _peak_in_words(life: Life) -> str:
@@ -99,11 +106,13 @@ def _peak_in_words(life: Life) -> str:
 def _shade_unknown(axes: "Axes", life: Life) -> None:
     """Mark what lies before the start or after the end of the record, where nobody knows who else was alive."""
     start, end = -life.birth_distance, life.record_end - life.birth_distance
-    for first, last, words in ((0.0, start, "before the start"), (end, life.life_distance, "after the end")):
-        if first < last:
-            axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0)
-            place = (0.5 * (first + last), 0.06)
-            axes.text(*place, words, transform=axes.get_xaxis_transform(), ha="center", backgroundcolor="white")
+    beyond = [(0.0, start, "before the start"), (end, life.life_distance, "after the end")]
+    beyond = [(first, last, words) for first, last, words in beyond if first < last]
+    # Named in the legend: in the band itself the words would hide curves, or, in a narrow one, the axis beside it.
+    label = ", ".join(words for _, _, words in beyond)
+    for first, last, _ in beyond:
+        axes.axvspan(first, last, facecolor=PALE, edgecolor=FAINT, hatch="//", lw=0.0, zorder=0, label=label)
+        label = "_one entry is enough"
 
 
 def _add_times(above: "Axes", below: "Axes", life: Life) -> None:

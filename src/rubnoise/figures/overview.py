@@ -64,6 +64,7 @@ def _draw_life(axes: "Axes", junction: "Junction") -> None:
     axes.set_xlim(0.0, age[-1])
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("sliding distance since its birth (µm)")
+    axes.set_ylabel("its area (µm²)")
     axes.set_title(f"The life of junction {junction.number}")
 
 
