@@ -1,6 +1,7 @@
 """`rubnoise junctions`: the rows that a condition chooses."""
 
 import csv
+import json
 from io import StringIO
 from pathlib import Path
 
@@ -116,6 +117,21 @@ def test_rows_come_in_the_order_asked_for(lives: Path, arguments: tuple[str, ...
     assert answer.out.split() == ["junction", *map(str, rows)]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((), None),
+        (("--sort", "diameter"), "diameter"),
+        (("--sort", "-diameter"), "-diameter"),
+        (("--sort", "diameter", "--reverse"), "-diameter"),
+        (("--sort", "-diameter", "--reverse"), "diameter"),
+        (("--reverse",), "-junction"),
+    ],
+)
+def test_json_tells_the_order_that_came_out(lives: Path, arguments: tuple[str, ...], told: str | None) -> None:
+    assert json.loads(call("junctions", "l.h5", "--json", *arguments).out)["sort"] == told
+
+
 def test_columns_are_printed_in_the_order_asked_for(lives: Path) -> None:
     out = call("junctions", "l.h5", "--columns", "state, diameter,junction", "--csv", "--head", "1").out
     assert out == "state,diameter_um,junction\n1,5.0,0\n"
@@ -130,6 +146,7 @@ def test_columns_are_printed_in_the_order_asked_for(lives: Path) -> None:
         ),
         (("--sort", "life"), "--sort: no column life; did you mean life_distance?\n"),
         (("--sort=-BIRTH",), "--sort: no column BIRTH; did you mean birth_distance or birth_time?\n"),
+        (("--columns", "state,junction, state"), "--columns: state is named twice\n"),
         (("--columns", "junction,areas"), "--columns: no column areas; did you mean max_area?\n"),
     ],
 )

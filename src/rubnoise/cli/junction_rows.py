@@ -54,7 +54,8 @@ class Found:
         wanted = _wanted(columns, there, _asked_about(tree, by) if brief else None)
         descending = reverse != (sort is not None and sort.startswith("-"))
         rows, total = select(run, tree, sort=by, descending=descending, head=head)
-        return cls(run=run, path=path, where=where, sort=sort, rows=rows, total=total, columns=wanted)
+        told = f"-{by or 'junction'}" if descending else by
+        return cls(run=run, path=path, where=where, sort=told, rows=rows, total=total, columns=wanted)
 
     def values(self) -> Iterator[tuple[Any, ...]]:
         """Yield the values of each row as numbers of Python."""
@@ -121,7 +122,11 @@ def _asked_about(tree: Node | None, sort: str | None) -> frozenset[str]:
 
 def _wanted(columns: str | None, there: tuple[Column, ...], asked: frozenset[str] | None) -> tuple[Column, ...]:
     if columns is not None:
-        return tuple(_named(name.strip(), "--columns", there) for name in columns.split(","))
+        names = [name.strip() for name in columns.split(",")]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise Refused(f"--columns: {printable(twice) or 'nothing'} is named twice")
+        return tuple(_named(name, "--columns", there) for name in names)
     if asked is None:
         return there
     return tuple(column for column in there if column.name in asked.union(BRIEF))
