@@ -216,6 +216,21 @@ def test_a_fine_tick_alone_may_be_too_much() -> None:
     assert "output.tick longer" in report
 
 
+def test_a_contact_too_crowded_for_memory_is_refused_however_short_the_run() -> None:
+    short = BARE.replace("20 mm", "0.001 um")
+    settings = ("interface.mean_junction_count=2e6", "output.tick=0.0001 um")
+    head = "--set interface.mean_junction_count: error: interface.mean_junction_count: "
+    message = "2e+06 junctions alive at once expected; at most 1e+06"
+    assert refusal(short, *settings) == shown(head + message, settings[0], "2e6", "fewer junctions")
+    assert loads(short, overrides=("interface.mean_junction_count=1e6", settings[1])).model().tick_count == 10
+
+
+def test_redrawn_diameters_may_crowd_a_contact_too() -> None:
+    text = whole(distance='"1 um"', tick='"0.1 um"', spread='"1e6 um"')
+    assert COUNT + "2.89e+06 junctions alive at once expected" in refusal(text)
+    assert refusal(text).endswith("fewer junctions or a smaller diameter.spread")
+
+
 def test_matched_without_a_solution() -> None:
     text = whole(calibration='"matched"', spread='"3 um"')
     head = (

@@ -16,6 +16,7 @@ from rubnoise.units import Quantity, QuantityError, read_quantity
 _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
 _AREA: Path = ("interface", "mean_real_contact_area")
+_COUNT: Path = ("interface", "mean_junction_count")
 
 
 def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -60,7 +61,7 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     if problems:
         return None, None, problems
     model = model_of(document, diameter, tick)
-    problems = list(_cost_problems(document, layers, model))
+    problems = [*_crowd_problems(layers, model), *_cost_problems(document, layers, model)]
     return (None if problems else model), tick, problems
 
 
@@ -88,6 +89,17 @@ def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter:
 
 def _where_from(document: Document) -> str:
     return "" if document.output.tick else " (by default a two-hundredth of the mean life; set output.tick)"
+
+
+def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
+    """Refuse a contact so crowded that one block of it fills the memory, however short the run."""
+    # Redrawing makes lives longer and more junctions alive; the births of a block go by N_jm all the same.
+    alive = model.mean_junction_count * max(1.0, model.sizes.moment(1) / model.calibrated_diameter)
+    if alive > limits.LIVE_JUNCTIONS:
+        message = f"{alive:.3g} junctions alive at once expected; at most {limits.LIVE_JUNCTIONS:.0e}"
+        redrawn = " or a smaller diameter.spread" if alive > model.mean_junction_count else ""
+        hint = f"fewer junctions{redrawn}"
+        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint)
 
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:

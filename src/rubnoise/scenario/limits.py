@@ -10,3 +10,5 @@ TITLE_CHARACTERS = 200
 
 RESULT_ROWS = 2_000_000_000
 RESULT_BYTES = 10**12
+# A block of a run holds about eleven times as many junctions as are alive at once, at some 500 bytes each.
+LIVE_JUNCTIONS = 1_000_000
