@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any, Protocol
 
@@ -46,8 +47,8 @@ class FixedSizes:
     diameter: float
 
     def moment(self, power: int) -> float:
-        """Return E[d^n] in um^n."""
-        return self.diameter**power
+        """Return E[d^n] in um^n, rounded once: a library's pow changes bits between processors."""
+        return float(Fraction(self.diameter) ** power)
 
     def density(self, diameter: Doubles) -> Doubles:
         """Return zeros: a single size has no continuous part."""
