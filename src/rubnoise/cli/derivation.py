@@ -65,7 +65,7 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
 
     model, cost = scenario.model(), answer["cost"]
     lines = [
-        line("title", scenario.title),
+        *([line("title", scenario.title)] if scenario.title else []),
         line("mean diameter d_m", f"{number(answer['calibrated_diameter'])} um (calibration {model.calibration})"),
         line("mean life L_jm", f"{number(answer['mean_life_distance'])} um"),
         line("mean birth spacing s_jm", f"{number(answer['mean_birth_spacing'])} um"),
