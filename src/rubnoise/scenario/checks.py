@@ -92,13 +92,11 @@ def _where_from(document: Document) -> str:
 
 
 def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse a contact so crowded that one block of it fills the memory, however short the run."""
-    # Redrawing makes lives longer and more junctions alive; the births of a block go by N_jm all the same.
-    alive = model.mean_junction_count * max(1.0, model.sizes.moment(1) / model.calibrated_diameter)
+    """Refuse a contact that redrawing, which makes lives longer, fills with more junctions than memory holds."""
+    alive = model.mean_junction_count * (model.sizes.moment(1) / model.calibrated_diameter)
     if alive > limits.LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {limits.LIVE_JUNCTIONS:.0e}"
-        redrawn = " or a smaller diameter.spread" if alive > model.mean_junction_count else ""
-        hint = f"fewer junctions{redrawn}"
+        hint = "fewer junctions or a smaller diameter.spread"
         yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint)
 
 

@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict
 from pydantic import Field as About
 
+from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
@@ -27,7 +28,9 @@ class Interface(Section):
         About(description="Mean real contact area A_rm."),
     ]
     mean_junction_count: Annotated[
-        float, Number(Range(1e-6, 1e9)), About(description="Mean number of junctions N_jm; any positive number.")
+        float,
+        Number(Range(1e-6, limits.LIVE_JUNCTIONS)),
+        About(description="Mean number of junctions N_jm; need not be whole."),
     ]
     calibration: Annotated[
         str,

@@ -11,4 +11,4 @@ TITLE_CHARACTERS = 200
 RESULT_ROWS = 2_000_000_000
 RESULT_BYTES = 10**12
 # A block of a run holds about eleven times as many junctions as are alive at once, at some 500 bytes each.
-LIVE_JUNCTIONS = 1_000_000
+LIVE_JUNCTIONS = 1e6
