@@ -34,9 +34,9 @@ def cells_per_tick(model: Model) -> int:
         cells *= 2
         if cells > MOST_CELLS:
             raise Refused(
-                f"sliding.speed: at {model.sliding_speed:g} um/s the slider swings so often within a tick of "
+                f"sliding.speed: at {model.sliding_speed:g} um/s the slider moves so fast within a tick of "
                 f"{model.tick:g} um that its motion would need over {MOST_CELLS} steps a tick; "
-                "a faster speed, a shorter output.tick or a softer or heavier slider is needed"
+                "a faster speed, a shorter output.tick or a softer, heavier or less damped slider is needed"
             )
     return cells
 
