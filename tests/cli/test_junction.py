@@ -170,6 +170,7 @@ def test_a_run_without_junctions_says_so(here: Path) -> None:
         (("2", "--json", "--plot"), "only one of --csv, --json and --plot"),
         (("2", "life.png"), "life.png is for --plot"),
         (("2", "--force"), "--force is for --plot"),
+        (("2", "life.jpg", "--plot"), "life.jpg does not end in .png"),
     ],
 )
 def test_wrong_usage_is_refused(lives: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:

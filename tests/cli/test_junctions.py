@@ -5,6 +5,7 @@ import json
 from io import StringIO
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -132,6 +133,17 @@ def test_json_tells_the_order_that_came_out(lives: Path, arguments: tuple[str, .
     assert json.loads(call("junctions", "l.h5", "--json", *arguments).out)["sort"] == told
 
 
+def test_json_stays_json_whatever_a_damaged_file_holds(lives: Path) -> None:
+    with h5py.File(lives, "r+") as file:
+        file["junctions/diameter"][1], file["junctions/max_area"][2] = np.nan, np.inf
+    rows = json.loads(call("junctions", "l.h5", "--json").out, parse_constant=pytest.fail)["junctions"]
+    assert [(row["diameter"], row["max_area"] is None) for row in rows[:3]] == [
+        (5.0, False),
+        (None, False),
+        (6.0, True),
+    ]
+
+
 def test_columns_are_printed_in_the_order_asked_for(lives: Path) -> None:
     out = call("junctions", "l.h5", "--columns", "state, diameter,junction", "--csv", "--head", "1").out
     assert out == "state,diameter_um,junction\n1,5.0,0\n"
@@ -160,7 +172,9 @@ def test_a_bare_run_names_the_columns_it_has(here: Path) -> None:
     answer = call("junctions", "bare.h5", "--where", "birth_time > 1 s")
     assert answer.code == 2
     assert "this run has no birth_time; it has junction, birth_distance" in answer.err
-    assert call("junctions", "bare.h5", "--sort", "birth_time").code == 2
+    answer = call("junctions", "bare.h5", "--sort", "birth_time")
+    assert answer.code == 2
+    assert answer.err.startswith("--sort: this run has no birth_time; it has junction, birth_distance")
 
 
 @pytest.mark.parametrize("arguments", [("--csv", "--json"), ("--head", "-1"), ("--head", "x")])

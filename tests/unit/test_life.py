@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -149,3 +150,18 @@ def _between_ticks(life: Life, distance: np.ndarray, area: np.ndarray) -> bool:
     tick = np.searchsorted(distance, life.peak_distance)
     steepest = float(np.abs(np.diff(area)).max())
     return abs(life.real_contact_area - area[min(tick, area.size - 1)]) <= 2.0 * steepest
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "told"),
+    [("diameter", np.nan, "nan"), ("diameter", 0.0, "0"), ("diameter", -5.0, "-5"), ("death_distance", np.inf, "inf")],
+)
+def test_rows_that_are_no_lives_are_refused_by_number(tmp_path: Path, column: str, value: float, told: str) -> None:
+    lives_file(tmp_path / "x.h5").close()
+    with h5py.File(tmp_path / "x.h5", "r+") as raw:
+        raw["junctions"][column][4] = value
+    with open_run(tmp_path / "x.h5") as damaged:
+        for number in (4, 5):  # itself, and one that lived beside it
+            with pytest.raises(RunFileRefused, match=rf"row 4 has the {column} {told}$"):
+                life_of(damaged, number)
+        assert life_of(damaged, 0).diameter == DIAMETER[0]

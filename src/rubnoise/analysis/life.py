@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.analysis.neighbours import Neighbours, neighbours
+from rubnoise.analysis.neighbours import Neighbours, check_lives, neighbours
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.rows import JunctionState
@@ -137,7 +137,7 @@ def life_of(file: RunFile, number: int) -> Life:
     """Return the life of one junction by its row number; reads its row, and who lived when of all rows.
 
     Raises Refused, naming the range, where there is no such row, RunFileRefused for a file that does not say how far
-    its record goes.
+    its record goes, or whose rows are no lives.
     """
     rows = file.rows("junctions")
     if not 0 <= number < rows:
@@ -148,6 +148,7 @@ def life_of(file: RunFile, number: int) -> Life:
         for name in file.columns["junctions"]
         if name != "junction"
     }
+    check_lives(np.array([number]), {name: np.array([value], dtype=np.float64) for name, value in row.items()})
     return Life(
         number=number,
         rows=rows,

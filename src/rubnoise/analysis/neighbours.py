@@ -1,5 +1,6 @@
 """Who else was alive: the rows of a result whose lives overlap a stretch of sliding."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.selection import PANEL_ROWS, gather
 from rubnoise.contact.overlap import junction_area
+from rubnoise.errors import RunFileRefused
 from rubnoise.storage.reader import RunFile
 
 Doubles = NDArray[np.float64]
@@ -57,7 +59,8 @@ class Neighbours:
 def neighbours(file: RunFile, number: int, start: float, stop: float) -> Neighbours:
     """Return all rows but ``number`` that live anywhere between two distances in um; a panel is held at a time.
 
-    Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere.
+    Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
+    RunFileRefused where one of the rows found is no life.
     """
     total = file.rows("junctions")
     found = [np.zeros(0, dtype=np.int64)]
@@ -70,11 +73,21 @@ def neighbours(file: RunFile, number: int, start: float, stop: float) -> Neighbo
     return _read(file, rows[rows != number])
 
 
+def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None:
+    """Raise RunFileRefused, naming the first row, where a number is not finite or a diameter not positive."""
+    for name, values in columns.items():
+        wrong = ~np.isfinite(values) | ((values <= 0.0) & (name == "diameter"))
+        if wrong.any():
+            first = int(np.argmax(wrong))
+            raise RunFileRefused(f"/junctions is damaged: row {rows[first]} has the {name} {values[first]:g}")
+
+
 def _read(file: RunFile, rows: NDArray[np.int64]) -> Neighbours:
     names = ["birth_distance", "death_distance", "diameter"]
     names += ["shear_strength"] if "shear_strength" in file.columns["junctions"] else []
     panels = list(gather(file, rows, names))
     columns = {name: np.concatenate([np.zeros(0), *(panel[name] for panel in panels)]) for name in names}
+    check_lives(rows, columns)
     return Neighbours(
         rows=rows,
         birth=columns["birth_distance"],

@@ -48,7 +48,8 @@ class Contents(ABC):
         """Return one junction by its row number, reading that row; raises IndexError where there is no such row."""
         columns = self.junctions
         if not 0 <= number < len(columns):
-            raise IndexError(f"junction {number}: the run has junctions 0 to {len(columns) - 1}")
+            there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
+            raise IndexError(f"junction {number}: the run has {there}")
         values = {name: columns[name][number].item() for name in columns if name != "junction"}
         return Junction(number=number, **values | {"state": JunctionState(values["state"])})
 

@@ -92,6 +92,8 @@ def _check_wishes(picture: Path | None, *, plot: bool, force: bool, as_csv: bool
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")
+    if picture is not None and picture.suffix.lower() != ".png":
+        raise typer.BadParameter(f"{picture} does not end in .png, which is what --plot draws")
 
 
 def _row(number: str) -> int:

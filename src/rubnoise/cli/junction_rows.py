@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any, Self
 
@@ -78,7 +79,9 @@ def print_json(found: Found) -> None:
     names = [column.name for column in found.columns]
     print(json.dumps(about)[:-1] + ', "junctions": [', end="")
     for i, row in enumerate(found.values()):
-        told = dict(zip(names, row, strict=True))
+        told: dict[str, Any] = {
+            name: value if isfinite(value) else None for name, value in zip(names, row, strict=True)
+        }
         if "state" in told:
             told["state"] = state_names(JunctionState(told["state"]))
         print(",\n" if i else "\n", json.dumps(told), sep="", end="")
@@ -136,4 +139,6 @@ def _named(name: str, option: str, there: tuple[Column, ...]) -> Column:
     for column in there:
         if column.name == name:
             return column
+    if any(column.name == name for column in JUNCTIONS.columns):
+        raise Refused(f"{option}: this run has no {name}; it has {', '.join(column.name for column in there)}")
     raise Refused(f"{option}: no column {printable(name)}; {did_you_mean(name, (column.name for column in there))}")
