@@ -89,6 +89,7 @@ REFUSED = {
     "diameter > \u22125": ('"\u2212" is not the minus sign of a number', "\u2212", "that is '-', U+002D"),
     "diameter > nan": ("no column nan", "nan", None),
     "diameter < 2*3": ('"*" is no part', "*", "there is no arithmetic; compare a column with a number"),
+    "max_area > 30 um\u00b2": ('"\u00b2" is no part', "\u00b2", "powers in units are written ^2"),
     "diameter": ("diameter is compared with nothing", "diameter", "for instance: diameter > 0"),
     "6": ("a number by itself", "6", "for instance: diameter > 6 um"),
     "3 < 4": ("neither side is a column", "3 < 4", ""),

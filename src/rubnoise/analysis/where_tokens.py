@@ -37,6 +37,7 @@ _SLIPS: Final = (
     (re.compile(r"[0-9.]+(?:[,_][0-9.]+)+"), "no number", "digits, with a dot before the decimals, as in 1234.5"),
     (re.compile(r"[+-]?\.[0-9]+|[0-9]+\.|[+-]?(?:nan|inf)\b"), "no number", "digits on both sides of the dot: 0.5"),
     (re.compile(r"[\u2010-\u2014\u2212\ufe63\uff0d]"), "not the minus sign of a number", "that is '-', U+002D"),
+    (re.compile(r"[\u00b2\u00b3]"), "no part of a condition", "powers in units are written ^2"),
     (re.compile(r"[-+*/%^]"), "no part of a condition", "there is no arithmetic; compare a column with a number"),
     (re.compile(r"['\"]"), "no part of a condition", "names and states are written without quotation marks"),
 )
