@@ -1,7 +1,7 @@
 """One column of a result, read as far as it is asked for."""
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Final, SupportsIndex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Final, SupportsIndex, overload
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -65,6 +65,10 @@ class Column(NDArrayOperatorsMixin):
             attributes["flag_meanings"] = " ".join(meaning for _, meaning in self._flags)
         return attributes
 
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, index: Any) -> Any: ...
     def __getitem__(self, index: Any) -> Any:
         """Return a number, or an array of the rows of a slice, a list of rows or a mask, reading little more."""
         if index is Ellipsis or (isinstance(index, tuple) and not index):
