@@ -146,7 +146,7 @@ def _check_absent(paths: OutputPaths) -> None:
     if _mode(paths.final) is not None:
         raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
     if _mode(paths.part) is not None:
-        raise OutputRefused(f"{paths.part}: left by a run that did not finish (--force replaces it)")
+        raise OutputRefused(f"{paths.part}: of a run that goes on or was stopped (--force replaces a stopped one)")
 
 
 def _locked(paths: OutputPaths) -> int:
