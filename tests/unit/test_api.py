@@ -126,9 +126,14 @@ def test_another_seed_is_another_run(contact: Any) -> None:
     assert first["trace"]["real_contact_area"].tobytes() != other["trace"]["real_contact_area"].tobytes()
 
 
-@pytest.mark.parametrize("seed", [-1, 2**53])
-def test_a_seed_that_is_none_is_refused(contact: Any, tmp_path: Path, seed: int) -> None:
-    with pytest.raises(ScenarioRefused, match=rf"run\.seed: {seed} is not from 0 to"):
+def test_a_seed_may_come_from_an_array(contact: Any) -> None:
+    found, expected = (rubnoise.simulate(contact, seed=seed) for seed in (np.arange(8)[7], 7))
+    assert np.array_equal(found["junctions"]["diameter"], expected["junctions"]["diameter"])
+
+
+@pytest.mark.parametrize("seed", [-1, 2**53, 1.5, True, "7"])
+def test_a_seed_that_is_none_is_refused(contact: Any, tmp_path: Path, seed: Any) -> None:
+    with pytest.raises(ScenarioRefused, match=rf"run\.seed: {seed} is no whole number from 0 to"):
         rubnoise.simulate(contact, seed=seed)
     with pytest.raises(ScenarioRefused, match=r"run\.seed"):
         rubnoise.run(contact, tmp_path / "x.h5", seed=seed)

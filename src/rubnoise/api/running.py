@@ -80,9 +80,14 @@ def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
     """Return the scenario with another seed, so that what is kept of it says what was run."""
     if seed is None:
         return scenario
-    if not 0 <= seed < SEED_LIMIT:
-        raise ScenarioRefused(f"run.seed: {seed} is not from 0 to {SEED_LIMIT - 1}")
-    return replace(scenario, run=scenario.run.model_copy(update={"seed": seed}))
+    if not _is_seed(seed):
+        raise ScenarioRefused(f"run.seed: {seed} is no whole number from 0 to {SEED_LIMIT - 1}")
+    return replace(scenario, run=scenario.run.model_copy(update={"seed": int(seed)}))
+
+
+def _is_seed(value: object) -> bool:
+    # A fraction would be cut by the generator, and the file would name a seed that nobody can run again.
+    return isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= int(value) < SEED_LIMIT
 
 
 def _description(scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str]) -> RunDescription:
