@@ -12,7 +12,7 @@ from rubnoise.simulation.panels import LARGEST_PANEL
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
-BYTES_PER_ROW = 2000
+BYTES_PER_ROW = 450
 BYTES_PER_TICK = 150
 
 
