@@ -75,3 +75,11 @@ def test_names_that_a_terminal_cannot_show_are_escaped(here: Path) -> None:
     )
     assert (done.returncode, done.stderr) == (0, b"")
     assert rb"friction of \xb5m" in done.stdout
+
+
+@pytest.mark.parametrize("asked", ["run", "check"])
+def test_a_result_in_place_of_a_scenario_is_told_so(here: Path, asked: str) -> None:
+    (here / "run.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100_000))
+    answer = call(asked, "run.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "run.h5: is a result, not a scenario; rubnoise info run.h5 says what is in it\n"

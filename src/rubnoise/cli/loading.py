@@ -2,9 +2,13 @@
 
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
+from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, load
+
+_HDF5 = b"\x89HDF"
 
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
@@ -15,8 +19,21 @@ def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine:
 
 def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
     """Load a scenario and print its warnings; raises ScenarioRefused with every problem at once."""
+    _refuse_result(file)
     scenario = load(file, changes)
     if not quiet:
         for warning in scenario.warnings:
             print(warning, file=sys.stderr)
     return scenario
+
+
+def _refuse_result(file: Path) -> None:
+    """Tell who gives a result where a scenario is wanted; what else is wrong with a file, reading it says."""
+    with suppress(OSError):
+        if file.is_file() and _beginning(file) == _HDF5:
+            raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
+
+
+def _beginning(file: Path) -> bytes:
+    with file.open("rb") as stream:
+        return stream.read(len(_HDF5))
