@@ -42,7 +42,7 @@ def _mean_and_std(
     model: Model, name: str, seen: Moments, exact_values: Cumulants, errors: StandardErrors | None, scale: float
 ) -> list[Agreement]:
     """Return mean and std of the area, or of a force that is ``scale`` times it."""
-    long = errors is not None and _many_lives(model)
+    higher = errors if _many_lives(model) else None
     return [
         Agreement(
             name=f"{name}_mean",
@@ -54,26 +54,25 @@ def _mean_and_std(
             name=f"{name}_std",
             observed=seen.std,
             expected=exact_values.std,
-            standard_error=scale * errors.std if errors is not None and long else None,
+            standard_error=None if higher is None else scale * higher.std,
         ),
     ]
 
 
 def _shape(model: Model, seen: Moments, exact_values: Cumulants, errors: StandardErrors | None) -> list[Agreement]:
-    if not _many_lives(model):
-        errors = None
+    higher = errors if _many_lives(model) else None
     return [
         Agreement(
             name="real_contact_area_skewness",
             observed=seen.skewness,
             expected=exact_values.skewness,
-            standard_error=None if errors is None else errors.skewness,
+            standard_error=None if higher is None else higher.skewness,
         ),
         Agreement(
             name="real_contact_area_excess_kurtosis",
             observed=seen.excess_kurtosis,
             expected=exact_values.excess_kurtosis,
-            standard_error=None if errors is None else errors.excess_kurtosis,
+            standard_error=None if higher is None else higher.excess_kurtosis,
         ),
     ]
 

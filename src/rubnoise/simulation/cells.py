@@ -9,11 +9,16 @@ TARGET = 3e-10
 """Error aimed at, relative to the largest displacement, by a rule that is an envelope: the median is 5 times less."""
 
 COEFFICIENT = 8e-4
+"""Of the error's envelope over the measured cases (docs/model.md)."""
+
 VELOCITY_SHARE = 0.3
 """Weight of the velocity's error, relative to the largest velocity: 1e-9 is enough for it."""
 
 WIDEST_CELL = 0.25
+"""Largest width of a cell over the calibrated diameter."""
+
 MOST_CELLS = 4096
+"""Cells of a tick at most; what would need more is refused."""
 
 
 def cells_per_tick(model: Model) -> int:
