@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Literal
 
-from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.births import BirthLaw
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.contact.sizes import SizeLaw
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.strengths import StrengthLaw
 
 Start = Literal["stationary", "empty"]
 
@@ -50,15 +51,15 @@ class Model:
     calibration: Literal["paper", "exact", "matched"]
     calibrated_diameter: float
     sizes: SizeLaw
-    births: PoissonBirths
-    strengths: ConstantStrength | None
+    births: BirthLaw
+    strengths: StrengthLaw | None
     sliding_speed: float | None
     distance: float
     start: Start
     slider: Slider | None
     tick: float
     tick_count: int
-    pulse: Literal["lens"] = "lens"
+    pulse: Pulse = LENS
 
     @property
     def mean_life_distance(self) -> float:
@@ -72,7 +73,7 @@ class Model:
 
     @property
     def birth_rate(self) -> float:
-        """Births per um of sliding, N_jm / (2 d_m) for Poisson births."""
+        """Births per um of sliding, N_jm / (2 d_m)."""
         return 1.0 / self.births.mean
 
     @property
@@ -82,8 +83,8 @@ class Model:
 
     @property
     def stationary_mean_area(self) -> float:
-        """Exact stationary mean of the real contact area, lam (2/3) E[d^3] in um^2 (Campbell)."""
-        return self.birth_rate * (2.0 / 3.0) * self.sizes.moment(3)
+        """Exact stationary mean of the real contact area, lam c_1 E[d^3] in um^2 (Campbell); c_1 = 2/3 for the lens."""
+        return self.birth_rate * self.pulse.life_integral(1) * self.sizes.moment(3)
 
     @property
     def equilibrium_displacement(self) -> float:

@@ -245,8 +245,7 @@ def test_matched_without_a_solution() -> None:
     ("section", "key", "value", "available"),
     [
         ("diameter", "law", "lognormal", "fixed, normal"),
-        ("birth", "law", "regular", "poisson"),
-        ("pulse", "shape", "triangle", "lens"),
+        ("birth", "law", "jittered", "poisson, regular"),
         ("strength", "law", "weibull", "constant"),
         ("slider", "coupling", "two-way", "one-way"),
         ("run", "engine", "batch", "events"),

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw, positive_normal_moment
 from rubnoise.errors import Refused
 
@@ -13,14 +14,25 @@ _PAPER_LIFE_MEAN = "0.327"  # Eq. 6 rounds 1/3 down; kept for the calibration th
 
 
 class NoMatchingDiameter(Refused):
-    """No mean diameter gives the wanted mean area with this absolute spread; ``minimum`` in um^2 is the least."""
+    """No mean diameter gives the wanted mean area with this absolute spread.
 
-    def __init__(self, mean_area: float, minimum: float) -> None:
+    ``minimum`` in um^2 is the least that can be had, ``factor`` times N_jm spread^2.
+    """
+
+    def __init__(self, mean_area: float, minimum: float, factor: float) -> None:
         self.minimum = minimum
+        self.factor = factor
         super().__init__(
             f"no mean diameter matches a mean real contact area of {mean_area:g} um^2 with this spread: "
-            f"the least that can be had is 1.609247 N_jm spread^2 = {minimum:g} um^2"
+            f"the least that can be had is {factor:.7g} N_jm spread^2 = {minimum:g} um^2"
         )
+
+
+class PaperMeansLens(Refused):
+    """The paper's calibration asked for with a pulse that is not the paper's."""
+
+    def __init__(self, shape: str) -> None:
+        super().__init__(f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {shape}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,46 +55,50 @@ def sizes_for(mean_diameter: float, spread: Spread) -> SizeLaw:
     return NormalSizes(mean=mean_diameter, std=std) if std > 0.0 else FixedSizes(diameter=mean_diameter)
 
 
-def calibrated_diameter(calibration: str, mean_area: float, mean_count: float, spread: Spread) -> float:
+def calibrated_diameter(
+    calibration: str, mean_area: float, mean_count: float, spread: Spread, pulse: Pulse = LENS
+) -> float:
     """Return d_m in um, so that N_jm junctions have the mean real contact area A_rm between them.
 
-    ``paper``: d_m = sqrt(A_rm / (0.327 N_jm)) (first Eq. 12); ``exact``: with 1/3, the lens's own life mean;
-    ``matched``: the larger root of (N_jm / 3) E[d^3] / d_m = A_rm with the size law as drawn.
-    Raises NoMatchingDiameter where ``matched`` has no root. Computed at 40 digits and rounded once.
+    ``paper``: d_m = sqrt(A_rm / (0.327 N_jm)) (first Eq. 12), for the lens alone; ``exact``: with the pulse's own life
+    mean, 1/3 for the lens; ``matched``: the larger root of N_jm life_mean E[d^3] / d_m = A_rm with the sizes as drawn.
+    Raises PaperMeansLens, and NoMatchingDiameter where ``matched`` has no root. At 40 digits and rounded once.
     """
     import mpmath
 
+    if calibration == "paper" and pulse.shape != "lens":
+        raise PaperMeansLens(pulse.shape)
     with mpmath.workdps(_DIGITS):
         mean_junction_area = mpmath.mpf(mean_area) / mpmath.mpf(mean_count)
         if calibration == "paper":
             return float(mpmath.sqrt(mean_junction_area / mpmath.mpf(_PAPER_LIFE_MEAN)))
+        wanted = mean_junction_area / pulse.life_mean()
         if calibration == "exact":
-            return float(mpmath.sqrt(3 * mean_junction_area))
-        return _matched_diameter(mean_area, mean_count, spread)
+            return float(mpmath.sqrt(wanted))
+        if spread.absolute and wanted < _least_third_moment()[1] * mpmath.mpf(spread.absolute) ** 2:
+            factor = pulse.life_mean() * _least_third_moment()[1]
+            raise NoMatchingDiameter(mean_area, float(factor * mean_count * spread.absolute**2), float(factor))
+        return float(_matched_diameter(wanted, spread))
 
 
-def _matched_diameter(mean_area: float, mean_count: float, spread: Spread) -> float:
+def _matched_diameter(wanted: Any, spread: Spread) -> Any:
+    """Return the larger d_m with E[d^3] / d_m as wanted, an mpmath number in um^2."""
     import mpmath
 
-    with mpmath.workdps(_DIGITS):
-        wanted = 3 * mpmath.mpf(mean_area) / mpmath.mpf(mean_count)
-        if spread.relative:
-            third = positive_normal_moment(mpmath.mpf(1), mpmath.mpf(spread.relative), 3)
-            return float(mpmath.sqrt(wanted / third))
-        if not spread.absolute:
-            return float(mpmath.sqrt(wanted))
-        std = mpmath.mpf(spread.absolute)
-        turning, least = _least_third_moment()
-        if wanted < least * std**2:
-            raise NoMatchingDiameter(mean_area, float(least * std**2 * mean_count / 3))
-        root = mpmath.findroot(
-            lambda r: positive_normal_moment(r, mpmath.mpf(1), 3) / r - wanted / std**2,
-            (turning, mpmath.sqrt(wanted) / std),
-            solver="anderson",
-            maxsteps=200,
-            verify=False,
-        )
-        return float(root * std)
+    if spread.relative:
+        return mpmath.sqrt(wanted / positive_normal_moment(mpmath.mpf(1), mpmath.mpf(spread.relative), 3))
+    if not spread.absolute:
+        return mpmath.sqrt(wanted)
+    std = mpmath.mpf(spread.absolute)
+    turning, _ = _least_third_moment()
+    root = mpmath.findroot(
+        lambda r: positive_normal_moment(r, mpmath.mpf(1), 3) / r - wanted / std**2,
+        (turning, mpmath.sqrt(wanted) / std),
+        solver="anderson",
+        maxsteps=200,
+        verify=False,
+    )
+    return root * std
 
 
 @lru_cache(maxsize=1)

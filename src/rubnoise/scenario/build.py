@@ -1,25 +1,33 @@
 """From the keys of a scenario to the physics of a run."""
 
+from collections.abc import Callable
 from fractions import Fraction
 from math import sqrt
 from typing import Literal, cast
 
-from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.pulses import PULSES
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.units import LENGTH, RATIO, Quantity
 
+_BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
+
 
 def diameter_of(document: sections.Document) -> float:
-    """Return the calibrated diameter d_m in um; raises NoMatchingDiameter where `matched` has no solution."""
+    """Return the calibrated diameter d_m in um.
+
+    Raises NoMatchingDiameter where `matched` has no solution, PaperMeansLens for `paper` with another pulse.
+    """
     interface = document.interface
     return calibrated_diameter(
         interface.calibration,
         float(interface.mean_real_contact_area),
         interface.mean_junction_count,
         spread_of(document.diameter),
+        PULSES[document.pulse.shape],
     )
 
 
@@ -50,7 +58,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
         sizes=sizes_for(diameter, spread_of(document.diameter)),
-        births=PoissonBirths(mean_spacing=2.0 * diameter / interface.mean_junction_count),
+        births=_BIRTHS[document.birth.law](mean_spacing=2.0 * diameter / interface.mean_junction_count),
         strengths=ConstantStrength(mean=float(document.strength.mean)) if document.strength else None,
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
@@ -58,6 +66,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         slider=_slider(document.slider) if document.slider else None,
         tick=float(tick),
         tick_count=tick_count(sliding.distance, tick),
+        pulse=PULSES[document.pulse.shape],
     )
 
 

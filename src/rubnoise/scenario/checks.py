@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from rubnoise.contact.calibration import NoMatchingDiameter
+from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.model import Model
 from rubnoise.scenario import limits
 from rubnoise.scenario.build import default_tick, diameter_of, model_of
@@ -16,6 +16,7 @@ from rubnoise.units import Quantity, QuantityError, read_quantity
 _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
 _AREA: Path = ("interface", "mean_real_contact_area")
+_CALIBRATION: Path = ("interface", "calibration")
 _COUNT: Path = ("interface", "mean_junction_count")
 
 
@@ -56,6 +57,8 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
         diameter = diameter_of(document)
     except NoMatchingDiameter as error:
         return None, None, [_unmatched(layers, error)]
+    except PaperMeansLens as error:
+        return None, None, [_not_the_lens(layers, error)]
     tick = document.output.tick or default_tick(diameter)
     problems = list(_tick_problems(document, layers, tick, diameter))
     if problems:
@@ -68,10 +71,15 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
 def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
     message = (
         'calibration "matched" has no solution: with this spread the exact mean area is at least '
-        f"1.609247 mean_junction_count * spread^2 = {error.minimum:.7g} um^2"
+        f"{error.factor:.7g} mean_junction_count * spread^2 = {error.minimum:.7g} um^2"
     )
     hint = 'a larger area, fewer junctions, a smaller spread, or calibration = "exact"'
     return Problem(path=_AREA, message=message, place=layers.value_place(_AREA), hint=hint)
+
+
+def _not_the_lens(layers: Layers, error: PaperMeansLens) -> Problem:
+    hint = 'calibration = "exact" or "matched"'
+    return Problem(path=_CALIBRATION, message=str(error), place=layers.value_place(_CALIBRATION), hint=hint)
 
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:

@@ -35,7 +35,7 @@ class Interface(Section):
     calibration: Annotated[
         str,
         Choice(("paper", "exact", "matched")),
-        About(description="Mean junction area over d_m^2: paper 0.327, exact 1/3, matched solves for the exact mean."),
+        About(description="Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm."),
     ] = "exact"
 
 
@@ -59,8 +59,8 @@ class Birth(Section):
 
     law: Annotated[
         str,
-        Choice(("poisson",), later=("regular", "jittered", "gamma", "clustered")),
-        About(description="poisson: independent exponential gaps of sliding distance."),
+        Choice(("poisson", "regular"), later=("jittered", "gamma", "clustered")),
+        About(description="poisson: independent exponential gaps of sliding distance; regular: one spacing."),
     ] = "poisson"
 
 
@@ -68,7 +68,9 @@ class Pulse(Section):
     """How the area of a junction rises and falls over its life."""
 
     shape: Annotated[
-        str, Choice(("lens",), later=("triangle",)), About(description="lens: the overlap of two circles.")
+        str,
+        Choice(("lens", "triangle")),
+        About(description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak."),
     ] = "lens"
 
 

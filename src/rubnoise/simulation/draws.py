@@ -40,7 +40,7 @@ def births_per_block(model: Model) -> int:
 
 def first_birth(model: Model, seed: int) -> float:
     """Return the distance in um of the first birth after the start."""
-    return float(model.births.gaps(uniforms(seed, Stream.FIRST_BIRTH, 0, 1))[0])
+    return float(model.births.first_gap(uniforms(seed, Stream.FIRST_BIRTH, 0, 1))[0])
 
 
 def birth_distances(model: Model, seed: int, block: int, begin: float) -> tuple[Doubles, Doubles]:

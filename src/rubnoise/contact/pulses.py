@@ -1,0 +1,96 @@
+"""How the area of one junction rises and falls over its life: the pulse shapes."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.contact import overlap
+
+Doubles = NDArray[np.float64]
+Shape = Literal["lens", "triangle"]
+
+
+class Pulse(Protocol):
+    """A shape of the junction's area over a life of 2d; both shapes reach pi d^2/4 at s = d and are symmetric about it.
+
+    A(s; d) = d^2 a(s/d), so that the integral of A^n over a life is c_n d^(2n+1).
+    """
+
+    @property
+    def shape(self) -> Shape:
+        """The name of the shape in a scenario."""
+        ...
+
+    def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return A(s; d) in um^2 for s and d in um (they broadcast), and 0 outside 0 <= s <= 2d."""
+        ...
+
+    def life_integral(self, power: int) -> float:
+        """Return c_n, where the integral of A^n over a life is c_n d^(2n+1)."""
+        ...
+
+    def life_mean(self) -> Any:
+        """Return the mean area over a life in units of d^2, c_1 / 2, as an mpmath number at its working precision."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LensPulse:
+    """The overlap of two circles that slide over each other (paper Eq. 2): life mean d^2/3."""
+
+    @property
+    def shape(self) -> Shape:
+        """The name of the shape in a scenario."""
+        return "lens"
+
+    def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return the area of the lens in um^2, as `rubnoise.contact.overlap.junction_area` has it."""
+        return overlap.junction_area(distance_since_birth, diameter)
+
+    def life_integral(self, power: int) -> float:
+        """Return c_n of the lens: c_1 = 2/3, c_2 = pi/3 - 32/45."""
+        return overlap.life_integral(power)
+
+    def life_mean(self) -> Any:
+        """Return 1/3."""
+        import mpmath
+
+        return mpmath.mpf(1) / 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrianglePulse:
+    """A straight rise to pi d^2/4 and a straight fall: Rabinowicz's approximation of the life; life mean (pi/8) d^2.
+
+    Source: Rabinowicz (1956), as the paper tells it ("uses a triangular pulse to approximate the life of a junction").
+    """
+
+    @property
+    def shape(self) -> Shape:
+        """The name of the shape in a scenario."""
+        return "triangle"
+
+    def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return (pi/4) d (d - |d - s|) in um^2, and 0 outside 0 <= s <= 2d."""
+        d = np.asarray(diameter, dtype=np.float64)
+        s = np.asarray(distance_since_birth, dtype=np.float64)
+        return 0.25 * np.pi * d * np.maximum(np.minimum(s, 2.0 * d - s), 0.0)
+
+    def life_integral(self, power: int) -> float:
+        """Return c_n = 2 (pi/4)^n / (n + 1)."""
+        return 2.0 * (0.25 * pi) ** power / (power + 1.0)
+
+    def life_mean(self) -> Any:
+        """Return pi/8."""
+        import mpmath
+
+        return mpmath.pi / 8
+
+
+LENS = LensPulse()
+TRIANGLE = TrianglePulse()
+PULSES: dict[str, Pulse] = {pulse.shape: pulse for pulse in (LENS, TRIANGLE)}
+"""Every pulse shape by its name in a scenario."""
