@@ -73,7 +73,7 @@ def _luminance(colour: str) -> float:
 
 
 def test_colours_are_told_apart_in_grey() -> None:
-    greys = sorted(map(_luminance, (style.INK, style.BLUE, style.FAINT, style.PALE, "#ffffff")))
+    greys = sorted(map(_luminance, (style.INK, style.BLUE, style.VERMILION, style.FAINT, style.PALE, "#ffffff")))
     assert np.diff(greys).min() > 0.08
 
 

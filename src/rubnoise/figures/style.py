@@ -2,7 +2,7 @@
 
 import warnings
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from rubnoise.errors import Refused
 
@@ -11,9 +11,18 @@ if TYPE_CHECKING:
 
 INK: Final = "#000000"
 BLUE: Final = "#0072b2"
+VERMILION: Final = "#d55e00"
 FAINT: Final = "#9a9a9a"
 PALE: Final = "#e8e8e8"
-"""One colour beside greys, a blue of Okabe and Ito that is dark in grey too; width and filling tell the rest."""
+"""Okabe and Ito's blue is what a run shows, their vermilion what theory says; in grey they are told apart too."""
+
+Format = Literal["png", "pdf", "svg"]
+FORMATS: Final[tuple[Format, ...]] = ("png", "pdf", "svg")
+_WITHOUT_ORIGIN: Final[dict[Format, dict[str, None]]] = {
+    "png": {"Software": None},
+    "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+    "svg": {"Creator": None, "Date": None, "Format": None, "Type": None},
+}
 
 DOTS_PER_INCH: Final = 150
 LONGEST_NAME: Final = 32
@@ -34,6 +43,8 @@ SETTINGS: Final[dict[str, Any]] = {
     "hatch.linewidth": 0.5,
     "hatch.color": FAINT,
     "savefig.facecolor": "white",
+    "svg.hashsalt": "rubnoise",
+    "pdf.fonttype": 42,
     "text.parse_math": False,  # a file's name may hold dollars
 }
 
@@ -64,14 +75,19 @@ def house_style() -> Any:
     return mpl.rc_context(settings | SETTINGS | {"backend": "agg"})
 
 
-def as_png(figure: "Figure") -> bytes:
-    """Return a figure as the bytes of a png file, the same for the same figure."""
+def as_bytes(figure: "Figure", kind: Format) -> bytes:
+    """Return a figure as the bytes of a png, pdf or svg file, the same for the same figure on any day."""
     stream = BytesIO()
     with warnings.catch_warnings():
         # A title in a script that the font lacks is drawn as boxes, which is no reason for a warning on the terminal.
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)
-        figure.savefig(stream, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
+        figure.savefig(stream, format=kind, dpi=DOTS_PER_INCH, metadata=_WITHOUT_ORIGIN[kind])
     return stream.getvalue()
+
+
+def as_png(figure: "Figure") -> bytes:
+    """Return a figure as the bytes of a png file, the same for the same figure."""
+    return as_bytes(figure, "png")
 
 
 def shortened(name: str) -> str:

@@ -1,0 +1,40 @@
+"""Files of figures: what they are, and that they say nothing about when and by what they were made."""
+
+import hashlib
+import subprocess
+import sys
+
+import pytest
+
+from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style, new_figure
+
+BEGINNINGS = {"png": b"\x89PNG\r\n\x1a\n", "pdf": b"%PDF-", "svg": b"<?xml"}
+ANEW = """
+import hashlib, sys
+from tests.figures.test_style import drawn
+print(hashlib.sha256(drawn(sys.argv[1])).hexdigest())
+"""
+
+
+def drawn(kind: Format) -> bytes:
+    with house_style():
+        figure = new_figure(3.0, 2.0)
+        axes = figure.subplots()
+        axes.fill_between([0.0, 1.0], [1.0, 3.0], hatch="//", clip_on=True)
+        axes.set_title("costs $5 of µm²")
+        return as_bytes(figure, kind)
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_figure_is_the_same_in_another_process(kind: Format) -> None:
+    done = subprocess.run([sys.executable, "-c", ANEW, kind], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == hashlib.sha256(drawn(kind)).hexdigest()
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_a_file_is_of_its_kind_and_names_no_date(kind: Format) -> None:
+    picture = drawn(kind)
+    assert picture.startswith(BEGINNINGS[kind])
+    assert b"CreationDate" not in picture
+    assert b"dc:date" not in picture
+    assert b"atplotlib v" not in picture
