@@ -5,6 +5,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
@@ -31,6 +32,15 @@ def test_cumulants_are_those_of_the_characteristic_function() -> None:
     with mpmath.workdps(40):
         expected = [float(mpmath.diff(log_characteristic, 0, n, h=mpmath.mpf("1e-6"))) for n in range(1, 5)]
     np.testing.assert_allclose(area_cumulants(model).values[:4], expected, rtol=1e-9)
+
+
+def test_triangles_have_the_cumulants_of_a_uniform_area() -> None:
+    """The area of a live triangle is uniform up to pi d^2/4: lam 2 d / (n + 1) times its largest to the power n."""
+    model = replace(one_size(), pulse=TRIANGLE)
+    largest = pi / 4.0 * 5.53**2
+    expected = [20.0 * largest**n / (n + 1) for n in range(1, 7)]
+    np.testing.assert_allclose(area_cumulants(model).values, expected, rtol=1e-13)
+    assert area_cumulants(model).std / area_cumulants(model).mean == pytest.approx(2.0 / sqrt(60.0), rel=1e-13)
 
 
 def test_twice_the_births_double_every_cumulant() -> None:

@@ -2,6 +2,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.sizes import NormalSizes
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import Powers, autocovariance, joint_cumulants, life_overlaps
@@ -12,22 +13,25 @@ MODELS = {
     "fig5": paper_model(),
     "one size": one_size(),
     "wide": model_of(NormalSizes(mean=2.0, std=3.0), 2.0),
+    "triangle": model_of(NormalSizes(mean=5.53, std=0.2), 5.53, pulse=TRIANGLE),
 }
 
 
-def area(s: mpmath.mpf) -> mpmath.mpf:
+def area(shape: str, s: mpmath.mpf) -> mpmath.mpf:
     x = min(abs(1 - s), mpmath.mpf(1))  # rounding may put a cut beyond the end of the life
-    return (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
+    lens = (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
+    return lens if shape == "lens" else mpmath.pi * (1 - x) / 4
 
 
 @pytest.mark.parametrize("lag", [0.0, 1e-3, 0.02, 0.4, 1.0, 1.3, 1.99])
 @pytest.mark.parametrize("powers", [(1, 1), (1, 3), (4, 2)])
-def test_overlap_of_two_lives(lag: float, powers: Powers) -> None:
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+def test_overlap_of_two_lives(lag: float, powers: Powers, pulse: Pulse) -> None:
     i, j = powers
     cuts = sorted({0.0, max(1.0 - lag, 0.0), min(1.0, 2.0 - lag), 2.0 - lag})
     with mpmath.workdps(20):
-        expected = mpmath.quad(lambda s: area(s) ** i * area(s + lag) ** j, cuts)
-    assert life_overlaps(np.array(lag), (powers,))[powers] == pytest.approx(float(expected), rel=1e-11)
+        expected = mpmath.quad(lambda s: area(pulse.shape, s) ** i * area(pulse.shape, s + lag) ** j, cuts)
+    assert life_overlaps(pulse, np.array(lag), (powers,))[powers] == pytest.approx(float(expected), rel=1e-11)
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -3,10 +3,11 @@ import numpy as np
 import pytest
 from scipy.special import struve
 
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.sizes import NormalSizes
 from rubnoise.model import Model
 from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
-from rubnoise.theory.transform import mean_square_transform, pulse_transform
+from rubnoise.theory.transform import transform_of
 from tests.unit.theory_models import model_of, one_size, paper_model
 
 PHASES = np.concatenate([np.geomspace(1e-8, 1e6, 90), np.linspace(1.0, 60.0, 60), [10.0, 20.0, 32.0, 31.999, 25.57]])
@@ -20,15 +21,24 @@ def transform_by_series(phase: float) -> float:
 
 def test_transform_of_a_life_over_fourteen_decades() -> None:
     expected = [transform_by_series(z) for z in PHASES.tolist()]
-    np.testing.assert_allclose(pulse_transform(PHASES), expected, rtol=1.5e-13)
+    np.testing.assert_allclose(transform_of(LENS).amplitude(PHASES), expected, rtol=1.5e-13)
 
 
 def test_transform_at_zero_is_the_life_integral() -> None:
-    assert pulse_transform(0.0) == pytest.approx(2.0 / 3.0, rel=1e-14)
+    assert transform_of(LENS).amplitude(0.0) == pytest.approx(2.0 / 3.0, rel=1e-14)
 
 
 def test_the_library_function_alone_would_not_hold_that_bound() -> None:
     assert abs(float(np.pi * struve(1, 25.57) / 25.57**2) / transform_by_series(25.57) - 1.0) > 1.5e-13
+
+
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("phase", [0.0, 1e-8, 0.3, 6.0, 33.0])
+def test_transform_is_the_integral_over_the_life(pulse: Pulse, phase: float) -> None:
+    angle, weights = np.polynomial.legendre.leggauss(60)
+    angle, weights = 0.25 * np.pi * (angle + 1.0), 0.25 * np.pi * weights
+    rising = pulse.area(1.0 - np.cos(angle), 1.0) * np.cos(phase * np.cos(angle)) * np.sin(angle)
+    assert transform_of(pulse).amplitude(phase) == pytest.approx(2.0 * (weights @ rising), rel=1e-12)
 
 
 def by_brute_force(model: Model, wavenumber: float) -> float:
@@ -99,15 +109,25 @@ def test_many_wavenumbers_at_once_are_as_each_alone() -> None:
     np.testing.assert_allclose(spectral_density(model, k)[::500], [spectral_density(model, x) for x in k[::500]], 1e-12)
 
 
-def test_averaging_over_the_swing_keeps_the_integral_and_takes_the_swing() -> None:
-    z = np.linspace(1e-3, 2000.0, 400_001)
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+def test_averaging_over_the_swing_keeps_the_integral_and_takes_the_swing(pulse: Pulse) -> None:
+    z, transform = np.linspace(1e-3, 2000.0, 400_001), transform_of(pulse)
     window = np.exp(-0.5 * np.square((z - 700.0) / 60.0)) * z**4
-    assert np.sum(window * mean_square_transform(z)) == pytest.approx(
-        np.sum(window * np.square(pulse_transform(z))), rel=1e-13
-    )
+    assert np.sum(window * transform.mean_square(z)) == pytest.approx(np.sum(window * transform.square(z)), rel=1e-13)
+    amplitudes = np.sum(window * transform.amplitude(z))
+    assert np.sum(window * transform.mean_amplitude(z)) == pytest.approx(amplitudes, rel=1e-13)
     far = (z > 300.0) & (z < 400.0)
-    assert np.max(np.abs(np.diff(z[far] ** 4 * mean_square_transform(z[far])))) < 1e-5
-    assert np.max(np.abs(np.diff(z[far] ** 4 * np.square(pulse_transform(z[far]))))) > 1e-3
+    assert np.max(np.abs(np.diff(z[far] ** 4 * transform.mean_square(z[far])))) < 1e-5
+    assert np.max(np.abs(np.diff(z[far] ** 4 * transform.square(z[far])))) > 1e-3
+
+
+def test_spectrum_of_triangles_at_zero_and_far_out() -> None:
+    model = model_of(NormalSizes(mean=5.53, std=4.0), 5.53, pulse=TRIANGLE)
+    m = model.sizes.moment
+    assert spectral_density(model, 0.0) == pytest.approx(model.birth_rate * (np.pi / 4.0) ** 2 * m(6), rel=1e-12)
+    tail = 6.0 * (np.pi / 4.0) ** 2 * model.birth_rate * m(2) / 1e5**4
+    assert spectral_density(model, 1e5) == pytest.approx(tail, rel=1e-9)
+    assert density_at_zero(model) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-12)
 
 
 def test_mean_density_of_one_size_is_the_density_before_the_tail() -> None:

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.sizes import NormalSizes
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
@@ -11,7 +11,14 @@ from rubnoise.theory.occupancy import mean_count
 from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
 from tests.unit.theory_models import model_of, one_size, paper_model
 
-MODELS = {"one size": one_size(), "fig5": paper_model(), "wide": model_of(NormalSizes(mean=2.0, std=3.0), 2.0)}
+WIDE = NormalSizes(mean=2.0, std=3.0)
+MODELS = {
+    "one size": one_size(),
+    "fig5": paper_model(),
+    "wide": model_of(WIDE, 2.0),
+    "triangle": model_of(WIDE, 2.0, pulse=TRIANGLE),
+    "one triangle": replace(one_size(), pulse=TRIANGLE),
+}
 
 
 def by_trapezium(model: Model, distance: float) -> float:
@@ -19,9 +26,9 @@ def by_trapezium(model: Model, distance: float) -> float:
     low, high = model.sizes.support
     ages = np.linspace(0.0, distance, 2001)
     if low == high:
-        return model.birth_rate * float(np.trapezoid(junction_area(ages, high), ages))
+        return model.birth_rate * float(np.trapezoid(model.pulse.area(ages, high), ages))
     d = np.linspace(low, high, 2002)[1:]
-    grown = np.trapezoid(junction_area(ages, d[:, None]), ages, axis=1)
+    grown = np.trapezoid(model.pulse.area(ages, d[:, None]), ages, axis=1)
     return model.birth_rate * float(np.trapezoid(grown * model.sizes.density(d), d))
 
 
@@ -42,10 +49,10 @@ def test_area_is_settled_from_the_longest_life_on(name: str) -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_an_empty_start_lowers_the_means_by_a_lifes_worth(name: str) -> None:
-    """A junction waits d on average for its area and its count: lam (2/3) m_4 / T and lam 2 m_2 / T are missing."""
+    """A junction waits d on average for its area and its count: lam c_1 m_4 / T and lam 2 m_2 / T are missing."""
     model = replace(MODELS[name], start="empty")
     m = model.sizes.moment
-    area = area_cumulants(model).mean - model.birth_rate * (2.0 / 3.0) * m(4) / 500.0
+    area = area_cumulants(model).mean - model.birth_rate * model.pulse.life_integral(1) * m(4) / 500.0
     count = mean_count(model) - model.birth_rate * 2.0 * m(2) / 500.0
     assert expected_mean_area(model, 500.0) == pytest.approx(area, rel=1e-9)
     assert expected_mean_count(model, 500.0) == pytest.approx(count, rel=1e-6)

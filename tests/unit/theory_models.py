@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.contact.sizes import FixedSizes, SizeLaw
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model, Slider
@@ -20,6 +21,7 @@ def model_of(
     speed: float = 1000.0,
     distance: float = 40_000.0,
     tick: float = 0.05,
+    pulse: Pulse = LENS,
 ) -> Model:
     """Return a model with N_jm/(2 d_m) births per um and a strength of 250 MPa."""
     return Model(
@@ -36,6 +38,7 @@ def model_of(
         slider=slider,
         tick=tick,
         tick_count=round(distance / tick),
+        pulse=pulse,
     )
 
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from math import sqrt
 
-from rubnoise.contact.overlap import life_integral
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 
@@ -44,7 +43,7 @@ def area_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary real contact area, kappa_n = lam c_n m_(2n+1) in um^(2n), n = 1 ... 6.
 
     lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life, m_n = E[d^n]. Source: Campbell's theorem
-    (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse of paper Eq. (2).
+    (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse, paper Eq. (2) or a triangle.
     """
     return Cumulants(values=tuple(_area_cumulant(model, order) for order in range(1, 7)))
 
@@ -62,4 +61,4 @@ def force_cumulants(model: Model) -> Cumulants:
 
 
 def _area_cumulant(model: Model, order: int) -> float:
-    return model.birth_rate * life_integral(order) * model.sizes.moment(2 * order + 1)
+    return model.birth_rate * model.pulse.life_integral(order) * model.sizes.moment(2 * order + 1)

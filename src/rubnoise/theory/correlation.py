@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.quadrature import panels, size_rule
 
@@ -19,7 +19,7 @@ def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
     """Return R(tau) = Cov[A_r(s), A_r(s + tau)] in um^4 for lags in um (any shape); zero beyond the longest life.
 
     R(tau) = lam E[int A(s) A(s + |tau|) ds]; R(0) is the variance, and the integral of R over all tau is S(0).
-    Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse of paper Eq. (2).
+    Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     return joint_cumulants(model, lag, ((1, 1),))[1, 1]
 
@@ -37,13 +37,13 @@ def joint_cumulants(
     diameters, probabilities = size_rule(model.sizes, sizes)
     flat = np.empty((len(powers), lags.size))
     for rows in np.array_split(np.arange(lags.size), 1 + lags.size * diameters.size // _AT_ONCE):
-        overlaps = life_overlaps(lags.ravel()[rows, None] / diameters, powers)
+        overlaps = life_overlaps(model.pulse, lags.ravel()[rows, None] / diameters, powers)
         for line, (i, j) in enumerate(powers):
             flat[line, rows] = overlaps[i, j] @ (probabilities * diameters ** (2 * (i + j) + 1))
     return {pair: model.birth_rate * line.reshape(lags.shape) for pair, line in zip(powers, flat, strict=True)}
 
 
-def life_overlaps(lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
+def life_overlaps(pulse: Pulse, lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
     """Return q_ij(t) = int a(s)^i a(s + t)^j ds for lives of unit diameter, t >= 0 of any shape; zero for t >= 2.
 
     A life is its own mirror image, so the half up to s = 1 - t/2 holds all, with i and j exchanged for the other. It is
@@ -52,8 +52,8 @@ def life_overlaps(lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doub
     t = np.minimum(lag, 2.0)
     cuts = np.stack([np.zeros_like(t), np.arccos(np.minimum(t, 1.0)), np.arccos(0.5 * t)], axis=-1)
     theta, weights = panels(cuts, _NODES)
-    earlier = 0.5 * (theta - np.sin(theta) * np.cos(theta))
-    later = junction_area(2.0 * np.square(np.sin(0.5 * theta)) + t[..., None], 1.0)
+    age = 2.0 * np.square(np.sin(0.5 * theta))
+    earlier, later = pulse.area(age, 1.0), pulse.area(age + t[..., None], 1.0)
     weights = weights * np.sin(theta)
     highest = max(max(pair) for pair in powers)
     first, second = _powers(earlier, highest), _powers(later, highest)

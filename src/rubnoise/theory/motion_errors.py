@@ -16,7 +16,7 @@ from rubnoise.theory.resonance import Rule, response_rules
 from rubnoise.theory.response import Response, mean_displacement, response
 from rubnoise.theory.sampling import variance_of_time_mean
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
-from rubnoise.theory.transform import mean_square_transform, square_transform
+from rubnoise.theory.transform import transform_of
 
 Doubles = NDArray[np.float64]
 
@@ -92,14 +92,14 @@ def _mean_displacement_bound(model: Model, drive: Drive, motion: Response, dista
 def _mean_square_variances(model: Model, drive: Drive) -> Doubles:
     """Return the integrals over all lags in s of Cov[x^2, x^2] and Cov[x'^2, x'^2]."""
     diameters, probabilities = size_rule(model.sizes, _SIZES)
-    rules = response_rules(model, drive)
+    transform, rules = transform_of(model.pulse), response_rules(model, drive)
     squares, energies = np.zeros(2), np.zeros((2, diameters.size))
-    for rule, density, transform in zip(
-        rules, (spectral_density, mean_spectral_density), (square_transform, mean_square_transform), strict=True
+    for rule, density, square in zip(
+        rules, (spectral_density, mean_spectral_density), (transform.square, transform.mean_square), strict=True
     ):
         k, weights, powers = _weighted(rule, drive)
         squares += np.square(density(model, k) * powers) @ weights
-        energies += (powers * weights) @ transform(np.multiply.outer(k, diameters)) * diameters**6
+        energies += (powers * weights) @ square(np.multiply.outer(k, diameters)) * diameters**6
     first = drive.strengths.moment(2) ** 2 * 2.0 / (pi * drive.speed) * squares
     fourth = np.square(energies / (pi * drive.speed)) @ probabilities
     return first + model.birth_rate * drive.speed * drive.strengths.moment(4) * fourth

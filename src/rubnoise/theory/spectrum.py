@@ -1,15 +1,14 @@
-"""The spectral density of real contact area: shot noise of lens pulses."""
+"""The spectral density of real contact area: shot noise of pulses of one shape and many sizes."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.overlap import life_integral
 from rubnoise.contact.sizes import SizeLaw
 from rubnoise.model import Model
 from rubnoise.theory.quadrature import panels, size_range, size_rule
-from rubnoise.theory.transform import STEP_END, mean_square_transform, square_transform
+from rubnoise.theory.transform import STEP_END, PulseTransform, transform_of
 
 Doubles = NDArray[np.float64]
 
@@ -23,8 +22,9 @@ _AT_ONCE = 2048
 def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the two-sided spectral density S(k) of real contact area in um^4 per rad/um, for any shape of k in rad/um.
 
-    S(k) = lam E[(pi d H_1(k d) / k^2)^2], with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk and lam the birth rate; S(0)
-    is finite. Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x), paper Eq. (2) transformed.
+    S(k) = lam E[|A^(k)|^2], with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk and lam the birth rate; A^(k) is
+    pi d H_1(k d) / k^2 for the lens and (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle. S(0) is finite.
+    Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     return _by_size(model, wavenumber, exact=True)
 
@@ -33,14 +33,14 @@ def mean_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return S(k) with the swing of its tail averaged over one period, in um^4 per rad/um; k in rad/um.
 
     The same as S(k) below k d = 32, and at every k whose sizes are spread enough to damp the swing; for integrals over
-    panels of k wider than a swing. Source: H_1 = Y_1 + (2/pi)(1 + 1/z^2 - ...), DLMF 11.6.1, squared and averaged.
+    panels of k wider than a swing. Source: as `spectral_density`, with the transform of `PulseTransform.mean_square`.
     """
     return _by_size(model, wavenumber, exact=False)
 
 
 def density_at_zero(model: Model) -> float:
-    """Return S(0) = lam (2/3)^2 m_6 in um^4 per rad/um, from the exact sixth moment of the size law."""
-    return model.birth_rate * life_integral(1) ** 2 * model.sizes.moment(6)
+    """Return S(0) = lam c_1^2 m_6 in um^4 per rad/um, from the exact sixth moment of the size law."""
+    return model.birth_rate * model.pulse.life_integral(1) ** 2 * model.sizes.moment(6)
 
 
 def largest_swinging_wavenumber(law: SizeLaw) -> float:
@@ -56,9 +56,10 @@ def _by_size(model: Model, wavenumber: ArrayLike, *, exact: bool) -> Doubles:
     wavenumbers = np.abs(np.asarray(wavenumber, dtype=np.float64))
     swinging = wavenumbers <= largest_swinging_wavenumber(model.sizes)
     result = np.empty_like(wavenumbers)
-    transform = square_transform if exact else mean_square_transform
-    result[swinging] = _in_chunks(lambda k: _resolved(model.sizes, k, transform), wavenumbers[swinging])
-    result[~swinging] = _in_chunks(lambda k: _damped(model.sizes, k), wavenumbers[~swinging])
+    transform = transform_of(model.pulse)
+    square = transform.square if exact else transform.mean_square
+    result[swinging] = _in_chunks(lambda k: _resolved(model.sizes, k, square), wavenumbers[swinging])
+    result[~swinging] = _in_chunks(lambda k: _damped(model.sizes, k, transform), wavenumbers[~swinging])
     return model.birth_rate * result
 
 
@@ -72,16 +73,16 @@ def _in_chunks(function: Callable[[Doubles], Doubles], wavenumbers: Doubles) -> 
     return result
 
 
-def _resolved(law: SizeLaw, wavenumbers: Doubles, transform: Callable[[Doubles], Doubles]) -> Doubles:
+def _resolved(law: SizeLaw, wavenumbers: Doubles, square: Callable[[Doubles], Doubles]) -> Doubles:
     """Return E[|A^(k)|^2] with nodes close enough to follow the swing in d."""
     low, high = size_range(law)
     phase = float(wavenumbers.max()) * (high - low)
     nodes = next(count for limit, count in _NODES_BY_PHASE if phase <= limit * (1.0 + 1e-12))
     diameters, probabilities = size_rule(law, nodes)
-    return transform(np.multiply.outer(wavenumbers, diameters)) @ (probabilities * diameters**6)
+    return square(np.multiply.outer(wavenumbers, diameters)) @ (probabilities * diameters**6)
 
 
-def _damped(law: SizeLaw, wavenumbers: Doubles) -> Doubles:
+def _damped(law: SizeLaw, wavenumbers: Doubles, transform: PulseTransform) -> Doubles:
     """Return E[|A^(k)|^2] where the swing averages out: small diameters resolved, the rest by their mean over a swing.
 
     Small diameters matter where a spread as large as the mean leaves the density an edge at d = 0.
@@ -95,5 +96,5 @@ def _damped(law: SizeLaw, wavenumbers: Doubles) -> Doubles:
     ):
         diameters, weights = panels(np.stack(ends, axis=-1), count)
         phases = wavenumbers[:, None] * diameters
-        total += np.sum(mean_square_transform(phases) * weights * law.density(diameters) * diameters**6, axis=-1)
+        total += np.sum(transform.mean_square(phases) * weights * law.density(diameters) * diameters**6, axis=-1)
     return total

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.overlap import life_integral
+from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.occupancy import count_from_empty, mean_count
@@ -26,12 +26,12 @@ def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
     s = np.asarray(distance, dtype=np.float64)
     low, high = size_range(model.sizes)
     if low == high:
-        return model.birth_rate * high**3 * _area_so_far(s / high)
+        return model.birth_rate * high**3 * _area_so_far(model.pulse, s / high)
     least = max(low, 1e-12 * high)  # a diameter of 0 has no age to speak of, and no area
     # Cut where a junction ends (d = s/2) and where it is at mid-life (d = s), so that each part is smooth in d.
     cuts = np.stack([np.clip(s * part, least, high) for part in (0.0, 0.5, 1.0)] + [np.full_like(s, high)], axis=-1)
     diameters, weights = panels(cuts, _NODES)
-    grown = diameters**3 * _area_so_far(s[..., None] / diameters)
+    grown = diameters**3 * _area_so_far(model.pulse, s[..., None] / diameters)
     return model.birth_rate * np.sum(grown * weights * model.sizes.density(diameters), axis=-1)
 
 
@@ -55,9 +55,21 @@ def _mean_from_start(
     return (float(weights @ from_empty(model, s)) + (distance - reach) * settled) / distance
 
 
-def _area_so_far(age: Doubles) -> Doubles:
-    """Return the integral of a life of unit diameter up to an age: J1 = (y - x acos x - y^3/3)/2, y = sqrt(1 - x^2)."""
-    x = np.minimum(np.abs(1.0 - age), 1.0)
+def _area_so_far(pulse: Pulse, age: Doubles) -> Doubles:
+    """Return the integral of a life of unit diameter up to an age, which grows after mid-life as it grew before."""
+    rising = _RISING[pulse.shape](np.minimum(np.abs(1.0 - age), 1.0))
+    return np.where(age < 1.0, rising, pulse.life_integral(1) - rising)
+
+
+def _rising_lens(x: Doubles) -> Doubles:
+    """Return J1 = (y - x acos x - y^3/3)/2, y = sqrt(1 - x^2), the integral up to the age 1 - x."""
     y = np.sqrt((1.0 - x) * (1.0 + x))
-    rising = 0.5 * (y - x * np.arccos(x) - y**3 / 3.0)
-    return np.where(age < 1.0, rising, life_integral(1) - rising)
+    return 0.5 * (y - x * np.arccos(x) - y**3 / 3.0)
+
+
+def _rising_triangle(x: Doubles) -> Doubles:
+    """Return (pi/8) (1 - x)^2, the integral up to the age 1 - x."""
+    return 0.125 * np.pi * np.square(1.0 - x)
+
+
+_RISING: dict[Shape, Callable[[Doubles], Doubles]] = {"lens": _rising_lens, "triangle": _rising_triangle}

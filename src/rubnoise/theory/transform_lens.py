@@ -1,0 +1,69 @@
+"""The Fourier transform of the lens pulse of unit diameter, and what is left of it when its swing is averaged out."""
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import j1, y1
+
+Doubles = NDArray[np.float64]
+
+_SERIES_FROM = 32.0
+_SEGMENTS = ((0.0, 10.0), (10.0, 20.0), (20.0, _SERIES_FROM))
+_DEGREE = 28
+# H_1 - Y_1 = (2/pi) (1 + 1/z^2 - 3/z^4 + 45/z^6 - ...), DLMF 11.6.1: the factor from one term to the next.
+_STRUVE_RATIOS = tuple(-(2.0 * n - 1.0) * (2.0 * n - 3.0) for n in range(1, 13))
+
+
+@cache
+def _chebyshev(segment: int) -> Doubles:
+    """Interpolate pi H_1(z) / z^2 on a segment; scipy's struve takes 10 us a value and loses digits near z = 25."""
+    import mpmath
+
+    low, high = _SEGMENTS[segment]
+    nodes = np.polynomial.chebyshev.chebpts1(_DEGREE + 1)
+    phases = 0.5 * (high + low) + 0.5 * (high - low) * nodes
+    with mpmath.workdps(30):
+        values = np.array([float(mpmath.pi * mpmath.struveh(1, z) / mpmath.mpf(z) ** 2) for z in phases.tolist()])
+    polynomials: Doubles = np.asarray(np.polynomial.chebyshev.chebvander(nodes, _DEGREE), dtype=np.float64)
+    coefficients: Doubles = (2.0 / nodes.size) * (values @ polynomials)
+    coefficients[0] *= 0.5
+    return coefficients
+
+
+def _struve_tail(phase: Doubles) -> Doubles:
+    """Return H_1(z) - Y_1(z) for z >= 32."""
+    inverse = 1.0 / (phase * phase)
+    total = np.ones_like(phase)
+    for ratio in reversed(_STRUVE_RATIOS):
+        total = 1.0 + ratio * inverse * total
+    return (2.0 / np.pi) * total
+
+
+def amplitude(phase: ArrayLike) -> Doubles:
+    """Return a^(z) = pi H_1(z) / z^2, the transform of the lens pulse of unit diameter about its middle; a^(0) = 2/3.
+
+    z = k d >= 0, of any shape. Relative error below 1e-13 for z <= 1e6.
+    Source: int_0^1 sqrt(1 - x^2) sin(z x) dx, DLMF 11.5.1.
+    """
+    z = np.asarray(phase, dtype=np.float64)
+    result = np.empty_like(z)
+    far = z >= _SERIES_FROM
+    beyond = z[far]
+    result[far] = np.pi * (y1(beyond) + _struve_tail(beyond)) / (beyond * beyond)
+    for segment, (low, high) in enumerate(_SEGMENTS):
+        inside = (z >= low) & (z < high)
+        x = (z[inside] - 0.5 * (high + low)) / (0.5 * (high - low))
+        result[inside] = np.polynomial.chebyshev.chebval(x, _chebyshev(segment))
+    return result
+
+
+def level(phase: Doubles) -> Doubles:
+    """Return what is left of a^(z) when its swing is averaged out, pi (H_1 - Y_1) / z^2, for z >= 32 of any shape."""
+    return np.pi * _struve_tail(phase) / (phase * phase)
+
+
+def swing(phase: Doubles) -> Doubles:
+    """Return the mean square of the swing of a^(z) about its level, (pi / z^2)^2 (J_1^2 + Y_1^2) / 2, for z >= 32."""
+    modulus = np.square(j1(phase)) + np.square(y1(phase))
+    return 0.5 * modulus * np.square(np.pi / (phase * phase))
