@@ -146,7 +146,7 @@ def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
         (None, "bad.toml: cannot be read: no such file or directory"),
         (b"", "bad.toml:1: error: format: missing"),
         (b'title = "\xff"\n', "bad.toml:1: error: not UTF-8 text"),
-        (CONTACT.encode() + b"[sweep]\nreplicates = 4\n", "sweep: not available"),
+        (CONTACT.encode() + b"[sweep]\nreplicates = 4\n", "bad.toml:10: error: sweep: a sweep is many runs, and one scenario is wanted here"),
         (CONTACT.encode().replace(b"300 um", b"300 um^2"), "bad.toml:9: error: sliding.distance: "),
     ],
     ids=["missing", "empty", "not UTF-8", "a sweep", "a wrong unit"],

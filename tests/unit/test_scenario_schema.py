@@ -9,6 +9,8 @@ import pytest
 from rubnoise.scenario import json_schema, load
 from rubnoise.scenario.checks import junction_bytes, tick_bytes
 from rubnoise.scenario.document import Document
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.sweep import load_either
 from rubnoise.storage.schema import JUNCTIONS, SLIDER, TRACE, Column
 from tests.unit.scenarios import BARE, WHOLE
 
@@ -30,13 +32,12 @@ def test_the_schema_offers_what_is_available_and_no_more() -> None:
     sections = json_schema()["$defs"]
     assert sections["Diameter"]["properties"]["law"]["enum"] == ["fixed", "normal"]
     assert sections["Run"]["properties"]["engine"]["enum"] == ["events"]
-    assert "sweep" not in json_schema()["properties"]
 
 
 def test_needed_keys_are_demanded_unless_another_file_may_have_them() -> None:
     schema = json_schema()
     assert schema["required"] == ["format"]
-    assert schema["if"] == {"not": {"required": ["extends"]}}
+    assert schema["if"] == {"not": {"anyOf": [{"required": ["extends"]}, {"required": ["sweep"]}]}}
     assert schema["then"]["required"] == ["interface", "sliding"]
     assert schema["then"]["properties"]["sliding"] == {"required": ["distance"]}
     assert schema["then"]["dependentSchemas"]["slider"]["required"] == ["strength"]
@@ -47,8 +48,26 @@ def test_needed_keys_are_demanded_unless_another_file_may_have_them() -> None:
 def test_a_scenario_of_the_project_names_its_schema_and_loads_without_a_warning(path: Path) -> None:
     first = path.read_text(encoding="utf-8").splitlines()[0]
     assert (path.parent / first.removeprefix("#:schema ")).resolve() == SCENARIOS / "scenario.schema.json"
-    assert load(path).warnings == ()
-    assert set(tomllib.loads(path.read_text(encoding="utf-8"))) <= {*Document.model_fields, "extends"}
+    assert load_either(path).warnings == ()
+    assert set(tomllib.loads(path.read_text(encoding="utf-8"))) <= {*Document.model_fields, "extends", "sweep"}
+
+
+def test_the_schema_of_a_sweep_takes_lists_of_what_each_key_takes() -> None:
+    schema = json_schema()
+    sweep = schema["properties"]["sweep"]["properties"]
+    assert set(sweep) == {"replicates", "grid", "zip"}
+    for table in (sweep["grid"], sweep["zip"]):
+        swept = {
+            f"{name}.{key}": about
+            for name, keys in table["properties"].items()
+            for key, about in keys["properties"].items()
+        }
+        assert set(swept) == {f"{name}.{key}" for name, section in SECTIONS.items() for key in section.model_fields} - {
+            "run.seed"
+        }
+        for about in swept.values():
+            *_, section, properties, key = about["items"]["$ref"].split("/")
+            assert schema["$defs"][section][properties][key]
 
 
 def test_the_papers_figure_5_has_the_papers_numbers() -> None:

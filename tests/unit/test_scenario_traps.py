@@ -258,9 +258,14 @@ def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, v
     assert report == shown(head + message, f"{section}.{key}={value}", value)
 
 
-def test_a_sweep_is_refused() -> None:
+def test_a_sweep_is_refused_where_one_run_is_wanted() -> None:
     report = refusal(WHOLE + "[sweep]\nreplicates = 4\n")
-    assert report.startswith("run.toml:30: error: sweep: not available in this version; available: [interface], ")
+    assert report == shown(
+        "run.toml:30: error: sweep: a sweep is many runs, and one scenario is wanted here",
+        "[sweep]",
+        "sweep",
+        "rubnoise check lists its points; without this table the file is one run",
+    )
 
 
 def test_an_unknown_word_gets_a_suggestion() -> None:

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 
 from rubnoise.scenario.document import FORMAT, Document
 from rubnoise.scenario.fields import FROM_PYTHON, Unfit, did_you_mean
-from rubnoise.scenario.layers import Layers, Setting, Values
+from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
 
 SECTIONS: dict[str, type[BaseModel]] = {
@@ -16,7 +16,9 @@ SECTIONS: dict[str, type[BaseModel]] = {
     for kind in (about.annotation, *getattr(about.annotation, "__args__", ()))
     if isinstance(kind, type) and issubclass(kind, BaseModel)
 }
-_LATER_TABLES = ("sweep",)
+SWEEP = "sweep"
+"""The table of many runs, which is read apart: a scenario is one run."""
+
 _RIGHT_FORMS: dict[Path, str] = {
     ("format",): "format = 1",
     ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2"',
@@ -39,7 +41,7 @@ def format_problems(layers: Layers) -> list[Problem]:
         if isinstance(version, int) and not isinstance(version, bool) and version > FORMAT:
             message = f"needs a rubnoise that reads format {version}; this one reads format {FORMAT}"
             problems.append(Problem(path=("format",), message=message, place=source.value_place(("format",))))
-        elif version is None and not isinstance(source, (Setting, Values)) and not layers.problems:
+        elif version is None and not isinstance(source, (Overlay, Values)) and not layers.problems:
             message, hint = "missing", f"the first line of the file: {_RIGHT_FORMS['format',]}"
             problems.append(Problem(path=("format",), message=message, place=source.key_place(()), hint=hint))
     return problems
@@ -91,9 +93,6 @@ def _explained(layers: Layers, path: Path, kind: str, error: Exception | None) -
 
 def _unknown(layers: Layers, path: Path) -> Problem:
     place = layers.key_place(path)
-    if path[0] in _LATER_TABLES and len(path) == 1:
-        available = ", ".join(f"[{name}]" for name in SECTIONS)
-        return Problem(path=path, message=f"not available in this version; available: {available}", place=place)
     is_table = isinstance(layers.data.get(str(path[0])), dict) and len(path) == 1
     return Problem(path=path, message=f"unknown {'table' if is_table else 'key'}", place=place, hint=_suggestion(path))
 
@@ -105,7 +104,7 @@ def _suggestion(path: Path) -> str:
     homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in section.model_fields)
     if homes and homes != (".".join(map(str, path)),):
         return f"did you mean {' or '.join(homes)}?"
-    known = tuple(table.model_fields)
+    known = (*table.model_fields, *((SWEEP,) if table is Document else ()))
     return did_you_mean(word, known) or f"known here: {', '.join(known)}"
 
 

@@ -35,7 +35,7 @@ class Layers:
     @property
     def main(self) -> Source:
         """The file that was asked for."""
-        return next(source for source in reversed(self.sources) if not isinstance(source, Setting))
+        return next(source for source in reversed(self.sources) if not isinstance(source, Overlay))
 
     def value_place(self, path: Path) -> Place:
         """Return where the value of a key stands that counts."""
@@ -45,9 +45,20 @@ class Layers:
         """Return where a key is named that counts."""
         return self.source_of(path).key_place(path)
 
+    def topped(self, overlay: "Overlay", *, without: str) -> "Layers":
+        """Return these layers with one more on top, and without a table."""
+        data = _merged([self.data, overlay.data])
+        kept = {key: value for key, value in data.items() if key != without}
+        return replace(self, sources=(*self.sources, overlay), data=kept)
+
 
 @dataclass(frozen=True)
-class Setting(Source):
+class Overlay(Source):
+    """Keys on top of a file: it is no file itself, and has no format number."""
+
+
+@dataclass(frozen=True)
+class Setting(Overlay):
     """One `--set KEY=VALUE`; its text is what was typed."""
 
     @property

@@ -12,3 +12,6 @@ RESULT_ROWS = 2_000_000_000
 RESULT_BYTES = 10**12
 # A block of a run holds about eleven times as many junctions as are alive at once, at some 500 bytes each.
 LIVE_JUNCTIONS = 1e6
+# A point takes a millisecond to check, and all are checked before the first runs.
+SWEEP_POINTS = 10_000
+SWEEP_RUNS = 100_000

@@ -38,9 +38,25 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
 
 
 def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
+    if keys.SWEEP in given.data:
+        raise ScenarioRefused(report([*given.problems, _many(given)]))
+    scenario, problems = examined(given, from_python=from_python)
+    if scenario is None:
+        raise ScenarioRefused(report(problems))
+    return scenario
+
+
+def _many(given: Layers) -> Problem:
+    hint = "rubnoise check lists its points; without this table the file is one run"
+    message = "a sweep is many runs, and one scenario is wanted here"
+    return Problem(path=(keys.SWEEP,), message=message, place=given.key_place((keys.SWEEP,)), hint=hint)
+
+
+def examined(given: Layers, *, from_python: bool = False) -> tuple[Scenario | None, list[Problem]]:
+    """Return the scenario of its layers, or None, and everything that is wrong with it or doubtful."""
     formats = keys.format_problems(given)
     if any(problem.message != "missing" for problem in formats):
-        raise ScenarioRefused(report([*given.problems, *formats]))  # the other keys may well be right in that format
+        return None, [*given.problems, *formats]  # the other keys may well be right in that format
     document, problems = keys.read(given, from_python=from_python)
     problems = [*given.problems, *formats, *problems]
     model = tick = None
@@ -48,8 +64,8 @@ def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
         model, tick, more = modelled(document, given)
         problems += [*plausibility(document, given), *more]
     if document is None or model is None or tick is None or any(problem.severity == "error" for problem in problems):
-        raise ScenarioRefused(report(problems))
-    return _scenario(given, document, model, tick, problems)
+        return None, problems
+    return _scenario(given, document, model, tick, problems), problems
 
 
 def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, warnings: list[Problem]) -> Scenario:

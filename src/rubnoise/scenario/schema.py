@@ -2,7 +2,9 @@
 
 from typing import Any
 
+from rubnoise.scenario.axes import REPLICATES, known_keys
 from rubnoise.scenario.document import Document
+from rubnoise.scenario.keys import SECTIONS, SWEEP
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -10,7 +12,7 @@ _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema of a scenario file, with what is available in this version.
 
-    A file that extends another may leave needed keys to it, so they are demanded only of one that does not.
+    A file that extends another may leave needed keys to it, and one with a sweep to that: they are demanded of others.
     """
     schema = Document.model_json_schema()
     sections = schema["$defs"]
@@ -20,13 +22,36 @@ def json_schema() -> dict[str, Any]:
         "type": "string",
         "description": "A scenario file to build on, relative to this.",
     }
+    schema["properties"][SWEEP] = _sweep()
     return {
         "$schema": _DIALECT,
         **_without_noise(schema),
         "required": ["format"],
-        "if": {"not": {"required": ["extends"]}},
+        "if": {"not": {"anyOf": [{"required": ["extends"]}, {"required": [SWEEP]}]}},
         "then": _complete(required, needed),
     }
+
+
+def _sweep() -> dict[str, Any]:
+    described = {
+        "replicates": REPLICATES.describe() | {"default": 1, "description": "Runs of each point, each with a seed."},
+        "grid": _lists() | {"description": "Lists of values; each value of one key with each of the others."},
+        "zip": _lists() | {"description": "Lists of values side by side, as many of each."},
+    }
+    return _table(described) | {"description": "Many runs from one file: what varies between them."}
+
+
+def _lists() -> dict[str, Any]:
+    """Return a table of the tables of a scenario, where every key takes a list of what it takes there."""
+    tables: dict[str, dict[str, Any]] = {name: {} for name in SECTIONS}
+    for name, _, key in (known.partition(".") for known in known_keys()):
+        items = {"$ref": f"#/$defs/{SECTIONS[name].__name__}/properties/{key}"}
+        tables[name][key] = {"type": "array", "minItems": 1, "items": items}
+    return _table({name: _table(keys) for name, keys in tables.items() if keys})
+
+
+def _table(properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "additionalProperties": False, "properties": properties}
 
 
 def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, Any]:

@@ -1,0 +1,86 @@
+"""The points of a sweep: scenarios that are ready to run, each with a seed and a name of its own."""
+
+import json
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.scenario import Scenario
+
+_ID_DIGITS = 16
+_NOT_THE_CONTACT = ("title", "output", "run")
+"""What a scenario says about writing and running: a point keeps its seed when only this changes."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """What the swept keys are at one point, as written, and the whole scenario there."""
+
+    values: Mapping[str, Any]
+    scenario: Scenario
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """One run of a sweep: its swept values as written, which replicate it is, its name, its seed and its scenario.
+
+    The seed stands in the scenario too; replicates are counted from 0.
+    """
+
+    values: Mapping[str, Any]
+    replicate: int
+    run_id: str
+    seed: int
+    scenario: Scenario
+
+
+def points_of(cases: Iterable[Case], replicates: int) -> tuple[Point, ...]:
+    """Return so many runs of every case, the replicates of a case one after another."""
+    return tuple(_point(case, replicate) for case in cases for replicate in range(replicates))
+
+
+def _point(case: Case, replicate: int) -> Point:
+    seed = derived_seed(case.scenario, replicate)
+    run = case.scenario.run.model_copy(update={"seed": seed})
+    scenario = replace(case.scenario, run=run)
+    return Point(values=case.values, replicate=replicate, run_id=run_id(scenario), seed=seed, scenario=scenario)
+
+
+def derived_seed(scenario: Scenario, replicate: int) -> int:
+    """Return the seed of a replicate: 53 bits that follow from the seed in the scenario and from what happens there.
+
+    Neither the order of points nor what else is swept has a part in it, nor has how the run is written or titled. From
+    numpy's SeedSequence, whose numbers are the same in every version (O'Neill's seed_seq_fe).
+    """
+    digest = sha256(canonical(scenario, without=_NOT_THE_CONTACT)).digest()
+    words = (int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
+    sequence = np.random.SeedSequence(scenario.run.seed, spawn_key=(*words, replicate))
+    return int(sequence.generate_state(1, np.uint64)[0]) >> 11
+
+
+def run_id(scenario: Scenario) -> str:
+    """Return the name of a run, 16 hexadecimal digits of the SHA-256 of its scenario, seed and all but the title."""
+    return sha256(canonical(scenario, without=("title",))).hexdigest()[:_ID_DIGITS]
+
+
+def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
+    """Return a scenario as the one JSON text of it: keys sorted, defaults left out, quantities in working units.
+
+    Defaults are left out so that a key of a later version, with its default, changes no name and no seed.
+    """
+    told = {
+        name: _without_defaults(name, value) if isinstance(value, dict) else value
+        for name, value in scenario.resolved().items()
+        if name not in without
+    }
+    kept = {name: value for name, value in told.items() if value != {}}
+    return json.dumps(kept, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()
+
+
+def _without_defaults(section: str, table: dict[str, Any]) -> dict[str, Any]:
+    fields = SECTIONS[section].model_fields
+    return {key: value for key, value in table.items() if value != fields[key].default}

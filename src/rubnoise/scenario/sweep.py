@@ -1,0 +1,141 @@
+"""Reading a sweep: one file that stands for many runs, each checked as the whole scenario that it is."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from rubnoise.errors import ScenarioRefused
+from rubnoise.scenario import layers
+from rubnoise.scenario.axes import Axis, Table, read_table
+from rubnoise.scenario.keys import SWEEP
+from rubnoise.scenario.layers import Layers, Overlay
+from rubnoise.scenario.load import examined, load
+from rubnoise.scenario.points import Case, Point, points_of, run_id
+from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
+from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.sweep_problems import Examined, gathered, in_words
+
+_LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """A file with a `[sweep]` table: its points, each a whole scenario, and how many runs of each are wanted.
+
+    ``keys`` are the swept ones with dots, ``warnings`` what is allowed and doubtful, each ready to print.
+    """
+
+    name: str
+    text: str
+    title: str
+    keys: tuple[str, ...]
+    cases: tuple[Case, ...]
+    replicates: int
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice(Overlay):
+    """What one point puts on top of the file: a value for every swept key, which stands in the list of its axis."""
+
+    origin: Layers
+    axes: Sequence[Axis]
+    indices: tuple[int, ...]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The values under their keys."""
+        data: dict[str, Any] = {}
+        for axis, index in zip(self.axes, self.indices, strict=True):
+            data.setdefault(str(axis.path[0]), {})[axis.path[1]] = axis.values[index]
+        return data
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The values by their dotted keys."""
+        return {axis.key: axis.values[index] for axis, index in zip(self.axes, self.indices, strict=True)}
+
+    def value_place(self, path: Path) -> Place:
+        """Return the value in its list."""
+        for axis, index in zip(self.axes, self.indices, strict=True):
+            if axis.path == path:
+                return self.origin.value_place((*axis.swept_path, index))
+        return self.origin.value_place(path)
+
+    def key_place(self, path: Path) -> Place:
+        """Return where the key is swept, or the table of the file."""
+        swept = next((axis.swept_path for axis in self.axes if axis.path == path), path)
+        return self.origin.key_place(swept)
+
+
+def expand(sweep: Sweep) -> tuple[Point, ...]:
+    """Return every run of a sweep: its points in the order written, the replicates of each one after another."""
+    return points_of(sweep.cases, sweep.replicates)
+
+
+def load_sweep(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Sweep:
+    """Return the sweep of a TOML file, with overrides of the form `KEY=VALUE` on top.
+
+    Raises ScenarioRefused with every problem of every point, each with its line, and for a file that is no sweep.
+    """
+    given = layers.from_file(path, overrides)
+    if SWEEP not in given.data:
+        _refuse_one(given)
+    return _checked(given)
+
+
+def load_either(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario | Sweep:
+    """Return the scenario or the sweep of a TOML file, whichever it is; raises ScenarioRefused as `load` does."""
+    given = layers.from_file(path, overrides)
+    return _checked(given) if SWEEP in given.data else load(path, overrides)
+
+
+def _refuse_one(given: Layers) -> None:
+    if given.problems:
+        raise ScenarioRefused(report(given.problems))
+    raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep], and is one run")
+
+
+def _checked(given: Layers) -> Sweep:
+    table, wrong = read_table(given)
+    most = _LOOKED_AT_BESIDE_A_WRONG_TABLE if wrong else None
+    looked_at = [_examined(given, table, indices) for indices in islice(table.choices(), most)]
+    found = gathered(looked_at)
+    if wrong:
+        # What is missing may be meant by a key of the sweep that is not right yet.
+        found = [problem for problem in found if not problem.message.startswith("missing")]
+    problems = [*given.problems, *wrong, *found]
+    cases = [Case(values=each.values, scenario=each.scenario) for each in looked_at if each.scenario is not None]
+    if not wrong and len(cases) == len(looked_at):
+        problems += _repeated(given, cases)
+    if any(problem.severity == "error" for problem in problems):
+        raise ScenarioRefused(report(problems))
+    return Sweep(
+        name=given.main.name,
+        text=given.main.text,
+        title=cases[0].scenario.title,
+        keys=tuple(axis.key for axis in table.axes),
+        cases=tuple(cases),
+        replicates=table.replicates,
+        warnings=tuple(map(str, in_order(problems))),
+    )
+
+
+def _examined(given: Layers, table: Table, indices: tuple[int, ...]) -> Examined:
+    choice = Choice(given.main.name, "", origin=given, axes=table.axes, indices=indices)
+    scenario, problems = examined(given.topped(choice, without=SWEEP))
+    return Examined(values=choice.values, scenario=scenario, problems=problems)
+
+
+def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
+    """Refuse points that are the same run: their results would be taken for two."""
+    first: dict[str, int] = {}
+    for number, case in enumerate(cases, 1):
+        before = first.setdefault(run_id(case.scenario), number)
+        if before != number:
+            message = f"points {before} and {number} are the same run ({in_words(case.values)})"
+            hint = "take one away; replicates = 2 makes two runs of each point, with seeds of their own"
+            yield Problem(path=(SWEEP,), message=message, place=given.key_place((SWEEP,)), hint=hint)
+            return

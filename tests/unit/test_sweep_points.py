@@ -1,0 +1,164 @@
+"""A sweep file stands for the runs that it says, each with a name and a seed that nothing else moves."""
+
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rubnoise.scenario import build, load
+from rubnoise.scenario.points import Point, canonical, run_id
+from rubnoise.scenario.sweep import Sweep, expand, load_either, load_sweep
+from rubnoise.streams import SEED_LIMIT
+from tests.unit.sweeps import GRID, HEAD, sweep_of
+
+COUNT = "interface.mean_junction_count"
+AREA = "interface.mean_real_contact_area"
+
+
+def _by_values(sweep: Sweep) -> dict[tuple[object, ...], Point]:
+    return {(*point.values.values(), point.replicate): point for point in expand(sweep)}
+
+
+def test_a_grid_is_the_product_in_the_order_written(tmp_path: Path) -> None:
+    sweep = sweep_of(tmp_path, GRID)
+    assert sweep.keys == (AREA, COUNT)
+    told = [(*point.values.values(), point.replicate) for point in expand(sweep)]
+    assert told == [(area, count, n) for area in ("100 um^2", "200 um^2") for count in (10, 20, 30) for n in (0, 1)]
+
+
+def test_the_order_is_that_of_the_lines_also_when_a_table_comes_back(tmp_path: Path) -> None:
+    lines = ["interface.mean_junction_count = [10]", 'sliding.distance = ["1 mm"]', 'interface.calibration = ["exact"]']
+    table = "\n".join(["[sweep.grid]", *lines, ""])
+    assert sweep_of(tmp_path, table).keys == (COUNT, "sliding.distance", "interface.calibration")
+
+
+def test_a_zip_goes_side_by_side_within_the_grid(tmp_path: Path) -> None:
+    table = (
+        '[sweep.zip]\ndiameter.law = ["fixed", "normal"]\noutput.tick = ["0.1 um", "0.2 um"]\n'
+        "[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
+    )
+    head = HEAD + '[diameter]\nlaw = "normal"\nspread = "0.2 um"\n'
+    sweep = sweep_of(tmp_path, table.replace('"fixed"', '"normal"'), head=head)
+    told = [tuple(point.values.values()) for point in expand(sweep)]
+    assert told == [(count, "normal", tick) for count in (10, 20) for tick in ("0.1 um", "0.2 um")]
+
+
+def test_a_point_is_the_scenario_that_a_file_of_its_own_would_be(tmp_path: Path) -> None:
+    for point in expand(sweep_of(tmp_path, GRID)):
+        own = {
+            "format": 1,
+            "title": "swept",
+            "interface": {"mean_real_contact_area": point.values[AREA], "mean_junction_count": point.values[COUNT]},
+            "sliding": {"distance": "2 mm"},
+            "run": {"seed": point.seed},
+        }
+        assert point.scenario.resolved() == build(own).resolved()
+        assert point.scenario.model().calibrated_diameter == pytest.approx(
+            sqrt(3.0 * float(point.scenario.interface.mean_real_contact_area) / point.values[COUNT]), rel=1e-14
+        )
+
+
+def test_a_swept_key_need_not_be_given_in_the_file(tmp_path: Path) -> None:
+    head = HEAD.replace("mean_junction_count = 20\n", "")
+    assert [p.seed for p in expand(sweep_of(tmp_path, GRID, head=head))] == [
+        p.seed for p in expand(sweep_of(tmp_path, GRID))
+    ]
+
+
+def test_replicates_alone_are_a_sweep(tmp_path: Path) -> None:
+    points = expand(sweep_of(tmp_path, "[sweep]\nreplicates = 3\n"))
+    assert [(dict(point.values), point.replicate) for point in points] == [({}, 0), ({}, 1), ({}, 2)]
+
+
+def test_seeds_and_names_are_all_different_and_in_range(tmp_path: Path) -> None:
+    points = expand(sweep_of(tmp_path, GRID.replace("replicates = 2", "replicates = 50")))
+    assert len({point.seed for point in points}) == len({point.run_id for point in points}) == len(points) == 300
+    assert all(0 <= point.seed < SEED_LIMIT and point.scenario.run.seed == point.seed for point in points)
+    assert all(len(point.run_id) == 16 and int(point.run_id, 16) >= 0 for point in points)
+
+
+def test_seeds_are_spread_over_their_whole_range(tmp_path: Path) -> None:
+    points = expand(sweep_of(tmp_path, GRID.replace("replicates = 2", "replicates = 500")))
+    seeds = np.array([point.seed for point in points]) / SEED_LIMIT
+    assert abs(seeds.mean() - 0.5) * sqrt(12.0 * seeds.size) <= 4.0
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        GRID.replace("[10, 20, 30]", "[30, 10, 20, 40]"),
+        GRID.replace("replicates = 2", "replicates = 5"),
+        GRID.replace("100 um^2", "0.0001 mm^2").replace("[10,", "[10.0,"),
+        "[sweep]\nreplicates = 2\n[sweep.grid]\n" + "\n".join(reversed(GRID.splitlines()[3:])) + "\n",
+        GRID + '[sweep.zip]\ninterface.calibration = ["exact"]\n',
+    ],
+    ids=["in another order, with a point more", "more replicates", "other units", "other order of keys", "another key"],
+)
+def test_a_seed_follows_from_its_point_alone(tmp_path: Path, table: str) -> None:
+    def named(sweep: Sweep) -> dict[tuple[str, float, int], tuple[int, str]]:
+        contacts = ((point, point.scenario.interface) for point in expand(sweep))
+        return {
+            (area.mean_real_contact_area.as_text(), area.mean_junction_count, point.replicate): (
+                point.seed,
+                point.run_id,
+            )
+            for point, area in contacts
+        }
+
+    assert named(sweep_of(tmp_path, GRID)).items() <= named(sweep_of(tmp_path, table)).items()
+
+
+def test_a_seed_follows_from_the_seed_of_the_file_too(tmp_path: Path) -> None:
+    first, second = (_by_values(sweep_of(tmp_path, GRID, f"run.seed={seed}")) for seed in (1, 2))
+    assert first.keys() == second.keys()
+    assert all(first[key].seed != second[key].seed for key in first)
+
+
+def test_the_seeds_of_a_point_do_not_change_with_versions(tmp_path: Path) -> None:
+    points = expand(sweep_of(tmp_path, GRID))
+    assert [(point.seed, point.run_id) for point in points[:2]] == KEPT
+
+
+def test_how_a_run_is_written_changes_its_name_and_not_its_seed(tmp_path: Path) -> None:
+    table = '[sweep.grid]\noutput.tick = ["0.1 um", "0.2 um"]\n'
+    fine, coarse = expand(sweep_of(tmp_path, table))
+    assert fine.seed == coarse.seed
+    assert fine.run_id != coarse.run_id
+    retitled = expand(sweep_of(tmp_path, table, "title=another"))
+    assert [(p.seed, p.run_id) for p in retitled] == [(p.seed, p.run_id) for p in (fine, coarse)]
+
+
+def test_the_name_of_a_run_is_that_of_its_scenario(tmp_path: Path) -> None:
+    for point in expand(sweep_of(tmp_path, GRID)):
+        assert point.run_id == run_id(point.scenario) == run_id(build(point.scenario.resolved()))
+
+
+def test_defaults_have_no_part_in_names_and_seeds(tmp_path: Path) -> None:
+    told, untold = (expand(sweep_of(tmp_path, GRID, *changes))[3] for changes in ((), ("pulse.shape=lens",)))
+    assert (told.seed, told.run_id) == (untold.seed, untold.run_id)
+    assert canonical(told.scenario, without=("run", "output")) == (
+        b'{"format":1,"interface":{"mean_junction_count":20.0,"mean_real_contact_area":"100 um^2"},'
+        b'"sliding":{"distance":"2000 um"},"title":"swept"}'
+    )
+    other = expand(sweep_of(tmp_path, GRID, "pulse.shape=triangle"))[3]
+    assert other.seed != told.seed
+
+
+def test_a_sweep_may_be_extended_and_changed_on_the_command_line(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text(HEAD + GRID, encoding="utf-8")
+    (path := tmp_path / "top.toml").write_text(
+        'format = 1\nextends = "base.toml"\n[sweep]\nreplicates = 1\n', encoding="utf-8"
+    )
+    assert len(expand(load_sweep(path))) == 6
+    assert len(expand(load_sweep(path, ["sweep.grid.interface.mean_junction_count=[10, 40]"]))) == 4
+
+
+def test_either_is_what_the_file_is(tmp_path: Path) -> None:
+    sweep_of(tmp_path, GRID)
+    (tmp_path / "one.toml").write_text(HEAD, encoding="utf-8")
+    assert isinstance(load_either(tmp_path / "s.toml"), Sweep)
+    assert load_either(tmp_path / "one.toml").resolved() == load(tmp_path / "one.toml").resolved()
+
+
+KEPT = [(765688994715997, "22bead39afcfb42b"), (3070721805695893, "2b2f8947c938dbec")]
