@@ -4,14 +4,16 @@ from fractions import Fraction
 from math import floor
 from typing import Any
 
-from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.contact.strengths import ConstantStrength, StrengthLaw
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import extent, simulate
 from rubnoise.simulation.state import State
 
+BIRTHS: dict[str, type[BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 
@@ -20,31 +22,35 @@ def model(
     area: float = 200.0,
     count: float = 20.0,
     spread: Spread | None = None,
-    calibration: Any = "paper",
+    calibration: Any = None,
     distance: float = 500.0,
     tick: float = 0.1,
     start: Any = "stationary",
     slider: Slider | None = FIG5_SLIDER,
     speed: float | None = 1000.0,
-    strength: float | None = 250.0,
+    strength: float | StrengthLaw | None = 250.0,
+    births: str = "poisson",
+    pulse: Pulse = LENS,
 ) -> Model:
-    """Return the model of Fig. 5, changed where an argument says so."""
+    """Return the model of Fig. 5, changed where an argument says so; the paper's calibration is for the lens alone."""
     spread = Spread(absolute=0.2) if spread is None else spread
-    diameter = calibrated_diameter(calibration, area, count, spread)
+    calibration = calibration or ("paper" if pulse is LENS else "exact")
+    diameter = calibrated_diameter(calibration, area, count, spread, pulse)
     return Model(
         mean_real_contact_area=area,
         mean_junction_count=count,
         calibration=calibration,
         calibrated_diameter=diameter,
         sizes=sizes_for(diameter, spread),
-        births=PoissonBirths(mean_spacing=2.0 * diameter / count),
-        strengths=None if strength is None else ConstantStrength(mean=strength),
+        births=BIRTHS[births](mean_spacing=2.0 * diameter / count),
+        strengths=ConstantStrength(mean=strength) if isinstance(strength, float | int) else strength,
         sliding_speed=speed,
         distance=distance,
         start=start,
         slider=slider,
         tick=tick,
         tick_count=floor(Fraction(str(distance)) / Fraction(str(tick))),
+        pulse=pulse,
     )
 
 

@@ -8,7 +8,7 @@ height s/2 stands here instead, which agrees with Eqs. (2) and (4) and with the 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -56,10 +56,18 @@ def lens_area(s: float, d: float) -> float:
     return d**2 / 2 * math.acos(x / d) - x / 2 * math.sqrt(d**2 - x**2)
 
 
-def traces(rows: Rows, distances: Iterable[float]) -> tuple[Doubles, NDArray[np.int64], Doubles]:
+def triangle_area(s: float, d: float) -> float:
+    """Return the area (um^2) of Rabinowicz's triangle over a life of 2 d (um), as high as the lens at mid-life."""
+    full = math.pi * d**2 / 4
+    return full * max(0.0, s / d if s <= d else (2 * d - s) / d)
+
+
+def traces(
+    rows: Rows, distances: Iterable[float], area_of: Callable[[float, float], float] = lens_area
+) -> tuple[Doubles, NDArray[np.int64], Doubles]:
     """Return real contact area (um^2), number of junctions and friction force (uN, Eq. 1) at given distances (um).
 
-    A junction counts while birth <= s < death.
+    A junction counts while birth <= s < death; ``area_of`` says how large it is at a distance since its birth.
     """
     areas, counts, forces = [], [], []
     junctions = list(zip(rows.birth, rows.diameter, rows.strength, rows.death, strict=True))
@@ -67,7 +75,7 @@ def traces(rows: Rows, distances: Iterable[float]) -> tuple[Doubles, NDArray[np.
         area, count, force = 0.0, 0, 0.0
         for birth, diameter, strength, death in junctions:
             if birth <= s < death:
-                junction = lens_area(s - birth, diameter)
+                junction = area_of(s - birth, diameter)
                 area += junction
                 count += 1
                 force += strength * junction

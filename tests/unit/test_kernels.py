@@ -8,14 +8,16 @@ import pytest
 
 from rubnoise.contact.overlap import junction_area
 from rubnoise.simulation import kernels
+from rubnoise.simulation.ticks import deposit_counts
 
 DIAMETERS = [0.03, 1.0, 5.53, 240.0]
 
 
 def areas(positions, birth, diameter, departure=np.inf):
     area, change = np.zeros(positions.size), np.zeros(positions.size, dtype=np.int64)
-    rows = (np.array([float(value)]) for value in (birth, diameter, departure))
-    kernels.deposit_areas(positions, *rows, area, change)
+    born, size, left = (np.array([float(value)]) for value in (birth, diameter, departure))
+    kernels.deposit_areas(positions, born, size, left, size * size, area)
+    deposit_counts(positions, born, left, change)
     return area, np.cumsum(change)
 
 

@@ -88,3 +88,10 @@ class RegularBirths:
     def first_gap(self, uniform: Doubles) -> Doubles:
         """Return distances in um uniform on [0, s_jm): a place at random knows nothing of the births' phase."""
         return self.mean_spacing * uniform
+
+    def places(self, first: float, number: NDArray[np.int64]) -> Doubles:
+        """Return where births lie in um that are so many after the first one, or before it where negative.
+
+        Each from the first alone: spacings added up one by one would drift by their rounding, all the same way.
+        """
+        return first + number * self.mean_spacing

@@ -75,9 +75,10 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
 
 
 def _motion(run: Run, state: State) -> SliderMotion | None:
-    if run.constants is None or run.model.sliding_speed is None:
+    model = run.model
+    if run.constants is None or model.sliding_speed is None:
         return None
-    return SliderMotion(run.constants, run.model.sliding_speed, state.displacement, state.velocity)
+    return SliderMotion(model.pulse, run.constants, model.sliding_speed, state.displacement, state.velocity)
 
 
 def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Columns:

@@ -7,12 +7,17 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.deviates import exponential
+from rubnoise.contact.sizes import SizeLaw
 from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import Stream, generator, uniforms
 
 Doubles = NDArray[np.float64]
+
+_TOGETHER = 65_536
+"""Births before the start that are looked at together."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,9 +51,14 @@ def first_birth(model: Model, seed: int) -> float:
 def birth_distances(model: Model, seed: int, block: int, begin: float) -> tuple[Doubles, Doubles]:
     """Return the B + 1 birth distances from a block's first birth on, and the B gaps between them (um).
 
-    Each is the one before plus its gap, as an event clock adds: never the block's begin plus a sum of gaps.
+    Each is the one before plus its gap, as an event clock adds: never the block's begin plus a sum of gaps. Regular
+    births lie at whole multiples of their spacing from the first of the run; their block begins where it says itself.
     """
-    gaps = model.births.gaps(uniforms(seed, Stream.GAPS, block, births_per_block(model)))
+    count = births_per_block(model)
+    if isinstance(model.births, RegularBirths):
+        birth = model.births.places(first_birth(model, seed), block * count + np.arange(count + 1))
+        return birth, np.diff(birth)
+    gaps = model.births.gaps(uniforms(seed, Stream.GAPS, block, count))
     return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
 
 
@@ -79,11 +89,7 @@ def _births_by_block(model: Model, seed: int) -> Iterator[int]:
 
 
 def start(model: Model, seed: int) -> State:
-    """Return the state before the first block.
-
-    A stationary contact has Poisson(lam E[2d]) junctions, their diameters of density proportional to d f(d), their ages
-    uniform on [0, 2d]; an empty one has none.
-    """
+    """Return the state before the first block: whoever is alive in a stationary contact, or nobody in an empty one."""
     live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()
     return State(
         block=0,
@@ -99,18 +105,54 @@ def start(model: Model, seed: int) -> State:
 
 
 def _stationary_rows(model: Model, seed: int) -> LiveRows:
+    births = model.births
+    birth, diameter = (
+        _alive_of_regular(model, births, seed) if isinstance(births, RegularBirths) else _alive_of_poisson(model, seed)
+    )
+    return LiveRows(
+        junction=np.arange(birth.size, dtype=np.int64),
+        birth=birth,
+        diameter=diameter,
+        # Block -1 cannot be: the start has the strengths of the highest block number instead.
+        strength=_strengths(model, uniforms(seed, Stream.STRENGTHS, 2**63, birth.size)),
+        departure=np.full(birth.size, np.inf),
+    )
+
+
+def _alive_of_poisson(model: Model, seed: int) -> tuple[Doubles, Doubles]:
+    """Return births and diameters in um of those alive at the start of Poisson births.
+
+    They are Poisson(lam E[2d]) in number, their diameters of density proportional to d f(d), their ages uniform on
+    [0, 2d].
+    """
     count = _poisson(seed, 2.0 * model.birth_rate * model.sizes.moment(1))
     diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
     birth = -(2.0 * diameter) * uniforms(seed, Stream.START_AGES, 0, count)
     order = np.argsort(birth, kind="stable")
-    return LiveRows(
-        junction=np.arange(count, dtype=np.int64),
-        birth=birth[order],
-        diameter=diameter[order],
-        # Block -1 cannot be: the start has the strengths of the highest block number instead.
-        strength=_strengths(model, uniforms(seed, Stream.STRENGTHS, 2**63, count)),
-        departure=np.full(count, np.inf),
-    )
+    return birth[order], diameter[order]
+
+
+def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[Doubles, Doubles]:
+    """Return births and diameters in um of those alive at the start of regular births.
+
+    The births before the start lie at one spacing too, each of an ordinary diameter, and are alive if their lives
+    reach beyond it: all are looked at that the longest life there can be would bring to the start, some at a time.
+    """
+    first, source = first_birth(model, seed), generator(seed, Stream.START_DIAMETERS)
+    count = ceil(2.0 * _largest(model.sizes) / births.mean_spacing) + 1
+    found = [(np.empty(0), np.empty(0))]
+    for begin in range(1, count + 1, _TOGETHER):
+        number = np.arange(begin, min(begin + _TOGETHER, count + 1))
+        birth, diameter = births.places(first, -number), model.sizes.draw(source.random(number.size))
+        alive = birth + 2.0 * diameter > 0.0
+        found.append((birth[alive], diameter[alive]))
+    birth, diameter = (np.concatenate(column)[::-1] for column in zip(*found, strict=True))
+    return birth, diameter
+
+
+def _largest(sizes: SizeLaw) -> float:
+    """Return the largest diameter in um that a law can draw: that of the largest uniform, since laws are inverted."""
+    return float(sizes.draw(np.array([1.0 - 2.0**-53]))[0])
 
 
 def _poisson(seed: int, mean: float) -> int:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.pulses import Pulse
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.area import force_integrals
 from rubnoise.simulation.panels import Panel
@@ -16,8 +17,9 @@ from rubnoise.simulation.state import LiveRows
 class SliderMotion:
     """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick."""
 
-    def __init__(self, constants: Propagator, speed: float, displacement: float, velocity: float) -> None:
-        """Start from a state; speed is the sliding speed in um/s."""
+    def __init__(self, pulse: Pulse, constants: Propagator, speed: float, displacement: float, velocity: float) -> None:
+        """Start from a state; speed is the sliding speed in um/s, pulse the shape of every junction's force."""
+        self._pulse = pulse
         self._constants = constants
         self._speed = speed
         self.displacement = displacement
@@ -26,7 +28,7 @@ class SliderMotion:
     def through(self, panel: Panel, rows: LiveRows, trace: Columns) -> dict[str, NDArray[Any]]:
         """Move through a panel's cells and return the columns of /slider at its ticks."""
         every = self._constants.cells_per_tick
-        force = force_integrals(rows, panel, self._constants)
+        force = force_integrals(self._pulse, rows, panel, self._constants)
         displacement = np.empty((force.positions.size - 1) // every + 1)
         velocity = np.empty_like(displacement)
         displacement[0], velocity[0] = self.displacement, self.velocity

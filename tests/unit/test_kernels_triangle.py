@@ -1,0 +1,132 @@
+"""The compiled kernel of the triangle against exact fractions, over single junctions."""
+
+from fractions import Fraction
+from itertools import pairwise
+from math import inf, pi
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.simulation import kernels_triangle
+
+Doubles = NDArray[np.float64]
+DIAMETERS = [0.03, 1.0, 5.53, 240.0]
+
+
+def areas(positions: Doubles, birth: float, diameter: float, departure: float = inf, weight: float = 1.0) -> Doubles:
+    total = np.zeros(positions.size)
+    rows = (np.array([value]) for value in (birth, diameter, departure, weight * diameter**2))
+    kernels_triangle.deposit_areas(positions, *rows, total)
+    return total
+
+
+def cell_moments(
+    positions: Doubles, birth: float, diameter: float, departure: float = inf, strength: float = 1.0
+) -> Doubles:
+    """Return the Legendre moments of the force over every cell between positions."""
+    moments = np.zeros((3, positions.size))
+    rows = (np.array([value]) for value in (birth, diameter, departure, strength))
+    kernels_triangle.deposit_moments(positions, *rows, moments)
+    return moments[:, 1:]
+
+
+def exact_cell_moments(left: float, right: float, birth: float, diameter: float, departure: float = inf) -> list[float]:
+    """Return the same over one cell in rational numbers, but for pi/4 and the last rounding.
+
+    On each piece the force is straight and P_i of degree 2 at most: Simpson's rule is exact for their product.
+    """
+    start, stop, born, d = (Fraction(value) for value in (left, right, birth, diameter))
+    end = born + 2 * d if departure == inf else min(born + 2 * d, Fraction(departure))
+    cuts = sorted({start, stop} | {place for place in (born, born + d, end) if start < place < stop})
+    legendre = (lambda y: Fraction(1), lambda y: 2 * y - 1, lambda y: 6 * y * y - 6 * y + 1)
+
+    def straight(place: Fraction, *, rising: bool) -> Fraction:
+        return d * (place - born if rising else born + 2 * d - place)
+
+    def moment(i: int) -> Fraction:
+        total = Fraction(0)
+        for low, high in pairwise(cuts):
+            middle = (low + high) / 2
+            if born < middle < end:
+                for place, weight in ((low, 1), (middle, 4), (high, 1)):
+                    height = straight(place, rising=middle < born + d)
+                    total += (high - low) * weight * height * legendre[i]((place - start) / (stop - start)) / 6
+        return total
+
+    return [pi / 4 * float(moment(i)) for i in range(3)]
+
+
+def exact_moments(positions: Doubles, *life: float) -> Doubles:
+    return np.array([exact_cell_moments(a, b, *life) for a, b in pairwise(positions.tolist())]).T
+
+
+@pytest.mark.parametrize("diameter", DIAMETERS)
+def test_area_follows_the_formula_over_a_life(diameter: float) -> None:
+    birth = 3.7 * diameter
+    positions = birth + diameter * np.linspace(-0.1, 2.1, 4_001)
+    expected = TRIANGLE.area(positions - birth, diameter)
+    assert np.abs(areas(positions, birth, diameter) - expected).max() < 1e-15 * diameter**2
+    assert expected.max() == pytest.approx(pi / 4 * diameter**2, rel=1e-12)
+
+
+def test_a_weight_is_a_strength() -> None:
+    positions = np.arange(0.0, 12.0, 0.1)
+    assert np.allclose(areas(positions, 0.5, 5.0, weight=250.0), 250.0 * areas(positions, 0.5, 5.0), rtol=1e-15)
+
+
+def test_a_life_ended_early_has_no_area_from_then_on() -> None:
+    area = areas(np.arange(0.0, 12.0), 0.5, 5.0, departure=4.0)
+    assert area[3] == pytest.approx(pi / 4 * 5.0 * 2.5, rel=1e-15)
+    assert not area[4:].any()
+
+
+@pytest.mark.parametrize("birth", [0.13, 0.5, 1.0, 0.97])
+@pytest.mark.parametrize("diameter", [0.1, 0.4, 0.7, 2.3, 20.0])
+def test_moments_of_cells_that_hold_births_mid_lives_and_deaths(birth: float, diameter: float) -> None:
+    positions = np.arange(0.0, 2.0 * diameter + 3.0)
+    got, expected = cell_moments(positions, birth, diameter), exact_moments(positions, birth, diameter)
+    assert np.abs(got - expected).max() < 1e-15 * max(1.0, diameter) ** 2
+
+
+@pytest.mark.parametrize("power", [6, 12, 20, 30])
+def test_moments_keep_their_digits_in_narrow_cells(power: int) -> None:
+    diameter, birth, width = 5.53, 1.234, 5.53 * 0.5**power
+    for place in (birth, birth + diameter, birth + 2.0 * diameter):
+        positions = place + width * (np.arange(8) - 3.4)
+        got, expected = cell_moments(positions, birth, diameter), exact_moments(positions, birth, diameter)
+        # Each edge is where rounding of a distance of some 10 um has put it, and the area with it.
+        assert np.abs(got - expected).max() < 2e-15 * 12.0 * diameter * width
+
+
+@pytest.mark.parametrize("ended", [0.15, 0.2, 0.25, 0.55, 1.0, 1.31, 1.9, 2.55, 3.2])
+@pytest.mark.parametrize("diameter", [0.9, 1.7])
+def test_moments_of_a_life_ended_early(ended: float, diameter: float) -> None:
+    positions, birth = np.arange(0.0, 6.0, 0.25), 0.15
+    got = cell_moments(positions, birth, diameter, departure=ended)
+    assert np.abs(got - exact_moments(positions, birth, diameter, ended)).max() < 1e-15
+
+
+@pytest.mark.parametrize("nudge", [-1.0, 0.0, 1.0])
+def test_a_life_may_end_at_mid_life_itself(nudge: float) -> None:
+    positions = np.arange(0.0, 6.0, 0.25)
+    ended = float(np.nextafter(0.1 + 1.7, 1.8 + nudge)) if nudge else 0.1 + 1.7
+    got = cell_moments(positions, 0.1, 1.7, departure=ended)
+    assert np.abs(got - exact_moments(positions, 0.1, 1.7, ended)).max() < 1e-15
+
+
+def test_a_missing_kink_would_be_seen() -> None:
+    """The chords alone are wrong by some hundredths of what a cell holds where mid-life is in it."""
+    positions = np.arange(0.0, 12.0)
+    chords = areas(positions, 0.5, 5.0)
+    chord = (chords[5] + chords[6]) / 2
+    assert abs(cell_moments(positions, 0.5, 5.0)[0, 5] / chord - 1.0) > 0.01
+
+
+def test_panels_cut_a_life_anywhere_without_a_trace() -> None:
+    positions = np.arange(0.0, 12.0, 0.5)
+    whole = cell_moments(positions, 0.7, 5.0, departure=9.3)
+    for cut in range(1, positions.size - 1):
+        parts = [cell_moments(part, 0.7, 5.0, departure=9.3) for part in (positions[: cut + 1], positions[cut:])]
+        assert np.array_equal(np.concatenate(parts, axis=1), whole)
