@@ -1,0 +1,95 @@
+"""The moments of a record with their standard errors: from the theory of its model, or from the record alone."""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.batch_means import batch_length, error_of_mean
+from rubnoise.analysis.records import Estimate, RecordTooShort, longer
+from rubnoise.model import Model
+from rubnoise.record.tally import Moments
+from rubnoise.theory.sampling import StandardErrors, standard_errors
+
+Doubles = NDArray[np.float64]
+
+FEWEST_LIVES = 50
+FEWEST_BIRTHS = 1000
+"""Mean lives and expected births from which the mean of a record is near enough to a normal law for a score."""
+
+LARGEST_ERRORS = {"std": 0.1, "skewness": 0.2, "excess_kurtosis": 0.4}
+"""Standard errors (that of the std over the std itself) up to which an estimate counts as defended.
+
+All three are of first order in life/record: what they leave out is about their square.
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampleMoments:
+    """Mean and std of a record in its unit, skewness and excess kurtosis; a record that never varies has zeros."""
+
+    mean: Estimate
+    std: Estimate
+    skewness: Estimate
+    excess_kurtosis: Estimate
+
+
+def sample_moments(values: Doubles, tick: float, model: Model | None = None) -> SampleMoments:
+    """Return the moments of a record of equal ticks (um), with their standard errors.
+
+    With a model the record is its real contact area, stationary, and the errors come from the exact autocovariance
+    (`rubnoise.theory.sampling.standard_errors`); without one they are those of batch means of the moments' influence
+    functions. Raises RecordTooShort, carrying the SampleMoments, for a record too short for any of the four.
+    """
+    seen = Moments()
+    seen.add(values)
+    figures = (seen.mean, seen.std, seen.skewness, seen.excess_kurtosis)
+    if seen.variance == 0.0:
+        return _estimates(figures, (0.0, 0.0, 0.0, 0.0))
+    if model is None:
+        return _from_batches(values, tick, seen, figures)
+    errors = standard_errors(over_ticks(model, values.size, tick))
+    found = _estimates(figures, (errors.mean, errors.std, errors.skewness, errors.excess_kurtosis))
+    needed = needed_length(model, values.size * tick, errors, seen.std)
+    if needed > values.size * tick:
+        raise RecordTooShort("moments", found, length=values.size * tick, needed=needed)
+    return found
+
+
+def over_ticks(model: Model, ticks: int, tick: float) -> Model:
+    """Return the model of a stationary stretch of so many ticks, ``tick`` um apart."""
+    return replace(model, start="stationary", tick=tick, tick_count=ticks - 1, distance=max(ticks - 1, 1) * tick)
+
+
+def needed_for_mean(model: Model) -> float:
+    """Return the length in um from which a mean over a record of the contact has a score: 50 lives, 1000 births."""
+    return max(FEWEST_LIVES * model.mean_life_distance, FEWEST_BIRTHS * model.mean_birth_spacing)
+
+
+def needed_length(model: Model, length: float, errors: StandardErrors, std: float) -> float:
+    """Return the length in um that all four moments need, from their errors over a record of a given one."""
+    relative = {"std": errors.std / std, "skewness": errors.skewness, "excess_kurtosis": errors.excess_kurtosis}
+    needed = (longer(length, error, LARGEST_ERRORS[name]) for name, error in relative.items())
+    return max(needed_for_mean(model), *needed)
+
+
+def _from_batches(
+    values: Doubles, tick: float, seen: Moments, figures: tuple[float, float, float, float]
+) -> SampleMoments:
+    z = (values - seen.mean) / seen.std
+    powers = np.stack([z, z**2, z**3, z**4])
+    # The square decorrelates faster than the values, and so do all powers: one length serves all four.
+    length = batch_length(values, tick, "moments", _estimates(figures, (inf, inf, inf, inf)))
+    g, b = seen.skewness, seen.excess_kurtosis + 3.0
+    influence = (powers[0], 0.5 * powers[1], powers[2] - 3.0 * powers[0] - 1.5 * g * powers[1])
+    errors = [float(error_of_mean(each, length)) for each in influence]
+    errors.append(float(error_of_mean(powers[3] - 4.0 * g * powers[0] - 2.0 * b * powers[1], length)))
+    return _estimates(figures, (seen.std * errors[0], seen.std * errors[1], errors[2], errors[3]))
+
+
+def _estimates(figures: tuple[float, float, float, float], errors: tuple[float, float, float, float]) -> SampleMoments:
+    mean, std, skewness, kurtosis = (
+        Estimate(value=value, standard_error=error) for value, error in zip(figures, errors, strict=True)
+    )
+    return SampleMoments(mean=mean, std=std, skewness=skewness, excess_kurtosis=kurtosis)

@@ -1,0 +1,130 @@
+"""Welch's estimate of a spectral density, in the house's convention, and how far it may well be off."""
+
+from dataclasses import dataclass
+from math import inf, sqrt
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from rubnoise.analysis.records import RecordTooShort
+
+Doubles = NDArray[np.float64]
+
+FEWEST_SEGMENTS = 30
+"""Segments from which a spectrum has standard errors of its own, from the differences between them."""
+
+SEGMENTS = 64
+_VALUES_AT_ONCE = 1 << 19
+_NEIGHBOURS = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spectrum:
+    """A two-sided spectral density S(k) at wavenumbers k >= 0 in rad/um, in the unit of the record squared per rad/um.
+
+    R(tau) = (1/2 pi) int S e^(i k tau) dk over all k: a one-sided density per cycle/um is twice S at k = 2 pi f. The
+    wavenumbers are 2 pi i / (ticks * tick); ``ticks`` are those of one of the ``segments``.
+    """
+
+    wavenumber: Doubles
+    density: Doubles
+    standard_error: Doubles
+    ticks: int
+    segments: int
+
+
+def hann(ticks: int) -> Doubles:
+    """Return the Hann window sin^2(pi i / n) of n ticks, as an endless record would repeat it (scipy's sym=False)."""
+    return np.square(np.sin(np.pi * np.arange(ticks) / ticks))
+
+
+def welch(values: Doubles, tick: float, ticks: int | None = None) -> Spectrum:
+    """Return Welch's estimate of the two-sided S(k) from a record of equal ticks (um), Hann windows that half overlap.
+
+    S_i = (tick / sum w^2) |sum of w_j (x_j - mean) exp(-2 pi i j / n)|^2, the mean of all segments of n ``ticks`` (the
+    even number that gives some 64 of them, where none is given), each less its own mean. Standard errors come from the
+    differences between segments. Raises RecordTooShort, carrying the Spectrum, for fewer than 30 segments.
+    Source: Welch (1967), doi:10.1109/TAU.1967.1161901; the same as scipy.signal.welch(..., return_onesided=False).
+    """
+    length = max(2, 2 * (values.size // (SEGMENTS + 1))) if ticks is None else ticks
+    total = WelchSum(length, tick)
+    total.add(values)
+    found = total.spectrum()
+    if found.segments < FEWEST_SEGMENTS:
+        needed = 0.5 * (FEWEST_SEGMENTS + 1) * length * tick
+        raise RecordTooShort("spectrum", found, length=values.size * tick, needed=needed)
+    return found
+
+
+class WelchSum:
+    """Welch's estimate of a stream of values, which may come in pieces of any size.
+
+    Segments have ``ticks`` values ``tick`` um apart, half of them shared with the next.
+    """
+
+    def __init__(self, ticks: int, tick: float) -> None:
+        self._window = hann(ticks)
+        self._scale = tick / float(np.square(self._window).sum())
+        self._tick = tick
+        self._rest = np.empty(0)
+        self._segments = 0
+        self._sums = np.zeros((2, ticks // 2 + 1))
+
+    def add(self, values: Doubles) -> None:
+        """Take in the values that follow those before."""
+        row = np.concatenate([self._rest, values])
+        step = half_of(self._window.size)
+        whole = max(0, (row.size - self._window.size) // step + 1)
+        at_once = max(1, _VALUES_AT_ONCE // self._window.size)
+        for first in range(0, whole, at_once):
+            self._add_segments(row[first * step :], min(at_once, whole - first), step)
+        self._rest = row[whole * step :]
+
+    def _add_segments(self, row: Doubles, count: int, step: int) -> None:
+        from scipy.fft import rfft
+
+        parts = sliding_window_view(row, self._window.size)[: (count - 1) * step + 1 : step]
+        waves = rfft((parts - parts.mean(axis=1, keepdims=True)) * self._window, axis=1)
+        power = self._scale * np.square(np.abs(waves))
+        self._sums += power.sum(axis=0), np.square(power).sum(axis=0)
+        self._segments += count
+
+    def spectrum(self) -> Spectrum:
+        """Return the mean over the segments so far; errors are inf for fewer than two."""
+        count, ticks = self._segments, self._window.size
+        mean, square = self._sums / max(count, 1)
+        spread = np.sqrt(np.maximum(square - mean**2, 0.0) / (count - 1)) if count > 1 else np.full_like(mean, inf)
+        return Spectrum(
+            wavenumber=(2.0 * np.pi / (ticks * self._tick)) * np.arange(ticks // 2 + 1, dtype=np.float64),
+            density=mean,
+            standard_error=spread * sqrt(float(shared_variance(ticks, max(count, 1), 0)[0])),
+            ticks=ticks,
+            segments=count,
+        )
+
+
+def half_of(ticks: int) -> int:
+    """Return the step in ticks from one segment to the next."""
+    return max(1, ticks // 2)
+
+
+def shared_variance(ticks: int, segments: int, neighbours: int = _NEIGHBOURS) -> Doubles:
+    """Return the covariance of bins 0, 1, 2, ... ``neighbours`` apart in a Welch estimate, times segments, over S^2.
+
+    For a Gaussian record whose S is flat over the window's width, away from k = 0 and the last bin:
+    sum over the segments' distance m of (1 - |m|/K) |sum of w_j w_(j + m step) exp(-2 pi i b j / n)|^2 / (sum w^2)^2,
+    b the bins' distance; at b = 0 it is what the segments' overlap adds to their mean square. A real record's own
+    fourth cumulant comes on top. Source: Welch (1967), as above.
+    """
+    window, step = hann(ticks), half_of(ticks)
+    norm = float(np.square(window).sum()) ** 2
+    angles = np.outer(np.arange(neighbours + 1), np.arange(ticks)) * (2.0 * np.pi / ticks)
+    waves = np.cos(angles) - 1j * np.sin(angles)
+    total = np.zeros(neighbours + 1)
+    for apart in range(min(segments, -(-ticks // step))):
+        product = np.zeros(ticks)
+        product[: ticks - apart * step] = window[: ticks - apart * step] * window[apart * step :]
+        share = (1.0 if apart == 0 else 2.0) * (1.0 - apart / segments)
+        total += share * np.square(np.abs(waves @ product)) / norm
+    return total
