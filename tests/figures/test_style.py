@@ -3,10 +3,12 @@
 import hashlib
 import subprocess
 import sys
+import warnings
+from io import BytesIO
 
 import pytest
 
-from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style, new_figure
+from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style, logarithmic, new_figure
 
 BEGINNINGS = {"png": b"\x89PNG\r\n\x1a\n", "pdf": b"%PDF-", "svg": b"<?xml"}
 ANEW = """
@@ -38,3 +40,18 @@ def test_a_file_is_of_its_kind_and_names_no_date(kind: Format) -> None:
     assert b"CreationDate" not in picture
     assert b"dc:date" not in picture
     assert b"atplotlib v" not in picture
+
+
+def test_powers_of_ten_are_letters_that_the_font_has() -> None:
+    with house_style():
+        figure = new_figure(3.0, 2.0)
+        axes = figure.subplots()
+        axes.plot([1e-3, 1e12], [1.0, 1e5])
+        for axis in (axes.xaxis, axes.yaxis):
+            logarithmic(axis)
+        axes.set_xlim(1e-3, 1e12)
+        labels = [text.get_text() for text in axes.get_xticklabels()]
+        assert {"10⁻³", "10⁰", "10¹²"} <= set(labels)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            figure.savefig(BytesIO(), format="svg")

@@ -2,11 +2,13 @@
 
 import warnings
 from io import BytesIO
+from math import log10
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 INK: Final = "#000000"
@@ -24,6 +26,7 @@ _WITHOUT_ORIGIN: Final[dict[Format, dict[str, None]]] = {
     "svg": {"Creator": None, "Date": None, "Format": None, "Type": None},
 }
 
+_RAISED: Final = str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
 DOTS_PER_INCH: Final = 150
 LONGEST_NAME: Final = 32
 
@@ -90,6 +93,20 @@ def as_png(figure: "Figure") -> bytes:
     return as_bytes(figure, "png")
 
 
-def shortened(name: str) -> str:
+def logarithmic(axis: "Axis") -> None:
+    """Give the axis of an x or a y a logarithmic scale, with its powers of ten in letters: formulas are not parsed."""
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
+    scale("log")
+    axis.set_major_formatter(FuncFormatter(lambda value, _: _power_of_ten(value)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _power_of_ten(value: float) -> str:
+    return "10" + str(round(log10(value))).translate(_RAISED) if value > 0.0 else ""
+
+
+def shortened(name: str, longest: int = LONGEST_NAME) -> str:
     """Return a name cut to what a title has room for."""
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
+    return name if len(name) <= longest else f"{name[: longest - 3]}..."
