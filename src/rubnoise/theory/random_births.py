@@ -1,0 +1,11 @@
+"""What holds for births at random alone says so here."""
+
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+
+
+def need_random_births(model: Model, quantity: str) -> None:
+    """Raise Refused unless births are a Poisson process, as every formula made of filtered shot noise takes them."""
+    if not isinstance(model.births, PoissonBirths):
+        raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
