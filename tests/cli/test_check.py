@@ -111,3 +111,42 @@ def test_a_speed_too_slow_to_follow_is_refused_by_name(here: Path) -> None:
     assert "1e-06 um/s" in said
     assert call("run", SLIDER, "--set", "sliding.speed=1e-9 mm/s").code == 2
     assert names(here) == []
+
+
+SWEEP = """\
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_junction_count = [10, 20]
+interface.mean_real_contact_area = ["100 um^2", "200 um^2"]
+"""
+
+
+def test_a_sweep_is_listed_point_by_point(here: Path) -> None:
+    (here / "s.toml").write_text(SHORT.read_text(encoding="utf-8") + SWEEP, encoding="utf-8")
+    answer = call("check", "s.toml")
+    assert (answer.code, answer.err) == (0, "")
+    assert _value(answer.out, "runs") == "8, 2 of each point"
+    rows = [line.split() for line in answer.out.splitlines() if line.lstrip()[:1].isdigit()]
+    assert [row[:4] for row in rows] == [
+        ["1", "10", "100", "um^2"], ["2", "10", "200", "um^2"], ["3", "20", "100", "um^2"], ["4", "20", "200", "um^2"],
+    ]  # fmt: skip
+    assert rows[3][4:6] == ["5.4772", "200.00"]  # sqrt(3 * 200 / 20), and the exact mean
+    assert max(map(len, answer.out.splitlines())) <= 80
+    points = call("check", "s.toml", "--json").json()["sweeps"]["s.toml"]["points"]
+    assert [len(set(point["seeds"])) for point in points] == [2, 2, 2, 2]
+    assert points[1]["values"] == {"interface.mean_junction_count": 10, "interface.mean_real_contact_area": "200 um^2"}
+
+
+def test_of_many_points_the_first_are_listed(here: Path) -> None:
+    numbers = ", ".join(map(str, range(1, 151)))
+    sweep = f"[sweep.grid]\ninterface.mean_junction_count = [{numbers}]\n"
+    (here / "s.toml").write_text(SHORT.read_text(encoding="utf-8") + sweep, encoding="utf-8")
+    assert call("check", "s.toml").out.endswith("  and 50 more; --json has all\n")
+
+
+def test_a_sweep_with_a_wrong_value_is_refused(here: Path) -> None:
+    (here / "s.toml").write_text(SHORT.read_text(encoding="utf-8") + SWEEP.replace("20]", "-20]"), encoding="utf-8")
+    answer = call("check", "s.toml")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("s.toml:13: error: interface.mean_junction_count: must be above 0\n")

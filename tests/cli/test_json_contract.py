@@ -91,9 +91,11 @@ def answers(here: Path) -> list[tuple[str, Any]]:
     """Return answers of every kind, of a bare contact and of one with everything."""
     (here / "bare.toml").write_text(CONTACT, encoding="utf-8")
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
+    sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
+    (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
     full = "../given/slider.toml"
     calls = [
-        ("check", ("check", "bare.toml", full, "wrong.toml", "--json")),
+        ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
         ("run", ("run", full, "--json")),
         ("run", ("run", "bare.toml", "--json")),

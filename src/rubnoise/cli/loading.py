@@ -1,12 +1,13 @@
 """Reading a scenario for a command: overrides in, warnings on stderr, refusals raised."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, load
+from rubnoise.scenario.sweep import Sweep, load_either
 
 _HDF5 = b"\x89HDF"
 
@@ -21,10 +22,22 @@ def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False)
     """Load a scenario and print its warnings; raises ScenarioRefused with every problem at once."""
     _refuse_result(file)
     scenario = load(file, changes)
-    if not quiet:
-        for warning in scenario.warnings:
-            print(warning, file=sys.stderr)
+    _warn(scenario.warnings, quiet=quiet)
     return scenario
+
+
+def scenario_or_sweep(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario | Sweep:
+    """Load a scenario or a sweep, whichever a file is, and print its warnings; raises ScenarioRefused."""
+    _refuse_result(file)
+    found = load_either(file, changes)
+    _warn(found.warnings, quiet=quiet)
+    return found
+
+
+def _warn(warnings: Iterable[str], *, quiet: bool) -> None:
+    if not quiet:
+        for warning in warnings:
+            print(warning, file=sys.stderr)
 
 
 def _refuse_result(file: Path) -> None:
