@@ -1,5 +1,6 @@
 """Models for the tests, built from a few numbers without a scenario file."""
 
+from collections.abc import Callable
 from fractions import Fraction
 from math import floor
 from typing import Any
@@ -13,7 +14,7 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import extent, simulate
 from rubnoise.simulation.state import State
 
-BIRTHS: dict[str, type[BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
+BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 

@@ -24,7 +24,7 @@ sizes = st.one_of(st.sampled_from((0, 1, 2)), st.integers(0, 3000))
 
 def assert_holds(path: Path, rows: Rows) -> None:
     with open_run(path) as run:
-        for group, columns in (rows | {"life_curve": life_curve()}).items():
+        for group, columns in (rows | {"life_curve": life_curve("lens")}).items():
             assert run.columns[group] == tuple(columns)
             for name, values in columns.items():
                 found = run.column(group, name)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.neighbours import Neighbours, check_lives, neighbours
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage.reader import RunFile
@@ -44,6 +44,11 @@ class Life:
     death_time: float | None
     record_end: float
     others: Neighbours
+
+    @property
+    def pulse(self) -> Pulse:
+        """The shape of its life, and of the others'."""
+        return self.others.pulse
 
     @property
     def mid_life_distance(self) -> float | None:
@@ -110,7 +115,7 @@ class Life:
 
     def area_at_age(self, age: ArrayLike) -> Doubles:
         """Return the area in um^2 at sliding distances after birth, 0 to the life distance."""
-        return junction_area(age, self.diameter)
+        return self.pulse.area(age, self.diameter)
 
     def force_at_age(self, age: ArrayLike) -> Doubles | None:
         """Return the friction force in uN at sliding distances after birth: strength times area (paper Eq. 1)."""

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.selection import PANEL_ROWS, gather
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage.pulse import stored_pulse
 from rubnoise.storage.reader import RunFile
 
 Doubles = NDArray[np.float64]
@@ -17,13 +18,14 @@ Doubles = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Neighbours:
-    """Some rows of /junctions in order of birth: row numbers, um, MPa (None where the run has no strengths)."""
+    """Some rows of /junctions in order of birth: row numbers, um, MPa (None without strengths), the shape of all."""
 
     rows: NDArray[np.int64]
     birth: Doubles
     death: Doubles
     diameter: Doubles
     strength: Doubles | None
+    pulse: Pulse
 
     def alive(self, distance: float, *, just_before: bool = False) -> Self:
         """Return those alive at a distance in um, birth <= s < death, or ``just_before`` it, birth < s <= death."""
@@ -33,7 +35,7 @@ class Neighbours:
 
     def area(self, distance: float) -> Doubles:
         """Return the area in um^2 of each at a distance in um at which all are alive."""
-        return junction_area(distance - self.birth, self.diameter)
+        return self.pulse.area(distance - self.birth, self.diameter)
 
     def total_area(self, distance: Doubles) -> Doubles:
         """Return the sum of their areas in um^2 at sliding distances in um, some junctions at a time."""
@@ -42,7 +44,7 @@ class Neighbours:
         for first in range(0, self.rows.size, step):
             some = self._chosen(slice(first, first + step))
             birth, death = some.birth[:, np.newaxis], some.death[:, np.newaxis]
-            areas = junction_area(distance - birth, some.diameter[:, np.newaxis])
+            areas = self.pulse.area(distance - birth, some.diameter[:, np.newaxis])
             total += np.where((birth <= distance) & (distance < death), areas, 0.0).sum(axis=0)
         return total
 
@@ -53,6 +55,7 @@ class Neighbours:
             death=self.death[which],
             diameter=self.diameter[which],
             strength=None if self.strength is None else self.strength[which],
+            pulse=self.pulse,
         )
 
 
@@ -94,4 +97,5 @@ def _read(file: RunFile, rows: NDArray[np.int64]) -> Neighbours:
         death=columns["death_distance"],
         diameter=columns["diameter"],
         strength=columns.get("shear_strength"),
+        pulse=stored_pulse(file.provenance["scenario_resolved"]),
     )

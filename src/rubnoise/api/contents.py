@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rubnoise.api.columns import Columns
 from rubnoise.api.junction import Junction
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import needing
 from rubnoise.record.rows import JunctionState
 
@@ -22,6 +23,11 @@ class Contents(ABC):
     @abstractmethod
     def _groups(self) -> Mapping[str, Columns]:
         """Return every group of columns by name."""
+
+    @property
+    @abstractmethod
+    def _pulse(self) -> Pulse:
+        """Return the shape of the junctions' lives."""
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return {}
@@ -51,7 +57,7 @@ class Contents(ABC):
             there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
             raise IndexError(f"junction {number}: the run has {there}")
         values = {name: columns[name][number].item() for name in columns if name != "junction"}
-        return Junction(number=number, **values | {"state": JunctionState(values["state"])})
+        return Junction(number=number, pulse=self._pulse, **values | {"state": JunctionState(values["state"])})
 
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.

@@ -1,11 +1,11 @@
 """One junction of a result."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.record.rows import JunctionState
 
 
@@ -31,12 +31,14 @@ class Junction:
     shear_strength: float | None = None
     birth_time: float | None = None
     death_time: float | None = None
+    pulse: Pulse = field(default=LENS, repr=False)
 
     def area(self, distance: ArrayLike) -> NDArray[np.float64]:
         """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
 
-        A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2), x = |d - (s - birth_distance)| (paper Eq. 2).
+        With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
+        triangle (pi/4) d (d - x): whichever the run has.
         """
         s = np.asarray(distance, dtype=np.float64)
         alive = (self.birth_distance <= s) & (s < self.death_distance)
-        return np.where(alive, junction_area(s - self.birth_distance, self.diameter), 0.0)
+        return np.where(alive, self.pulse.area(s - self.birth_distance, self.diameter), 0.0)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rubnoise.api.column import Column
 from rubnoise.api.columns import Columns
 from rubnoise.api.contents import Contents
+from rubnoise.contact.pulses import Pulse
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.storage import schema
 
@@ -22,6 +23,10 @@ class Record(MemoryRecord, Contents):
 
     def _groups(self) -> Mapping[str, Columns]:
         return {group.name: self._columns(group) for group in schema.GROUPS if group.name in self.groups}
+
+    @property
+    def _pulse(self) -> Pulse:
+        return self.pulse
 
     def _columns(self, group: schema.Group) -> Columns:
         arrays = self.groups[group.name]

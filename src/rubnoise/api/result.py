@@ -12,6 +12,8 @@ from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.column import Column
 from rubnoise.api.columns import Columns
 from rubnoise.api.contents import Contents
+from rubnoise.contact.pulses import Pulse
+from rubnoise.storage.pulse import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
 
@@ -87,6 +89,10 @@ class Run(Contents):
 
     def _groups(self) -> Mapping[str, Columns]:
         return self._found
+
+    @cached_property
+    def _pulse(self) -> Pulse:
+        return stored_pulse(self.provenance["scenario_resolved"])
 
     def _attributes(self) -> Mapping[str, float | int | str]:
         return self.attributes

@@ -35,7 +35,7 @@ def simulate(scenario: Scenario, seed: int | None = None) -> Record:
     """
     scenario = _seeded(scenario, seed)
     model, seed = scenario.model(), scenario.run.seed
-    record = Record(extent(model, seed))
+    record = Record(extent(model, seed), pulse=model.pulse)
     run_events(model, seed, record)
     return record
 

@@ -94,4 +94,4 @@ class RegularBirths:
 
         Each from the first alone: spacings added up one by one would drift by their rounding, all the same way.
         """
-        return first + number * self.mean_spacing
+        return first + number.astype(np.float64) * self.mean_spacing

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.life import Life
-from rubnoise.contact.overlap import junction_area
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened
 from rubnoise.record.rows import JunctionState
 
@@ -54,7 +53,7 @@ def _draw_neighbours(axes: "Axes", life: Life) -> None:
     for i in np.arange(drawn) * count // max(drawn, 1):
         lived = age * others.diameter[i]
         shown = lived <= others.death[i] - others.birth[i]
-        area = junction_area(lived, others.diameter[i])
+        area = life.pulse.area(lived, others.diameter[i])
         axes.plot(others.birth[i] + lived[shown] - life.birth_distance, area[shown], color=FAINT, lw=0.7, label=label)
         label = "_one entry is enough"
 

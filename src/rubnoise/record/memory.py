@@ -6,15 +6,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.record.sink import Columns, Extent
 
 
 @dataclass(frozen=True, slots=True)
 class MemoryRecord:
-    """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file."""
+    """The columns of a run as arrays: ``record["trace"]["real_contact_area"]``, named as in a result file.
+
+    ``pulse`` is the shape of the lives in it.
+    """
 
     extent: Extent
     groups: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
+    pulse: Pulse = LENS
 
     def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
         """Return the columns of one group."""

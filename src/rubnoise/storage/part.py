@@ -9,6 +9,7 @@ from typing import Self
 
 import h5py
 
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RubnoiseError
 from rubnoise.record.sink import Columns
 from rubnoise.storage.columns import ColumnFile
@@ -16,7 +17,9 @@ from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.output import reserve
 from rubnoise.storage.pages import Overlay
+from rubnoise.storage.pulse import stored_pulse
 from rubnoise.storage.schema import LIFE_CURVE, Scalar
+from rubnoise.storage.soundness import read_text
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, places
 
 SLACK_BYTES = 64 * 1024
@@ -60,8 +63,8 @@ class Part:
         self.descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
         self._columns: dict[str, dict[str, ColumnFile]] = {}
         try:
-            self._find_columns()
-            self.write(LIFE_CURVE.name, 0, life_curve())
+            pulse = self._find_columns()
+            self.write(LIFE_CURVE.name, 0, life_curve(pulse.shape))
         except BaseException:
             os.close(self.descriptor)
             raise
@@ -102,8 +105,10 @@ class Part:
         changed.commit(self.descriptor)
         os.fsync(self.descriptor)
 
-    def _find_columns(self) -> None:
+    def _find_columns(self) -> Pulse:
         with h5py.File(Overlay(self.descriptor), "r", libver=LIBRARY_VERSIONS) as file:
             found = places(file)
+            pulse = stored_pulse(read_text(file["provenance"], "scenario_resolved"))
         for (group, name), place in found.items():
             self._columns.setdefault(group, {})[name] = ColumnFile(self.descriptor, place)
+        return pulse

@@ -16,10 +16,14 @@ CHUNK_ROWS: Final = 65_536
 HASH: Final = "xxh3_128"
 HASH_DIGITS: Final = 32
 
-JUNCTION_AREA_FORMULA: Final = (
-    "A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) with d = diameter, x = |d - (s - birth_distance)|,"
-    " for birth_distance <= s < death_distance, and 0 elsewhere"
+_WHERE: Final = (
+    " with d = diameter, x = |d - (s - birth_distance)|, for birth_distance <= s < death_distance, and 0 elsewhere"
 )
+JUNCTION_AREA_FORMULAS: Final = {
+    "lens": f"A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2){_WHERE}",
+    "triangle": f"A(s) = pi/4 d (d - x){_WHERE}",
+}
+"""The area of a junction in words, by the shape of its pulse."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

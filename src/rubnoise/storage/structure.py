@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
+from rubnoise.contact.pulses import Shape
 from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.provenance import Provenance, package_version
+from rubnoise.storage.pulse import pulse_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,
@@ -17,7 +19,7 @@ from rubnoise.storage.schema import (
     GROUPS,
     HASH,
     HASH_DIGITS,
-    JUNCTION_AREA_FORMULA,
+    JUNCTION_AREA_FORMULAS,
     Column,
     Feature,
     Group,
@@ -39,7 +41,7 @@ class Place:
 
 def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> None:
     """Build the whole structure in an empty file; columns are contiguous, or chunks when ``compressed``."""
-    _describe_root(file, description.title)
+    _describe_root(file, description.title, pulse_of(description.scenario_resolved).shape)
     for group in stored_groups(description.features):
         rows = row_count(group, description.extent)
         _compose_group(file, group, description.features, rows, compressed=compressed)
@@ -82,7 +84,7 @@ def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
     return Place(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
 
 
-def _describe_root(file: h5py.File, title: str) -> None:
+def _describe_root(file: h5py.File, title: str, shape: Shape) -> None:
     put_text(file, "Conventions", CONVENTIONS)
     put_text(file, "format", FORMAT)
     file.attrs.create("format_version", FORMAT_VERSION, dtype="<i8")
@@ -90,7 +92,7 @@ def _describe_root(file: h5py.File, title: str) -> None:
     put_text(file, "source", f"rubnoise {package_version('rubnoise')}")
     put_text(file, "NX_class", "NXroot")
     put_text(file, "default", "trace")
-    put_text(file, "junction_area_formula", JUNCTION_AREA_FORMULA)
+    put_text(file, "junction_area_formula", JUNCTION_AREA_FORMULAS[shape])
 
 
 def _compose_group(file: h5py.File, group: Group, features: frozenset[Feature], rows: int, *, compressed: bool) -> None:

@@ -12,7 +12,7 @@ from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import CONVENTIONS, Column, Group, Scalar
 
 TABLES: Final = ("junctions", "trace", "slider")
-"""The groups that are exported; the life curve is the same in every run."""
+"""The groups that are exported; the life curve is the same in every run of one pulse."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
