@@ -5,14 +5,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import panels, size_rule
+from rubnoise.theory.quadrature import cut_size_rule, panels
 
 Doubles = NDArray[np.float64]
 Powers = tuple[int, int]
 
 _NODES = 20
-_SIZES = 64
-_AT_ONCE = 4096
+_SIZES = 16
+_AT_ONCE = 32
 
 
 def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
@@ -30,17 +30,28 @@ def joint_cumulants(
     """Return kappa_ij(tau), the joint cumulant of i times A_r(s) and j times A_r(s + tau), in um^(2i + 2j).
 
     kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each (i, j) asked for
-    and lags tau in um (any shape), by so many nodes over the sizes.
+    and lags tau in um (any shape), by so many diameters on each panel of the size law.
     Source: Campbell's theorem for two places at once (Rice 1944, as above).
     """
     lags = np.abs(np.asarray(lag, dtype=np.float64))
-    diameters, probabilities = size_rule(model.sizes, sizes)
     flat = np.empty((len(powers), lags.size))
-    for rows in np.array_split(np.arange(lags.size), 1 + lags.size * diameters.size // _AT_ONCE):
-        overlaps = life_overlaps(model.pulse, lags.ravel()[rows, None] / diameters, powers)
-        for line, (i, j) in enumerate(powers):
-            flat[line, rows] = overlaps[i, j] @ (probabilities * diameters ** (2 * (i + j) + 1))
+    for rows in np.array_split(np.arange(lags.size), 1 + lags.size // _AT_ONCE):
+        flat[:, rows] = _averages(model, lags.ravel()[rows], powers, sizes)
     return {pair: model.birth_rate * line.reshape(lags.shape) for pair, line in zip(powers, flat, strict=True)}
+
+
+def _averages(model: Model, lags: Doubles, powers: tuple[Powers, ...], sizes: int) -> Doubles:
+    """Return E[d^(2i + 2j + 1) q_ij(tau / d)], a row each pair of powers, the sizes cut at d = tau/2 and tau."""
+    diameters, probabilities = cut_size_rule(model.sizes, np.multiply.outer(lags, (0.5, 1.0)), sizes)
+    t = lags[:, None] / diameters
+    alive = (t < 2.0) & (probabilities > 0.0)
+    overlaps = life_overlaps(model.pulse, t[alive], powers)
+    averages = np.empty((len(powers), lags.size))
+    for line, (i, j) in enumerate(powers):
+        terms = np.zeros_like(t)
+        terms[alive] = overlaps[i, j] * (probabilities * diameters ** (2 * (i + j) + 1))[alive]
+        averages[line] = terms.sum(axis=-1)
+    return averages
 
 
 def life_overlaps(pulse: Pulse, lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import lag_rule, panels, size_range
+from rubnoise.theory.lags import lag_rule
+from rubnoise.theory.quadrature import cut_size_rule
 
 Doubles = NDArray[np.float64]
 
-_NODES = 64
+_NODES = 24
 
 
 def mean_count(model: Model) -> float:
@@ -25,13 +26,16 @@ def length_biased_mean_diameter(model: Model) -> float:
 
 def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
     """Return Cov[N(s), N(s + tau)] = lam E[(2d - |tau|)+] for lags tau in um (any shape)."""
-    reach = np.abs(np.asarray(lag, dtype=np.float64))
-    return mean_count(model) - model.birth_rate * _shorter_mean(model, reach)
+    reach = np.abs(np.asarray(lag, dtype=np.float64))[..., None]
+    diameters, probabilities = cut_size_rule(model.sizes, 0.5 * reach, _NODES)
+    return model.birth_rate * np.sum(probabilities * np.maximum(2.0 * diameters - reach, 0.0), axis=-1)
 
 
 def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
     """Return E[N(s)] = lam E[min(s, 2d)] at distances s in um (any shape) after an empty start."""
-    return model.birth_rate * _shorter_mean(model, np.asarray(distance, dtype=np.float64))
+    s = np.asarray(distance, dtype=np.float64)[..., None]
+    diameters, probabilities = cut_size_rule(model.sizes, 0.5 * s, _NODES)
+    return model.birth_rate * np.sum(probabilities * np.minimum(2.0 * diameters, s), axis=-1)
 
 
 def expected_births(model: Model) -> float:
@@ -52,14 +56,3 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
     """
     lags, weights = lag_rule(model, distance)
     return sqrt(float(weights @ count_covariance(model, lags)))
-
-
-def _shorter_mean(model: Model, distance: Doubles) -> Doubles:
-    """Return E[min(s, 2d)] = s - E[(s - 2d)+]; the integral ends at its kink, d = s/2."""
-    low, high = size_range(model.sizes)
-    reach = np.minimum(distance, 2.0 * high)
-    if low == high:
-        return reach
-    split = np.clip(0.5 * reach, low, high)
-    below, weights = panels(np.stack([np.full_like(split, low), split], axis=-1), _NODES)
-    return reach - np.sum((reach[..., None] - 2.0 * below) * weights * model.sizes.density(below), axis=-1)

@@ -1,19 +1,25 @@
-"""Gauss-Legendre rules: over panels, over the size law, and over the lags of a finite record."""
+"""Gauss-Legendre rules: over panels, and over any size law, however wide."""
 
-from functools import cache
+from collections.abc import Hashable
+from functools import cache, lru_cache
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.contact.sizes import SizeLaw
-from rubnoise.model import Model
 
 Doubles = NDArray[np.float64]
 
-_LAG_PANELS = 8
-_LAG_NODES = 10
-_FEW_TICKS = 64
-_NARROWEST = 1e-9
+HIGHEST_POWER = 13
+"""Averages of d^n up to this n (the sixth cumulant's) are held to rounding."""
+
+_NARROWEST = 1e-9  # spread over diameter of a law that counts as one size
+_NARROW = 4.0  # largest over smallest diameter of a law that equal panels in d resolve
+_NARROW_PANELS = 4
+_LEFT_OUT = 1e-17  # share of an average that may lie outside the range
+_SMOOTH = 2e-15  # share of an average by which a panel may differ from its halves
+_TEST_NODES = 16
 
 
 @cache
@@ -30,52 +36,104 @@ def panels(edges: ArrayLike, count: int) -> tuple[Doubles, Doubles]:
     x, w = _rule(count)
     half = 0.5 * np.diff(edge, axis=-1)[..., None]
     middle = 0.5 * (edge[..., 1:] + edge[..., :-1])[..., None]
-    shape = (*edge.shape[:-1], -1)
+    shape = (*edge.shape[:-1], count * (edge.shape[-1] - 1))
     return (middle + half * x).reshape(shape), np.broadcast_to(half * w, (middle + half * x).shape).reshape(shape)
 
 
 def size_range(law: SizeLaw) -> tuple[float, float]:
-    """Return the law's support in um, drawn together to its middle where it is too narrow to tell sizes apart.
+    """Return the diameters in um between which averages of d g(d) are taken, g growing no faster than d^12.
 
-    A spread of 1e-10 of the diameter changes no average by more than 1e-19, but its density is lost in rounding.
+    It is the law's support, longer where d^13 still has weight beyond it, and cut where d is too small to have any. A
+    law too narrow to tell sizes apart is drawn together to its middle: a spread of 1e-10 of the diameter changes no
+    average by more than 1e-19, but its density is lost in rounding.
     """
+    return _size_range(cast("Hashable", law))
+
+
+@lru_cache(maxsize=64)
+def _size_range(law: Any) -> tuple[float, float]:
     low, high = law.support
-    middle = 0.5 * (low + high)
-    return (middle, middle) if high - low <= _NARROWEST * high else (low, high)
+    if high - low <= _NARROWEST * high:
+        return (0.5 * (low + high),) * 2
+    step, negligible = (high - low) / 16.0, _LEFT_OUT * law.moment(HIGHEST_POWER)
+    while _weight(law, high) * step > negligible or _weight(law, 2.0 * high) > _weight(law, high):
+        high, step = high + step, 1.25 * step
+    low = max(low, high * 2.0**-200)
+    while _density(law, 2.0 * low) * 4.0 * low * low <= _LEFT_OUT * law.moment(1) and 4.0 * low < high:
+        low *= 2.0
+    return low, high
 
 
 def size_rule(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
     """Return diameters in um and their probabilities, so that E[g(d)] = sum of probability times g(diameter).
 
-    A single size needs one diameter. For a law that is smooth on its support the rule converges exponentially. The
-    probabilities are made to add up to 1, which a law of little spread, with few digits in its density, needs.
+    For g that is smooth and vanishes with d as fast as d does. A single size needs one diameter; a narrow law has
+    ``count`` of them, a wide one a quarter of that on each of its panels.
     """
+    return cut_size_rule(law, np.empty(0), count // 4)
+
+
+def cut_size_rule(law: SizeLaw, cuts: Doubles, count: int) -> tuple[Doubles, Doubles]:
+    """Return diameters in um and their probabilities as `size_rule`, for g that is smooth between cuts only.
+
+    Cuts (um) lie along the last axis, in any order; leading axes have a rule each. There are ``count`` diameters on
+    each panel between cuts and edges of the law, so also on the empty ones of cuts outside it. The probabilities are
+    scaled to give E[d] exactly, which a law of little spread, with few digits in its density, needs.
+    """
+    edges, logarithmic = size_edges(law)
+    if edges.size == 1:
+        return np.broadcast_to(edges, (*cuts.shape[:-1], 1)), np.ones((*cuts.shape[:-1], 1))
+    whole = np.broadcast_to(edges, (*cuts.shape[:-1], edges.size))
+    ends = np.sort(np.concatenate([whole, np.clip(cuts, edges[0], edges[-1])], axis=-1), axis=-1)
+    if logarithmic:
+        places, weights = panels(np.log(ends), count)
+        diameters = np.exp(places)
+        weights = weights * diameters
+    else:
+        diameters, weights = panels(ends, count)
+    shares = weights * law.density(diameters)
+    return diameters, shares * (law.moment(1) / np.sum(shares * diameters, axis=-1, keepdims=True))
+
+
+def size_edges(law: SizeLaw) -> tuple[Doubles, bool]:
+    """Return the edges in um of panels that resolve a law, and whether to take them in log d; one edge for one size.
+
+    Panels in log d are halved until the averages of d, d^7 and d^13 of each agree with those of its halves.
+    """
+    return _size_edges(cast("Hashable", law))
+
+
+@lru_cache(maxsize=64)
+def _size_edges(law: Any) -> tuple[Doubles, bool]:
     low, high = size_range(law)
     if low == high:
-        return np.array([high]), np.ones(1)
-    diameters, weights = panels([low, high], count)
-    probabilities = weights * law.density(diameters)
-    return diameters, probabilities / probabilities.sum()
+        return np.array([high]), False
+    if high <= _NARROW * low:
+        return np.linspace(low, high, _NARROW_PANELS + 1), False
+    edges = np.log(np.array([low, high]))
+    while True:
+        coarse, fine = _shares(law, edges, 1), _shares(law, edges, 2)
+        rough = np.max(np.abs(coarse - fine), axis=0) > _SMOOTH
+        if not rough.any() or edges.size > 2 * HIGHEST_POWER * _TEST_NODES:
+            return np.exp(edges), True
+        middles = 0.5 * (edges[1:] + edges[:-1])
+        edges = np.sort(np.concatenate([edges, middles[rough]]))
 
 
-def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:
-    """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
+def _shares(law: SizeLaw, edges: Doubles, parts: int) -> Doubles:
+    """Return the shares that panels in log d, cut into equal parts, have in E[d], E[d^7], E[d^13]: a row each."""
+    steps = np.arange(parts) / parts
+    ends = np.append((edges[:-1, None] + np.diff(edges)[:, None] * steps).ravel(), edges[-1])
+    places, weights = panels(ends, _TEST_NODES)
+    diameters = np.exp(places)
+    mass = weights * diameters * law.density(diameters)
+    rows = [mass * diameters**n / law.moment(n) for n in (1, 7, HIGHEST_POWER)]
+    return np.sum(np.reshape(rows, (len(rows), edges.size - 1, -1)), axis=-1)
 
-    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
-    over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at tau = 0. Lags end
-    with the longest life: beyond it nothing of the contact is left. Many ticks a life are as good as a continuous
-    record of n h, and are treated as one.
-    """
-    longest = 2.0 * model.sizes.support[1]
-    if distance is None:
-        ticks = model.tick_count + 1
-        reach = min(ticks - 1, int(longest / model.tick))
-        if reach <= _FEW_TICKS:
-            steps = np.arange(reach + 1, dtype=np.float64)
-            weights = (2.0 / ticks) * (1.0 - steps / ticks)
-            weights[0] = 1.0 / ticks
-            return steps * model.tick, weights
-        distance = ticks * model.tick
-    edges = np.linspace(0.0, min(distance, longest), _LAG_PANELS + 1)
-    lags, weights = panels(edges, _LAG_NODES)
-    return lags, weights * (2.0 / distance) * (1.0 - lags / distance)
+
+def _density(law: SizeLaw, diameter: float) -> float:
+    return float(law.density(np.array([diameter]))[0])
+
+
+def _weight(law: SizeLaw, diameter: float) -> float:
+    return _density(law, diameter) * diameter**HIGHEST_POWER

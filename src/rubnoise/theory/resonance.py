@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from rubnoise.model import Model
 from rubnoise.theory.drive import Drive
-from rubnoise.theory.quadrature import panels
+from rubnoise.theory.quadrature import panels, size_range
 from rubnoise.theory.spectrum import largest_swinging_wavenumber
 
 Doubles = NDArray[np.float64]
@@ -25,14 +25,14 @@ def response_rules(model: Model, drive: Drive) -> tuple[Rule, Rule]:
     (beginning at half its half-width), and never exceed a phase of 8 where the swing counts.
     """
     edges = response_edges(model, drive)
-    follows = np.diff(edges) * model.sizes.support[1] <= 1.001 * _SWING
+    follows = np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING
     nodes, weights = (part.reshape(-1, _NODES) for part in panels(edges, _NODES))
     return (nodes[follows].ravel(), weights[follows].ravel()), (nodes[~follows].ravel(), weights[~follows].ravel())
 
 
 def response_edges(model: Model, drive: Drive) -> Doubles:
     """Return the ends of all panels in rad/um, in order, from 0 on."""
-    reach = model.sizes.support[1]
+    reach = size_range(model.sizes)[1]
     swinging = largest_swinging_wavenumber(model.sizes)
     resolved = min(_RESOLVED / reach, swinging)
     breadth = max(1.0, 2.0 * drive.slider.damping_ratio)

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import Powers, autocovariance, joint_cumulants
-from rubnoise.theory.quadrature import lag_rule
+from rubnoise.theory.lags import lag_rule
 
 Doubles = NDArray[np.float64]
 
 _ORDER = 4
-_SIZES = 32  # an error of an error: seven digits are plenty
+_SIZES = 12  # an error of an error: seven digits are plenty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

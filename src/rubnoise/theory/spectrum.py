@@ -7,16 +7,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.contact.sizes import SizeLaw
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import panels, size_range, size_rule
+from rubnoise.theory.quadrature import cut_size_rule, size_range
 from rubnoise.theory.transform import STEP_END, PulseTransform, transform_of
 
 Doubles = NDArray[np.float64]
 
-# Nodes over the size law that resolve the swing of the spectrum, by the largest phase k (d_high - d_low) they serve.
-_NODES_BY_PHASE = ((20.0, 64), (60.0, 96), (160.0, 192))
-_LARGEST_PHASE = _NODES_BY_PHASE[-1][0]
-_NEAR_NODES, _FAR_NODES = 192, 96
-_AT_ONCE = 2048
+_LARGEST_PHASE = 480.0  # k (d_high - d_low) up to which the swing of the spectrum is followed through the sizes
+_PANEL_PHASE = 20.0
+_FIRST_PHASES = (5.0, 10.0)
+_NODES = 32
+_AT_ONCE = 1024
 
 
 def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
@@ -44,9 +44,11 @@ def density_at_zero(model: Model) -> float:
 
 
 def largest_swinging_wavenumber(law: SizeLaw) -> float:
-    """Return the wavenumber in rad/um beyond which the spread of sizes leaves nothing of the swing; inf for one size.
+    """Return the wavenumber in rad/um beyond which sizes are averaged over the swing; inf for one size.
 
-    At k (d_high - d_low) = 160 a normal law of standard deviation sigma has k sigma > 9.6: a factor exp(-46).
+    At k (d_high - d_low) = 480 a normal law of standard deviation sigma has k sigma > 25, and its spread leaves a
+    factor exp(-320) of the swing; a gamma law with sigma = mean/10 has k sigma = 11. A law so wide that it has phases
+    below 160 beside larger ones is smooth enough for the step of `PulseTransform.mean_square`.
     """
     low, high = size_range(law)
     return np.inf if low == high else _LARGEST_PHASE / (high - low)
@@ -74,11 +76,11 @@ def _in_chunks(function: Callable[[Doubles], Doubles], wavenumbers: Doubles) -> 
 
 
 def _resolved(law: SizeLaw, wavenumbers: Doubles, square: Callable[[Doubles], Doubles]) -> Doubles:
-    """Return E[|A^(k)|^2] with nodes close enough to follow the swing in d."""
-    low, high = size_range(law)
-    phase = float(wavenumbers.max()) * (high - low)
-    nodes = next(count for limit, count in _NODES_BY_PHASE if phase <= limit * (1.0 + 1e-12))
-    diameters, probabilities = size_rule(law, nodes)
+    """Return E[|A^(k)|^2] with diameters close enough to follow the swing."""
+    (low, high), fastest = size_range(law), float(wavenumbers.max())
+    phases = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, fastest * (high - low), _PANEL_PHASE))
+    cuts = low + phases / max(fastest, 1.0 / high)
+    diameters, probabilities = cut_size_rule(law, cuts, _NODES)
     return square(np.multiply.outer(wavenumbers, diameters)) @ (probabilities * diameters**6)
 
 
@@ -87,14 +89,7 @@ def _damped(law: SizeLaw, wavenumbers: Doubles, transform: PulseTransform) -> Do
 
     Small diameters matter where a spread as large as the mean leaves the density an edge at d = 0.
     """
-    low, high = size_range(law)
-    split = np.clip(STEP_END / wavenumbers, low, high)
-    total = np.zeros_like(wavenumbers)
-    for ends, count in (
-        ((np.full_like(split, low), split), _NEAR_NODES),
-        ((split, np.full_like(split, high)), _FAR_NODES),
-    ):
-        diameters, weights = panels(np.stack(ends, axis=-1), count)
-        phases = wavenumbers[:, None] * diameters
-        total += np.sum(transform.mean_square(phases) * weights * law.density(diameters) * diameters**6, axis=-1)
-    return total
+    phases = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, STEP_END + 1.0, _PANEL_PHASE))
+    cuts = phases / wavenumbers[:, None]
+    diameters, probabilities = cut_size_rule(law, cuts, _NODES)
+    return np.sum(transform.mean_square(wavenumbers[:, None] * diameters) * probabilities * diameters**6, axis=-1)

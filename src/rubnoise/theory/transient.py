@@ -8,13 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.lags import lag_edges, longest_life
 from rubnoise.theory.occupancy import count_from_empty, mean_count
-from rubnoise.theory.quadrature import panels, size_range
+from rubnoise.theory.quadrature import cut_size_rule, panels
 
 Doubles = NDArray[np.float64]
 
-_NODES = 48
-_PANELS = 24
+_NODES = 24
+_GROWTH_NODES = 16
 
 
 def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
@@ -23,16 +24,11 @@ def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
     Source: Campbell's theorem for births since s = 0 alone (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); it is
     the stationary mean from the longest life on.
     """
-    s = np.asarray(distance, dtype=np.float64)
-    low, high = size_range(model.sizes)
-    if low == high:
-        return model.birth_rate * high**3 * _area_so_far(model.pulse, s / high)
-    least = max(low, 1e-12 * high)  # a diameter of 0 has no age to speak of, and no area
+    s = np.asarray(distance, dtype=np.float64)[..., None]
     # Cut where a junction ends (d = s/2) and where it is at mid-life (d = s), so that each part is smooth in d.
-    cuts = np.stack([np.clip(s * part, least, high) for part in (0.0, 0.5, 1.0)] + [np.full_like(s, high)], axis=-1)
-    diameters, weights = panels(cuts, _NODES)
-    grown = diameters**3 * _area_so_far(model.pulse, s[..., None] / diameters)
-    return model.birth_rate * np.sum(grown * weights * model.sizes.density(diameters), axis=-1)
+    diameters, probabilities = cut_size_rule(model.sizes, s * (0.5, 1.0), _NODES)
+    grown = diameters**3 * _area_so_far(model.pulse, s / diameters)
+    return model.birth_rate * np.sum(probabilities * grown, axis=-1)
 
 
 def expected_mean_area(model: Model, distance: float) -> float:
@@ -50,8 +46,8 @@ def _mean_from_start(
 ) -> float:
     if model.start == "stationary":
         return settled
-    reach = min(distance, 2.0 * model.sizes.support[1])
-    s, weights = panels(np.linspace(0.0, reach, _PANELS + 1), 16)
+    reach = min(distance, longest_life(model))
+    s, weights = panels(lag_edges(model, reach), _GROWTH_NODES)
     return (float(weights @ from_empty(model, s)) + (distance - reach) * settled) / distance
 
 

@@ -1,0 +1,65 @@
+"""Lags and weights with which a covariance becomes the variance of a mean over a finite record."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.model import Model
+from rubnoise.theory.quadrature import panels, size_range
+
+Doubles = NDArray[np.float64]
+
+_PANELS = 8
+_NODES = 10
+_FEW_TICKS = 64
+_MOST_TICKS = 512
+_WIDE = 2.0  # longest over typical life of a law whose lags are taken in octaves
+_FINEST = 2.0**-6  # of a typical life
+
+
+def longest_life(model: Model) -> float:
+    """Return 2 d of the largest diameter that counts, in um: beyond it nothing of the contact is left."""
+    return 2.0 * size_range(model.sizes)[1]
+
+
+def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:
+    """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
+
+    The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
+    over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at tau = 0. Lags end
+    with the longest life: beyond it nothing of the contact is left. Many ticks a life are as good as a continuous
+    record of n h, and are treated as one; so are the lags of few ticks a life beyond the 512th.
+    """
+    if distance is not None:
+        return _continuous(model, 0.0, distance)
+    ticks = model.tick_count + 1
+    reach = min(ticks - 1, int(longest_life(model) / model.tick))
+    if reach > _FEW_TICKS and _typical_life(model) > _FEW_TICKS * model.tick:
+        return _continuous(model, 0.0, ticks * model.tick)
+    steps = np.arange(min(reach, _MOST_TICKS) + 1, dtype=np.float64)
+    weights = (2.0 / ticks) * (1.0 - steps / ticks)
+    weights[0] = 1.0 / ticks
+    if reach <= _MOST_TICKS:
+        return steps * model.tick, weights
+    far, far_weights = _continuous(model, (_MOST_TICKS + 0.5) * model.tick, ticks * model.tick)
+    return np.concatenate([steps * model.tick, far]), np.concatenate([weights, far_weights])
+
+
+def _continuous(model: Model, start: float, distance: float) -> tuple[Doubles, Doubles]:
+    end = min(distance, longest_life(model))
+    edges = np.unique(np.clip(lag_edges(model, end), start, end))
+    lags, weights = panels(edges, _NODES)
+    return lags, weights * (2.0 / distance) * (1.0 - lags / distance)
+
+
+def lag_edges(model: Model, end: float) -> Doubles:
+    """Return edges in um of panels from 0 to an end: equal, or, for a wide law, in octaves beyond two typical lives."""
+    typical = _typical_life(model)
+    if end <= _WIDE * typical:
+        return np.linspace(0.0, end, _PANELS + 1)
+    octaves = typical * 2.0 ** np.arange(np.log2(_FINEST), np.log2(end / typical))
+    return np.unique(np.concatenate([octaves, np.linspace(0.0, _WIDE * typical, _PANELS + 1), [end]]))
+
+
+def _typical_life(model: Model) -> float:
+    """Return the mean life in um of a junction found alive, 2 m_2/m_1."""
+    return 2.0 * model.sizes.moment(2) / model.sizes.moment(1)
