@@ -30,7 +30,7 @@ def test_every_key_is_described() -> None:
 
 def test_the_schema_offers_what_is_available_and_no_more() -> None:
     sections = json_schema()["$defs"]
-    assert sections["Diameter"]["properties"]["law"]["enum"] == ["fixed", "normal"]
+    assert sections["Diameter"]["properties"]["law"]["enum"] == ["fixed", "normal", "lognormal", "exponential", "gamma"]
     assert sections["Run"]["properties"]["engine"]["enum"] == ["events"]
 
 

@@ -113,7 +113,7 @@ def test_a_title_that_is_none(value: str, message: str) -> None:
 
 def test_a_choice_that_is_no_word() -> None:
     head = "run.toml:10: error: diameter.law: needs a word in quotation marks, not a number"
-    assert refusal(whole(law="1")) == shown(head, "law = 1", "1", "available: fixed, normal")
+    assert refusal(whole(law="1")) == shown(head, "law = 1", "1", "available: fixed, normal, lognormal, exponential, gamma")
 
 
 @pytest.mark.parametrize(
@@ -244,9 +244,8 @@ def test_matched_without_a_solution() -> None:
 @pytest.mark.parametrize(
     ("section", "key", "value", "available"),
     [
-        ("diameter", "law", "lognormal", "fixed, normal"),
+        ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma"),
         ("birth", "law", "jittered", "poisson, regular"),
-        ("strength", "law", "weibull", "constant"),
         ("slider", "coupling", "two-way", "one-way"),
         ("run", "engine", "batch", "events"),
     ],

@@ -1,16 +1,28 @@
 """From mean real contact area and mean junction count to the mean diameter: the three calibrations."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+from rubnoise.contact.lognormal import lognormal_moment
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw, positive_normal_moment
+from rubnoise.contact.sizes import positive_normal_moment
+from rubnoise.contact.sizes_gamma import gamma_moment
+from rubnoise.contact.spread import Spread, sizes_for
 from rubnoise.errors import Refused
+
+__all__ = ["CALIBRATIONS", "NoMatchingDiameter", "PaperMeansLens", "Spread", "calibrated_diameter", "sizes_for"]
 
 CALIBRATIONS = ("paper", "exact", "matched")
 _DIGITS = 40
 _PAPER_LIFE_MEAN = "0.327"  # Eq. 6 rounds 1/3 down; kept for the calibration that reproduces the paper
+_MOMENTS: dict[str, Callable[[Any, Any, int], Any]] = {
+    "normal": positive_normal_moment,
+    "lognormal": lognormal_moment,
+    "exponential": gamma_moment,
+    "gamma": gamma_moment,
+}
+_TURNINGS = {"normal": "0.89", "lognormal": "1.414", "gamma": "1.189"}  # near the least E[d^3]/d_m for unit spread
 
 
 class NoMatchingDiameter(Refused):
@@ -35,26 +47,6 @@ class PaperMeansLens(Refused):
         super().__init__(f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {shape}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spread:
-    """Standard deviation of the normal law before redrawing: a length in um, or a fraction of the mean diameter."""
-
-    absolute: float | None = None
-    relative: float | None = None
-
-    def std(self, mean_diameter: float) -> float:
-        """Return the standard deviation in um for a mean diameter in um."""
-        if self.relative is not None:
-            return self.relative * mean_diameter
-        return self.absolute or 0.0
-
-
-def sizes_for(mean_diameter: float, spread: Spread) -> SizeLaw:
-    """Return the size law of a mean diameter and a spread; no spread is one size."""
-    std = spread.std(mean_diameter)
-    return NormalSizes(mean=mean_diameter, std=std) if std > 0.0 else FixedSizes(diameter=mean_diameter)
-
-
 def calibrated_diameter(
     calibration: str, mean_area: float, mean_count: float, spread: Spread, pulse: Pulse = LENS
 ) -> float:
@@ -75,8 +67,8 @@ def calibrated_diameter(
         wanted = mean_junction_area / pulse.life_mean()
         if calibration == "exact":
             return float(mpmath.sqrt(wanted))
-        if spread.absolute and wanted < _least_third_moment()[1] * mpmath.mpf(spread.absolute) ** 2:
-            factor = pulse.life_mean() * _least_third_moment()[1]
+        if spread.absolute and wanted < _least_third_moment(spread.law)[1] * mpmath.mpf(spread.absolute) ** 2:
+            factor = pulse.life_mean() * _least_third_moment(spread.law)[1]
             raise NoMatchingDiameter(mean_area, float(factor * mean_count * spread.absolute**2), float(factor))
         return float(_matched_diameter(wanted, spread))
 
@@ -85,14 +77,15 @@ def _matched_diameter(wanted: Any, spread: Spread) -> Any:
     """Return the larger d_m with E[d^3] / d_m as wanted, an mpmath number in um^2."""
     import mpmath
 
-    if spread.relative:
-        return mpmath.sqrt(wanted / positive_normal_moment(mpmath.mpf(1), mpmath.mpf(spread.relative), 3))
+    moment = _MOMENTS[spread.law]
+    if spread.fraction:
+        return mpmath.sqrt(wanted / moment(mpmath.mpf(1), mpmath.mpf(spread.fraction), 3))
     if not spread.absolute:
         return mpmath.sqrt(wanted)
     std = mpmath.mpf(spread.absolute)
-    turning, _ = _least_third_moment()
+    turning, _ = _least_third_moment(spread.law)
     root = mpmath.findroot(
-        lambda r: positive_normal_moment(r, mpmath.mpf(1), 3) / r - wanted / std**2,
+        lambda r: moment(r, mpmath.mpf(1), 3) / r - wanted / std**2,
         (turning, mpmath.sqrt(wanted) / std),
         solver="anderson",
         maxsteps=200,
@@ -101,15 +94,18 @@ def _matched_diameter(wanted: Any, spread: Spread) -> Any:
     return root * std
 
 
-@lru_cache(maxsize=1)
-def _least_third_moment() -> tuple[Any, Any]:
-    """Return where E[d^3]/d_m is least for unit spread, and its value there (0.887855 and 3 * 1.609247)."""
+@lru_cache(maxsize=len(_TURNINGS))
+def _least_third_moment(law: str) -> tuple[Any, Any]:
+    """Return where E[d^3]/d_m is least for unit spread, and its value there.
+
+    0.887855 and 3 * 1.609247 for the normal law, sqrt 2 and 27/4 for the lognormal, 2^(1/4) and 3 + 2 sqrt 2 for gamma.
+    """
     import mpmath
 
     with mpmath.workdps(_DIGITS):
 
         def third_over_mean(r: Any) -> Any:
-            return positive_normal_moment(r, mpmath.mpf(1), 3) / r
+            return _MOMENTS[law](r, mpmath.mpf(1), 3) / r
 
-        turning = mpmath.findroot(lambda r: mpmath.diff(third_over_mean, r), mpmath.mpf("0.89"))
+        turning = mpmath.findroot(lambda r: mpmath.diff(third_over_mean, r), mpmath.mpf(_TURNINGS[law]))
         return turning, third_over_mean(turning)

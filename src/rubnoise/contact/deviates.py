@@ -6,6 +6,7 @@ processors and versions, and with them the whole run.
 """
 
 from functools import reduce
+from math import factorial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ _LN2_HIGH = float.fromhex("0x1.62e42feep-1")
 _LN2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 _SQRT_HALF = float.fromhex("0x1.6a09e667f3bcdp-1")
 _ATANH_SERIES = tuple(1.0 / (2 * n + 1) for n in range(12))
+_PER_LN2 = float.fromhex("0x1.71547652b82fep+0")
+_EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))
 
 _LARGEST_BELOW_ONE = 1.0 - 2.0**-53
 
@@ -38,6 +41,18 @@ def logarithm(x: Doubles) -> Doubles:
     f = (mantissa - 1.0) / (mantissa + 1.0)
     series = 2.0 * f * _polynomial(_ATANH_SERIES, f * f)
     return power * _LN2_HIGH + (series + power * _LN2_LOW)
+
+
+def antilogarithm(x: Doubles) -> Doubles:
+    """Return e^x, within 1 ulp where -708 <= x <= 709; smaller x are taken as -708.
+
+    x = k ln 2 + r with |r| <= ln 2 / 2, e^r by its series, and 2^k by exact scaling.
+    """
+    x = np.maximum(x, -708.0)
+    power = np.rint(x * _PER_LN2)
+    r = (x - power * _LN2_HIGH) - power * _LN2_LOW
+    grown = 1.0 + (r + r * r * _polynomial(_EXP_SERIES, r))
+    return np.ldexp(grown, power.astype(np.int32))
 
 
 def exponential(uniform: Doubles) -> Doubles:

@@ -6,9 +6,11 @@ from math import sqrt
 from typing import Literal, cast
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
-from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.pulses import PULSES
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.spread import SizeLawName, Spread, sizes_for
+from rubnoise.contact.strengths import StrengthLaw
+from rubnoise.contact.strengths_spread import strengths_for
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.units import LENGTH, RATIO, Quantity
@@ -32,11 +34,17 @@ def diameter_of(document: sections.Document) -> float:
 
 
 def spread_of(diameter: sections.Diameter) -> Spread:
-    """Return the spread as an absolute length or relative to the mean diameter."""
-    if diameter.spread is None:
+    """Return how sizes spread about the mean diameter: by what law, and by a length or a part of the mean."""
+    if diameter.law == "fixed":
         return Spread()
-    value = float(diameter.spread)
-    return Spread(relative=value) if diameter.spread.kind == RATIO else Spread(absolute=value)
+    absolute, relative = _absolute_or_relative(diameter.spread)
+    return Spread(absolute=absolute, relative=relative, law=cast(SizeLawName, diameter.law))
+
+
+def _absolute_or_relative(spread: Quantity | None) -> tuple[float | None, float | None]:
+    if spread is None:
+        return None, None
+    return (None, float(spread)) if spread.kind == RATIO else (float(spread), None)
 
 
 def default_tick(diameter: float) -> Quantity:
@@ -59,7 +67,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         calibrated_diameter=diameter,
         sizes=sizes_for(diameter, spread_of(document.diameter)),
         births=_BIRTHS[document.birth.law](mean_spacing=2.0 * diameter / interface.mean_junction_count),
-        strengths=ConstantStrength(mean=float(document.strength.mean)) if document.strength else None,
+        strengths=_strengths(document.strength) if document.strength else None,
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
         start=cast(Literal["stationary", "empty"], sliding.start),
@@ -68,6 +76,16 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         tick_count=tick_count(sliding.distance, tick),
         pulse=PULSES[document.pulse.shape],
     )
+
+
+def strength_std(strength: sections.Strength) -> float:
+    """Return the standard deviation in MPa that a scenario gives, 0 where it gives none."""
+    absolute, relative = _absolute_or_relative(strength.spread)
+    return relative * float(strength.mean) if relative is not None else absolute or 0.0
+
+
+def _strengths(strength: sections.Strength) -> StrengthLaw:
+    return strengths_for(strength.law, float(strength.mean), strength_std(strength))
 
 
 def _slider(slider: sections.Slider) -> Slider:

@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
+from rubnoise.contact.spread import WIDEST
 from rubnoise.model import Model
 from rubnoise.scenario import limits
-from rubnoise.scenario.build import default_tick, diameter_of, model_of
+from rubnoise.scenario.build import default_tick, diameter_of, model_of, spread_of, strength_std
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
@@ -60,7 +61,7 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     except PaperMeansLens as error:
         return None, None, [_not_the_lens(layers, error)]
     tick = document.output.tick or default_tick(diameter)
-    problems = list(_tick_problems(document, layers, tick, diameter))
+    problems = [*_tick_problems(document, layers, tick, diameter), *_width_problems(document, layers, diameter)]
     if problems:
         return None, None, problems
     model = model_of(document, diameter, tick)
@@ -93,6 +94,19 @@ def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter:
         message = "the tick is longer than the distance: only the start would be written"
         hint = f'distance "{distance.as_text()}", tick "{tick.as_text()}"' + _where_from(document)
         yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+
+
+def _width_problems(document: Document, layers: Layers, diameter: float) -> Iterator[Problem]:
+    """Refuse laws with a long tail that are wider than they are made for; the normal law is at home anywhere."""
+    sizes, strength = document.diameter, document.strength
+    wide = {("diameter", "spread"): (sizes.law, spread_of(sizes).std(diameter) / diameter)}
+    if strength:
+        wide["strength", "spread"] = (strength.law, strength_std(strength) / float(strength.mean))
+    for path, (law, ratio) in wide.items():
+        if law != "normal" and ratio > WIDEST * (1.0 + 1e-12):
+            message = f'{ratio:.4g} times the mean is too wide for the law "{law}"'
+            hint = f'up to "{100.0 * WIDEST:g} %"'
+            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
 
 
 def _where_from(document: Document) -> str:

@@ -44,13 +44,13 @@ class Diameter(Section):
 
     law: Annotated[
         str,
-        Choice(("fixed", "normal"), later=("lognormal", "exponential", "gamma", "mixture", "empirical")),
-        About(description="fixed: one size; normal: redrawn while not positive."),
+        Choice(("fixed", "normal", "lognormal", "exponential", "gamma"), later=("mixture", "empirical")),
+        About(description="fixed: one size; normal: redrawn while not positive; the others: with a long tail."),
     ] = "fixed"
     spread: Annotated[
         Quantity | None,
         Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        About(description="Standard deviation: a length, or a percentage of d_m; needed by the normal law."),
+        About(description="Standard deviation: a length, or a percentage of d_m; not for fixed and exponential."),
     ] = None
 
 
@@ -79,14 +79,19 @@ class Strength(Section):
 
     law: Annotated[
         str,
-        Choice(("constant",), later=("normal", "lognormal", "weibull")),
-        About(description="constant: one strength for every junction."),
+        Choice(("constant", "normal", "lognormal", "weibull")),
+        About(description="constant: one for all; normal: redrawn while not positive; lognormal, weibull."),
     ] = "constant"
     mean: Annotated[
         Quantity,
         Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
-        About(description="Mean shear strength psi."),
+        About(description="Mean shear strength psi; of the normal law before redrawing."),
     ]
+    spread: Annotated[
+        Quantity | None,
+        Measure((STRESS, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
+        About(description="Standard deviation: a stress, or a percentage of the mean; not for constant."),
+    ] = None
 
 
 class Sliding(Section):

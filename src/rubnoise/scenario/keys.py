@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from rubnoise.scenario.document import FORMAT, Document
-from rubnoise.scenario.fields import FROM_PYTHON, Unfit, did_you_mean
+from rubnoise.scenario.fields import FROM_PYTHON, Choice, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
 
@@ -25,6 +25,7 @@ _RIGHT_FORMS: dict[Path, str] = {
     ("interface", "mean_junction_count"): "mean_junction_count = 20",
     ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
     ("strength", "mean"): 'mean = "250 MPa"',
+    ("strength", "spread"): 'spread = "50 MPa" or spread = "20 %"',
     ("sliding", "distance"): 'distance = "40 mm"',
     ("sliding", "speed"): 'speed = "1 mm/s"',
     ("slider", "mass"): 'mass = "5 g"',
@@ -110,7 +111,7 @@ def _suggestion(path: Path) -> str:
 
 def _rule_problems(layers: Layers) -> Iterator[Problem]:
     """What keys ask of one another, from what the file holds, whether or not their values are right."""
-    slider, sliding, diameter = (_table(layers, name) for name in ("slider", "sliding", "diameter"))
+    slider, sliding = (_table(layers, name) for name in ("slider", "sliding"))
     if isinstance(layers.data.get("slider"), dict):
         if "strength" not in layers.data:
             yield missing(
@@ -119,8 +120,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
         yield from _damping_problems(layers, slider)
-    if diameter:
-        yield from _spread_problems(layers, diameter)
+    yield from _spread_problems(layers, "diameter", {"fixed": "normal", "exponential": "gamma"})
+    yield from _spread_problems(layers, "strength", {"constant": "normal"})
 
 
 def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
@@ -136,14 +137,17 @@ def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Proble
         yield Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
 
 
-def _spread_problems(layers: Layers, diameter: dict[str, Any]) -> Iterator[Problem]:
-    path, law = ("diameter", "spread"), diameter.get("law", "fixed")
-    if law == "fixed" and "spread" in diameter:
-        message = 'the law "fixed" takes no spread' + ("" if "law" in diameter else ', and "fixed" is the default')
-        hint = 'write law = "normal", or leave the spread out'
+def _spread_problems(layers: Layers, name: str, without: dict[str, str]) -> Iterator[Problem]:
+    """Hold a spread against the law; the laws ``without`` one each stand with the law that is like them and has one."""
+    table, path, about = _table(layers, name), (name, "spread"), SECTIONS[name].model_fields["law"]
+    law = table.get("law", about.default)
+    if law in list(without) and "spread" in table:
+        message = f'the law "{law}" takes no spread' + ("" if "law" in table else f', and "{law}" is the default')
+        hint = f'write law = "{without[law]}", or leave the spread out'
         yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-    if law == "normal" and "spread" not in diameter:
-        yield missing(layers, path, 'missing; the law "normal" needs a spread')
+    available = next(each.available for each in about.metadata if isinstance(each, Choice))
+    if law in available and law not in without and "spread" not in table:
+        yield missing(layers, path, f'missing; the law "{law}" needs a spread')
 
 
 def _table(layers: Layers, name: str) -> dict[str, Any]:

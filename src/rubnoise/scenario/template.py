@@ -24,6 +24,7 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("interface", "mean_junction_count"): 20,
     ("diameter", "spread"): "0.2 um",
     ("strength", "mean"): "250 MPa",
+    ("strength", "spread"): "20 %",
     ("sliding", "distance"): "40 mm",
     ("sliding", "speed"): "1 mm/s",
     ("slider", "mass"): "5 g",
@@ -35,7 +36,6 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
 """A sensible value for every key that has no default: the contact of the paper's Figure 5."""
 
 REMARKS: Final[dict[tuple[str, str], str]] = {
-    ("diameter", "spread"): 'Only with law = "normal".',
     ("slider", "damping_ratio"): "In place of damping.",
 }
 
