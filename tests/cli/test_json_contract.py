@@ -9,6 +9,8 @@ from typing import Any, NoReturn
 
 import pytest
 
+from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
+from rubnoise.cli.claims import contents
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import CONTACT, call
 
@@ -26,6 +28,21 @@ TYPES: dict[str, Any] = {
     "list of objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
     "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }
+
+# The command itself takes a minute; what it prints of a claim is what this is made into.
+A_CLAIM = Claim(
+    name="mean",
+    where="Eq. (1)",
+    says="It is so.",
+    quantities=(
+        Quantity(
+            name="mean", unit="um", printed=1.0, simulated=Estimate(value=1.0, standard_error=0.1, runs=8), exact=1.0
+        ),
+    ),
+    verdict=Verdict.HOLDS,
+    because="It is.",
+    scenario="claims/mean.toml",
+)
 
 
 @dataclass(frozen=True)
@@ -108,7 +125,8 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("junctions", ("junctions", "slider.h5", "--json")),
         ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
     ]
-    return [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
+    told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
+    return [*told, ("claim", contents(A_CLAIM)), ("claims", {"claims": [contents(A_CLAIM)]})]
 
 
 def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:

@@ -1,0 +1,40 @@
+"""Every claim of the paper, in the order in which the paper makes them."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+from rubnoise.claims import area_spread, contact_and_slider, rabinowicz, spectrum
+from rubnoise.claims.claim import Claim
+from rubnoise.claims.evidence import Tell
+
+_SOURCES: tuple[Callable[[Tell], Sequence[Claim]], ...] = (
+    contact_and_slider.claims,
+    rabinowicz.claims,
+    area_spread.claims,
+    spectrum.claims,
+)
+
+ORDER = (
+    "life_mean",
+    "rabinowicz",
+    "mean_area",
+    "live_count",
+    "constant_speed",
+    "area_spread",
+    "psd_decay",
+    "psd_same",
+    "psd_floor",
+    "few_or_many",
+)
+
+
+def settle(tell: Tell) -> tuple[Claim, ...]:
+    """Run what the claims rest on, from fixed seeds, and return every claim with its verdict.
+
+    ``tell`` is told what is being run.
+    """
+    return tuple(sorted(_all(tell), key=lambda claim: ORDER.index(claim.name)))
+
+
+def _all(tell: Tell) -> Iterator[Claim]:
+    for claims in _SOURCES:
+        yield from claims(tell)

@@ -1,0 +1,63 @@
+"""Section 2: the model that the paper starts from, which has a constant contact area."""
+
+from collections.abc import Sequence
+
+from rubnoise.claims.claim import Claim, Quantity, Verdict, settled
+from rubnoise.claims.evidence import Evidence, Tell, gather
+from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.theory.campbell import area_cumulants
+
+SCENARIO = "claims/rabinowicz.toml"
+_CONSTANT = 1e-12
+"""Relative spread that rounding leaves of a constant area."""
+
+
+def claims(tell: Tell) -> Sequence[Claim]:
+    """Run the points and settle the claim."""
+    found = gather(SCENARIO, _measured, tell)
+    constant, odd, lens = (
+        _ripple(found, shape, count, words)
+        for shape, count, words in (
+            ("triangle", 20, "triangle, 20 junctions"),
+            ("triangle", 21, "triangle, 21 junctions"),
+            ("lens", 20, "lens, 20 junctions"),
+        )
+    )
+    quantities = (constant, odd, lens)
+    still = constant.exact <= _CONSTANT and constant.simulated.value <= _CONSTANT
+    everywhere = still and all(quantity.exact <= _CONSTANT for quantity in quantities)
+    verdict = Verdict.HOLDS if everywhere else Verdict.CORRECTED if still else Verdict.FAILS
+    return [
+        Claim(
+            name="rabinowicz",
+            where="Section 2",
+            says="In Rabinowicz's model, of identical junctions born at regular spacing, the contact area is constant.",
+            quantities=quantities,
+            verdict=settled(quantities=quantities, verdict=verdict),
+            because="So it is for triangles and an even number of junctions. An odd number leaves a ripple of "
+            "1/(sqrt(3) N_jm^2) of the mean, and the lens, which is no triangle, leaves one too.",
+            scenario=SCENARIO,
+        )
+    ]
+
+
+def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
+    del model
+    area = record["trace"]["real_contact_area"]
+    return {"ripple": float(area.std() / area.mean())}
+
+
+def _ripple(found: Evidence, shape: str, count: int, words: str) -> Quantity:
+    point = found.at(shape=shape, count=count)
+    area = area_cumulants(point.model)
+    ripple = area.std / area.mean
+    return Quantity(
+        name=f"std over mean: {words}",
+        unit="",
+        printed=0.0,
+        simulated=point.numbers["ripple"],
+        exact=ripple,
+        # The runs do not scatter; what is left is that ticks take their samples of the period not quite evenly.
+        rounding=max(_CONSTANT, 1e-3 * ripple),
+    )

@@ -1,0 +1,87 @@
+"""`rubnoise claims`: what the paper claims, settled by simulation and by theory."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rubnoise.claims.claim import Claim, Quantity
+
+_LABEL = 43
+
+
+def command(
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing while the runs are made.")] = False,
+) -> None:
+    """Settle every claim of the paper: its words, the number simulated and exact, and the verdict.
+
+    All runs are made anew from fixed seeds, in a minute or so. Exit code 3 where simulation and theory disagree.
+
+    Example: rubnoise claims
+    """
+    import json
+
+    from rubnoise.claims.catalogue import settle
+    from rubnoise.claims.claim import Verdict
+    from rubnoise.cli.progress import on_terminal
+    from rubnoise.cli.status import StatusLine
+
+    with StatusLine(shown=on_terminal() and not quiet) as status:
+        claims = settle(status.tell)
+    print(json.dumps({"claims": [contents(claim) for claim in claims]}) if as_json else "\n".join(described(claims)))
+    if any(claim.verdict is Verdict.UNSETTLED for claim in claims):
+        raise typer.Exit(3)
+
+
+def contents(claim: "Claim") -> dict[str, Any]:
+    """Return a claim by name, numbers in the unit of each quantity."""
+    return {
+        "name": claim.name,
+        "where": claim.where,
+        "says": claim.says,
+        "quantities": [_quantity(quantity) for quantity in claim.quantities],
+        "verdict": claim.verdict.value,
+        "because": claim.because,
+        "scenario": claim.scenario,
+    }
+
+
+def _quantity(quantity: "Quantity") -> dict[str, Any]:
+    low, high = quantity.simulated.interval
+    return {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "printed": quantity.printed,
+        "simulated": {"value": quantity.simulated.value, "low": low, "high": high, "runs": quantity.simulated.runs},
+        "exact": quantity.exact,
+        "agree": quantity.agrees,
+    }
+
+
+def described(claims: tuple["Claim", ...]) -> list[str]:
+    """Return all claims as lines to print."""
+    from rubnoise.cli.layout import remark
+
+    lines = []
+    for claim in claims:
+        lines += [f"{claim.where}: {claim.verdict.value}", remark(claim.says)]
+        lines += [f"  {'':<{_LABEL}}{'printed':>7}{'simulated (95 %)':>19}{'exact':>9}"]
+        lines += [line for quantity in claim.quantities for line in _lines(quantity)]
+        lines += [remark(claim.because), ""]
+    return lines[:-1]
+
+
+def _lines(quantity: "Quantity") -> list[str]:
+    label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
+    printed = "" if quantity.printed is None else f"{quantity.printed:g}"
+    numbers = f"{printed:>7}{_with_interval(quantity):>19}{quantity.exact:>9.4g}"
+    if len(label) < _LABEL:
+        return [f"  {label:<{_LABEL}}{numbers}"]
+    return [f"  {label}", f"  {'':<{_LABEL}}{numbers}"]
+
+
+def _with_interval(quantity: "Quantity") -> str:
+    low, high = quantity.simulated.interval
+    return f"{quantity.simulated.value:.4g} +- {0.5 * (high - low):.2g}"
