@@ -12,9 +12,10 @@ import numpy as np
 import xxhash
 
 from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.streams import STREAM_VERSION
-from tests.models import model, recorded
+from tests.models import UNEQUAL, model, recorded
 
 SEED = 20_240_229
 GOLDEN = Path(__file__).parent / f"stream_{STREAM_VERSION}.json"
@@ -25,6 +26,15 @@ RUNS: dict[str, Model] = {
     ),
     "matched, relative spread, few": model(
         count=2.0, calibration="matched", spread=Spread(relative=0.2), distance=3_000.0, tick=1.0
+    ),
+    "triangles, regular births, one size": model(
+        pulse=TRIANGLE, births="regular", spread=Spread(), distance=1_200.0, tick=0.3
+    ),
+    "triangles, unequal strengths, slow": model(
+        pulse=TRIANGLE, strength=UNEQUAL, spread=Spread(relative=0.3), distance=700.0, tick=0.5, speed=20.0
+    ),
+    "lenses, regular births, wide sizes, unequal strengths": model(
+        births="regular", strength=UNEQUAL, spread=Spread(relative=0.5), distance=1_500.0, tick=0.5
     ),
 }
 

@@ -20,6 +20,9 @@ def test_the_runs_are_long_enough_to_pass_blocks_and_draw_from_every_stream() ->
     assert STREAM_VERSION == 1
     assert recorded(RUNS["figure 5"], SEED).extent.junctions > 9_500
     assert recorded(RUNS["wide sizes, slow, from empty"], SEED).extent.junctions > 300
+    assert all(
+        recorded(run, SEED).extent.junctions > 1_000 for name, run in RUNS.items() if "tri" in name or "reg" in name
+    )
 
 
 def test_one_bit_changes_a_hash() -> None:

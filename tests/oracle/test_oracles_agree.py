@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.oracle import dop853_slider, theta_slider
+from tests.oracle import dop853_slider, straight_slider, theta_slider
 from tests.oracle.oscillator import Doubles, Motion, Oscillator
 from tests.oracle.slow_contact import Rows, naive_rows
 
@@ -61,6 +61,19 @@ def test_both_references_agree_from_rest_and_in_motion_at_a_slow_speed() -> None
     theta = theta_slider.motion(slider(0.05), 50.0, places, rows, start)
     stepped = dop853_slider.motion(slider(0.05), 50.0, places, rows, start)
     assert difference(theta, stepped) < AGREEMENT
+
+
+@pytest.mark.parametrize("name", SLIDERS)
+def test_both_references_for_triangles_give_the_same_motion(name: str) -> None:
+    damping, distance = SLIDERS[name]
+    rows, places = figure_5_rows(distance), ticks(distance, 2.0)
+    rows = rows.ending_early(7, rows.birth[7] + 0.4 * rows.diameter[7])
+    rows = rows.ending_early(33, rows.birth[33] + 1.3 * rows.diameter[33])
+    straight = straight_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
+    triangles = dop853_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM, dop853_slider.triangle_areas)
+    lenses = dop853_slider.motion(slider(damping), SPEED, places, rows, EQUILIBRIUM)
+    assert difference(straight, triangles) < AGREEMENT
+    assert difference(straight, lenses) > 1e-3
 
 
 @pytest.mark.parametrize("damping", [0.05, CRITICAL, 20 * CRITICAL])

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.oracle.slow_contact import Rows, junction_area, lens_area, naive_rows, traces
+from tests.oracle.slow_contact import Rows, junction_area, lens_area, naive_rows, traces, triangle_area
 
 HERE = Path(__file__).parent
 LIFE_INTEGRALS = json.loads((HERE.parent / "reference" / "pulse.json").read_text(encoding="utf-8"))["c"]
@@ -36,6 +36,11 @@ def test_the_area_is_full_at_mid_life_and_a_third_of_the_square_on_average() -> 
     nodes, weights = np.polynomial.legendre.leggauss(200)
     rising = sum(w * lens_area(1.5 * (1 + t), 3.0) for t, w in zip(nodes, weights, strict=True)) / 2
     assert rising == pytest.approx(9 / 3, rel=1e-6)
+
+
+def test_the_triangle_is_as_high_as_the_lens_and_straight() -> None:
+    assert triangle_area(3.0, 3.0) == pytest.approx(lens_area(3.0, 3.0), rel=1e-15)
+    assert [triangle_area(s, 3.0) / triangle_area(3.0, 3.0) for s in (-1, 0, 1.5, 4.5, 6, 7)] == [0, 0, 0.5, 0.5, 0, 0]
 
 
 def test_a_junction_counts_from_its_birth_up_to_its_death() -> None:

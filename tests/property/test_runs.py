@@ -8,12 +8,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import extent, simulate
 from rubnoise.simulation.state import State
-from tests.models import contents, model, recorded
+from tests.models import UNEQUAL, contents, model, recorded
 
 BRIEF = settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 FEW = settings(BRIEF, max_examples=20)
@@ -44,16 +45,19 @@ def models(draw: st.DrawFn) -> Model:
     distance = float(f"{max(births, 0.3) / count * life:.4g}")
     slider = draw(st.none() | SLIDERS)
     full = slider is not None
+    pulse = draw(st.sampled_from([LENS, TRIANGLE]))
     return model(
         count=count,
         spread=draw(SPREADS),
-        calibration=draw(st.sampled_from(["paper", "exact"])),
+        calibration=draw(st.sampled_from(["paper", "exact"])) if pulse is LENS else "exact",
         distance=distance,
         tick=float(f"{distance / ticks:.4g}"),
         start=draw(st.sampled_from(["stationary", "empty"])),
         slider=slider,
         speed=draw(st.sampled_from([1e3, 1e5]) if full else st.none() | st.just(1e3)),
-        strength=250.0 if full else draw(st.none() | st.just(250.0)),
+        strength=draw(st.sampled_from([250.0, UNEQUAL]) if full else st.sampled_from([None, 250.0, UNEQUAL])),
+        births=draw(st.sampled_from(["poisson", "regular"])),
+        pulse=pulse,
     )
 
 

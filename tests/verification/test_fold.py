@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation import draws, panels
 from rubnoise.simulation.run import extent, finished, simulate
 from rubnoise.simulation.state import State
-from tests.models import contents, model, recorded, run_to_end
+from tests.models import UNEQUAL, contents, model, recorded, run_to_end
 
 RUNS = {
     "figure 5": model(distance=2000.0, tick=0.5),
@@ -16,6 +17,11 @@ RUNS = {
     "few": model(count=0.5, distance=400_000.0, tick=200.0),
     "many": model(count=5000.0, distance=20.0, tick=0.05),
     "wide sizes": model(count=8.0, spread=Spread(absolute=12.0), distance=9000.0, tick=2.7),
+    "Rabinowicz": model(pulse=TRIANGLE, births="regular", spread=Spread(), distance=2000.0, tick=0.5),
+    "unequal triangles": model(
+        pulse=TRIANGLE, strength=UNEQUAL, spread=Spread(relative=0.4), distance=1500.0, tick=0.7
+    ),
+    "regular and wide": model(count=8.0, births="regular", spread=Spread(relative=2.0), distance=9000.0, tick=2.7),
 }
 
 
@@ -36,9 +42,10 @@ def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
                 assert values[begin:].tobytes() == whole[group][column][begin:].tobytes()
 
 
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
 @pytest.mark.parametrize(("size", "distance"), [(1, 20.0), (7, 60.0), (1000, 300.0)])
-def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance):
-    run = model(distance=distance, tick=0.05)
+def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pulse):
+    run = model(distance=distance, tick=0.05, pulse=pulse, strength=UNEQUAL)
     expected = contents(recorded(run))
     monkeypatch.setattr(panels, "LARGEST_PANEL", size)
     assert contents(recorded(run)) == expected

@@ -3,6 +3,7 @@
 import pytest
 
 from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import TRIANGLE
 from tests.models import bare, model, run_to_end
 
 GOLDEN = {
@@ -10,6 +11,7 @@ GOLDEN = {
     "no slider": (bare(distance=2000.0, tick=0.5), (4, 3717, 7494)),
     "dense": (bare(count=5000.0, distance=20.0, tick=0.1), (3, 148320, 301843)),
     "thin": (bare(count=0.01, distance=100_000.0, tick=50.0), (1, 4, 14)),
+    "triangles born regularly": (model(births="regular", pulse=TRIANGLE, distance=2000.0, tick=0.5), (4, 3983, 8028)),
     "one size, from empty": (bare(spread=Spread(), start="empty", distance=2000.0, tick=0.5), (4, 3700, 7477)),
 }
 

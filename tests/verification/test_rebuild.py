@@ -1,6 +1,6 @@
 """The traces rebuilt from the rows of /junctions alone, one junction and one tick at a time."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import h5py
@@ -9,8 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 import rubnoise
-from tests.models import bare, recorded
-from tests.oracle.slow_contact import Doubles, Rows, traces
+from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.record.memory import MemoryRecord
+from tests.models import UNEQUAL, bare, model, recorded
+from tests.oracle.slow_contact import Doubles, Rows, lens_area, traces, triangle_area
 from tests.verification.seeds import seed_of
 
 FIGURE_5 = Path(__file__).parents[2] / "scenarios" / "paper" / "fig5.toml"
@@ -29,13 +32,13 @@ def around(rows: Rows, low: float, high: float) -> Rows:
 
 
 def rebuilt(
-    rows: Rows, distance: Doubles, together: int
+    rows: Rows, distance: Doubles, together: int, area_of: Callable[[float, float], float] = lens_area
 ) -> Iterator[tuple[slice, Doubles, NDArray[np.int64], Doubles]]:
     """Yield area, count and force of the slow reference for so many ticks at a time."""
     for first in range(0, distance.size, together):
         part = slice(first, first + together)
         ticks = distance[part]
-        yield part, *traces(around(rows, ticks[0], ticks[-1]), ticks.tolist())
+        yield part, *traces(around(rows, ticks[0], ticks[-1]), ticks.tolist(), area_of)
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +53,16 @@ def figure_5(tmp_path_factory: pytest.TempPathFactory) -> Iterator[h5py.File]:
 def rows_of(file: h5py.File) -> Rows:
     names = {"birth": "birth_distance", "diameter": "diameter", "strength": "shear_strength", "death": "death_distance"}
     return Rows(**{name: file["junctions"][column][:] for name, column in names.items()})
+
+
+def rows_in_memory(record: MemoryRecord) -> Rows:
+    columns = record["junctions"]
+    return Rows(
+        birth=columns["birth_distance"],
+        diameter=columns["diameter"],
+        strength=columns.get("shear_strength", np.ones(columns["diameter"].size)),
+        death=columns["death_distance"],
+    )
 
 
 def test_rows_of_a_file_hold_whole_lives(figure_5: h5py.File) -> None:
@@ -89,6 +102,36 @@ def test_every_tick_of_a_file_follows_from_its_rows(figure_5: h5py.File, quarter
         assert np.abs(found_force[part] - force).max() < AREA_BOUND * STRENGTH
 
 
+LAWS = {
+    "triangles": (model(pulse=TRIANGLE, distance=2_000.0, tick=0.3), triangle_area),
+    "regular births": (model(births="regular", distance=2_000.0, tick=0.3), lens_area),
+    "unequal strengths": (model(strength=UNEQUAL, distance=2_000.0, tick=0.3), lens_area),
+    "all three, wide sizes": (
+        model(pulse=TRIANGLE, births="regular", strength=UNEQUAL, spread=Spread(relative=0.6), distance=2e3, tick=0.3),
+        triangle_area,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_every_tick_of_other_laws_follows_from_the_rows(name: str) -> None:
+    run, area_of = LAWS[name]
+    record = recorded(run, seed_of(f"rebuild/{name}"))
+    rows, trace = rows_in_memory(record), record["trace"]
+    assert (np.unique(rows.strength).size > 1) == (run.strengths is UNEQUAL)
+    for part, area, count, force in rebuilt(rows, trace["distance"], together=40, area_of=area_of):
+        assert np.abs(trace["real_contact_area"][part] - area).max() < AREA_BOUND
+        assert np.array_equal(trace["junction_count"][part], count)
+        assert np.abs(trace["friction_force"][part] - force).max() < AREA_BOUND * rows.strength.max()
+
+
+def test_equal_strengths_in_place_of_unequal_ones_are_seen() -> None:
+    trace = recorded(LAWS["unequal strengths"][0], seed_of("rebuild/unequal strengths"))["trace"]
+    share = trace["friction_force"] / trace["real_contact_area"]
+    assert 100.0 < share.min() < 0.95 * STRENGTH
+    assert 1.05 * STRENGTH < share.max() < 400.0
+
+
 def test_a_birth_moved_by_a_nanometre_is_seen(figure_5: h5py.File) -> None:
     rows, trace = rows_of(figure_5), figure_5["trace"]
     rows.birth[1000] += 1e-3
@@ -101,13 +144,7 @@ def test_a_birth_moved_by_a_nanometre_is_seen(figure_5: h5py.File) -> None:
 def test_a_metre_away_nothing_has_been_lost() -> None:
     run = bare(count=4.0, distance=1e6, tick=250.0)
     record = recorded(run, seed_of("metre"))
-    columns, trace = record["junctions"], record["trace"]
-    rows = Rows(
-        birth=columns["birth_distance"],
-        diameter=columns["diameter"],
-        strength=np.ones(columns["diameter"].size),
-        death=columns["death_distance"],
-    )
+    rows, trace = rows_in_memory(record), record["trace"]
     for part, area, count, _ in rebuilt(rows, trace["distance"], together=1):
         assert np.abs(trace["real_contact_area"][part] - area).max() < AREA_BOUND
         assert np.array_equal(trace["junction_count"][part], count)
