@@ -15,8 +15,8 @@ Doubles = NDArray[np.float64]
 _LARGEST_PHASE = 480.0  # k (d_high - d_low) up to which the swing of the spectrum is followed through the sizes
 _PANEL_PHASE = 20.0
 _FIRST_PHASES = (5.0, 10.0)
-_NODES = 32
-_AT_ONCE = 1024
+_NODES = 24
+_AT_ONCE = 256
 
 
 def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
