@@ -55,3 +55,16 @@ def test_powers_of_ten_are_letters_that_the_font_has() -> None:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             figure.savefig(BytesIO(), format="svg")
+
+
+def test_an_axis_without_a_power_of_ten_has_numbers_all_the_same() -> None:
+    with house_style():
+        figure = new_figure(3.0, 2.0)
+        axes = figure.subplots()
+        axes.plot([2.0, 8.0], [2.0, 800.0])
+        for axis in (axes.xaxis, axes.yaxis):
+            logarithmic(axis)
+        figure.draw_without_rendering()
+        narrow, wide = ([text.get_text() for text in axis.get_minorticklabels()] for axis in (axes.xaxis, axes.yaxis))
+    assert "4" in narrow
+    assert set(wide) <= {""}

@@ -18,6 +18,15 @@ FAINT: Final = "#9a9a9a"
 PALE: Final = "#e8e8e8"
 """Okabe and Ito's blue is what a run shows, their vermilion what theory says; in grey they are told apart too."""
 
+SERIES: Final[tuple[tuple[str, str], ...]] = (
+    ("#04213a", "o"),
+    ("#0a4a7d", "s"),
+    ("#0072b2", "^"),
+    ("#4c9ed3", "D"),
+    ("#8cc4e8", "v"),
+)
+"""Colours and markers of several runs in one picture: the blue from dark to light, which a grey printer keeps apart."""
+
 Format = Literal["png", "pdf", "svg"]
 FORMATS: Final[tuple[Format, ...]] = ("png", "pdf", "svg")
 _WITHOUT_ORIGIN: Final[dict[Format, dict[str, None]]] = {
@@ -95,12 +104,18 @@ def as_png(figure: "Figure") -> bytes:
 
 def logarithmic(axis: "Axis") -> None:
     """Give the axis of an x or a y a logarithmic scale, with its powers of ten in letters: formulas are not parsed."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
+    from matplotlib.ticker import FuncFormatter
 
     scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
     scale("log")
     axis.set_major_formatter(FuncFormatter(lambda value, _: _power_of_ten(value)))
-    axis.set_minor_formatter(NullFormatter())
+    axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if _is_narrow(axis) else ""))
+
+
+def _is_narrow(axis: "Axis") -> bool:
+    """Whether an axis spans so little that it may hold no power of ten."""
+    low, high = sorted(axis.get_view_interval())
+    return bool(low > 0.0 and high < 10.0 * low)
 
 
 def _power_of_ten(value: float) -> str:

@@ -1,0 +1,40 @@
+"""What pictures of runs have in common: headings, legends, and the marks that theory makes in them."""
+
+from typing import TYPE_CHECKING, Final
+
+from rubnoise.figures.style import VERMILION, shortened
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rubnoise.figures.stretch import Stretch
+
+AREA: Final = "real contact area (µm²)"
+LONGEST_TITLE: Final = 64
+DISTANCE: Final = "sliding distance (µm)"
+
+
+def entitle(figure: "Figure", stretch: "Stretch", shown: str) -> None:
+    """Put a title over a figure: what it shows, and of which run."""
+    title = "".join(character if character.isprintable() else " " for character in stretch.title)
+    whose = (
+        f"{shortened(title, LONGEST_TITLE)} ({shortened(stretch.file.path.name)})"
+        if title.strip()
+        else (shortened(stretch.file.path.name, LONGEST_TITLE))
+    )
+    figure.suptitle(f"{shown}\n{whose}", x=0.01, ha="left", fontsize=10.0)
+
+
+def exact_band(axes: "Axes", mean: float, std: float) -> None:
+    """Mark an exact mean by a line, and a standard deviation about it by a band."""
+    axes.axhspan(mean - std, mean + std, color=VERMILION, alpha=0.12, lw=0.0, zorder=0, label="exact mean ± std")
+    # Over the curve, since a crowded one would hide the band.
+    axes.axhline(mean, color=VERMILION, lw=1.2, zorder=4)
+    for edge in (mean - std, mean + std):
+        axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
+
+
+def legend_above(axes: "Axes", columns: int = 4) -> None:
+    """Put the legend above the axes, flush right, where it hides nothing."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.1)
