@@ -1,18 +1,15 @@
 """Models for the tests, built from a few numbers without a scenario file."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from math import floor
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.contact.strengths import ConstantStrength, StrengthLaw
+from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import extent, simulate
@@ -22,24 +19,7 @@ BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UniformStrengths:
-    """Strengths uniform within a share of their mean, in MPa: the plainest of unequal ones."""
-
-    mean: float
-    share: float
-
-    def moment(self, power: int) -> float:
-        """Return E[psi^n] = mean^n ((1 + a)^(n+1) - (1 - a)^(n+1)) / (2 a (n + 1)) in MPa^n."""
-        high, low = (1.0 + self.share) ** (power + 1), (1.0 - self.share) ** (power + 1)
-        return self.mean**power * (high - low) / (2.0 * self.share * (power + 1))
-
-    def draw(self, uniform: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return one strength in MPa for each uniform on [0, 1)."""
-        return self.mean * (1.0 + self.share * (2.0 * uniform - 1.0))
-
-
-UNEQUAL = UniformStrengths(mean=250.0, share=0.6)
+UNEQUAL = LognormalStrength(mean=250.0, std=150.0)
 
 
 def model(

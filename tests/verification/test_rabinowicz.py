@@ -176,3 +176,24 @@ def test_rows_alive_at_the_start_are_in_order_and_reach_it() -> None:
     assert np.all(np.diff(live.birth) > 0.0)
     assert np.all(live.birth < 0.0)
     assert np.all(live.death > 0.0)
+
+
+def autocorrelation(lag: float) -> float:
+    """Return the normalised overlap of a triangle of base 2 with itself: the cubic spline, 0 beyond 2."""
+    t = abs(lag)
+    return 1.0 - 1.5 * t**2 + 0.75 * t**3 if t <= 1.0 else 0.25 * max(2.0 - t, 0.0) ** 3
+
+
+def test_unequal_strengths_let_the_force_vary_over_a_constant_area() -> None:
+    """Given the births, the force is a sum over independent strengths, of variance Var[psi] lam c_2 d^5 everywhere."""
+    scenario = rubnoise.load(ANCESTORS / "rabinowicz_strengths.toml")
+    run = scenario.model()
+    trace = rubnoise.simulate(scenario, seed=seed_of("strengths")).groups["trace"]
+    assert trace["real_contact_area"].std() < 1e-12 * 200.0
+    cv = 0.2
+    expected = (cv * 2.0 / sqrt(60.0) * 250.0 * 200.0) ** 2
+    # Strengths are normal but for one in 3.5 million, and so is their sum: Var[var] = 2 var^2 / L int rho^2.
+    square = 2.0 * np.mean([autocorrelation(t) ** 2 for t in np.linspace(0.0, 2.0, 20_001)]) * 2.0
+    error = expected * sqrt(2.0 * square * run.calibrated_diameter / run.distance)
+    assert abs(trace["friction_force"].var() - expected) <= 4.0 * error
+    assert abs(trace["friction_force"].var() - 1.25 * expected) > 5.0 * error

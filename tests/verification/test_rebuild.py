@@ -128,8 +128,8 @@ def test_every_tick_of_other_laws_follows_from_the_rows(name: str) -> None:
 def test_equal_strengths_in_place_of_unequal_ones_are_seen() -> None:
     trace = recorded(LAWS["unequal strengths"][0], seed_of("rebuild/unequal strengths"))["trace"]
     share = trace["friction_force"] / trace["real_contact_area"]
-    assert 100.0 < share.min() < 0.95 * STRENGTH
-    assert 1.05 * STRENGTH < share.max() < 400.0
+    assert share.min() < 0.8 * STRENGTH
+    assert share.max() > 1.2 * STRENGTH
 
 
 def test_a_birth_moved_by_a_nanometre_is_seen(figure_5: h5py.File) -> None:
