@@ -25,6 +25,9 @@ TYPES: dict[str, Any] = {
     "string or null": lambda value: value is None or TYPES["string"](value),
     "list of integers": lambda value: isinstance(value, list) and all(TYPES["integer"](item) for item in value),
     "list of numbers": lambda value: isinstance(value, list) and all(TYPES["number"](item) for item in value),
+    "list of numbers and nulls": lambda value: (
+        isinstance(value, list) and all(TYPES["number or null"](item) for item in value)
+    ),
     "list of objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
     "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }
@@ -120,6 +123,8 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "slider.h5", "--json")),
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
+        ("theory", ("theory", full, "--at-area", "0,1,1e9", "--json")),
+        ("theory", ("theory", "bare.toml", "--json")),
         ("junction", ("junction", "slider.h5", "17", "--json")),
         ("junction", ("junction", "bare.h5", "3", "--json")),
         ("junctions", ("junctions", "slider.h5", "--json")),

@@ -40,11 +40,29 @@ def _warn(warnings: Iterable[str], *, quiet: bool) -> None:
             print(warning, file=sys.stderr)
 
 
+def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
+    """Load a scenario, or take that of a result; raises Refused for changes to the latter, which has been run."""
+    if not _is_result(file):
+        return scenario_of(file, changes, quiet=quiet)
+    if changes:
+        raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
+    from rubnoise import api
+
+    with api.open(file) as run:
+        return run.scenario
+
+
 def _refuse_result(file: Path) -> None:
-    """Tell who gives a result where a scenario is wanted; what else is wrong with a file, reading it says."""
+    """Tell who gives a result where a scenario is wanted."""
+    if _is_result(file):
+        raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
+
+
+def _is_result(file: Path) -> bool:
+    """Whether a file begins as HDF5 does; what else is wrong with one, reading it says."""
     with suppress(OSError):
-        if file.is_file() and _beginning(file) == _HDF5:
-            raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
+        return file.is_file() and _beginning(file) == _HDF5
+    return False
 
 
 def _beginning(file: Path) -> bytes:

@@ -35,7 +35,7 @@ def _draw_along(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
     axes.plot(*stretch.curve("trace", "junction_count"), color=BLUE, lw=0.8, drawstyle="steps-post", label="simulated")
     axes.set_xlim(stretch.start, stretch.stop)
     axes.set_ylim(bottom=0.0)
-    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.locator_params(axis="y", integer=True)
     axes.set_xlabel(DISTANCE)
     axes.set_ylabel(COUNT)
     legend_above(axes)
@@ -49,7 +49,7 @@ def _draw_often(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
         axes.plot(numbers, _poisson(numbers, theory.count_mean), "o", color=VERMILION, ms=3.0, label="exact: Poisson")
     else:
         axes.axvline(theory.count_mean, color=VERMILION, label="exact mean")
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.locator_params(axis="x", integer=True)
     axes.set_xlabel(COUNT)
     axes.set_ylabel("share of the ticks")
     legend_above(axes, columns=1)

@@ -1,0 +1,64 @@
+"""`rubnoise plot`: pictures of a run, simulation and theory in each."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    what: Annotated[
+        str,
+        typer.Argument(help="trace, lives, histogram, psd, acf, count or slider.", metavar="[WHAT]"),
+    ] = "trace",
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="A png, pdf or svg file; else RUN_WHAT.png, here.", metavar="PICTURE"),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option("--from", help="Where the stretch begins: um, or with a unit.", metavar="S", show_default=False),
+    ] = None,
+    stop: Annotated[
+        str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S", show_default=False)
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Draw a run: its area, single lives, distribution, spectrum, autocovariance, count or slider, beside theory.
+
+    Example: rubnoise plot fig5.h5 psd -o spectrum.pdf
+    """
+    from rubnoise.cli.pictures import check_picture, write_picture
+    from rubnoise.cli.results import finished_run
+    from rubnoise.errors import Refused
+    from rubnoise.figures.catalogue import check_name, picture
+    from rubnoise.figures.stretch import Stretch
+
+    check_name(what)
+    ends = _distance("--from", start), _distance("--to", stop)
+    path = output or Path(f"{file.stem}_{what}.png")
+    check_picture(path, force=force)
+    if file.is_dir():
+        raise Refused(f"{file}: is a folder; plot draws one result at a time")
+    with finished_run(file) as run:
+        stretch = Stretch.of(run, *ends)
+        write_picture(path, lambda kind: picture(what, stretch, kind), force=force)
+
+
+def _distance(option: str, text: str | None) -> float | None:
+    """Return a sliding distance in um, which is what a number without a unit is in."""
+    import re
+
+    from rubnoise.cli.layout import printable
+    from rubnoise.errors import Refused
+    from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
+
+    if text is None:
+        return None
+    try:
+        return float(read_quantity(f"{text} um" if re.fullmatch(NUMBER, text) else text, LENGTH))
+    except QuantityError as problem:
+        hint = f"; {problem.hint}" if problem.hint else ""
+        raise Refused(f"{option}: {printable(text)}: {problem}{hint}") from problem

@@ -1,0 +1,67 @@
+"""`rubnoise theory`: what is exact about a scenario, without a run."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="A scenario file, or a result.", metavar="FILE", show_default=False)],
+    picture: Annotated[
+        Path | None,
+        typer.Argument(help="Where --plot writes; else FILE_theory.png, here.", metavar="PICTURE", show_default=False),
+    ] = None,
+    *,
+    changes: Annotated[
+        list[str] | None, typer.Option("--set", help="Change a key, as for run.", metavar="KEY=VALUE")
+    ] = None,
+    wavenumbers: Annotated[
+        list[str] | None,
+        typer.Option("--at-wavenumber", help="Where to take the spectrum, in rad/um.", metavar="K,..."),
+    ] = None,
+    lags: Annotated[
+        list[str] | None, typer.Option("--at-lag", help="Where to take the autocovariance, in um.", metavar="S,...")
+    ] = None,
+    areas: Annotated[
+        list[str] | None, typer.Option("--at-area", help="Where to take the distribution, in um^2.", metavar="A,...")
+    ] = None,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, a row a number.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
+) -> None:
+    """Tell what is exact about a scenario: moments, spectrum, autocovariance, distribution, the slider's response.
+
+    Example: rubnoise theory scenarios/paper/fig5.toml --at-wavenumber 0,0.1,1
+    """
+    import json
+
+    from rubnoise.cli import theory_answer, theory_text
+    from rubnoise.cli.loading import scenario_or_result
+    from rubnoise.cli.pictures import check_picture, write_picture
+    from rubnoise.cli.theory_points import Points
+
+    if as_csv + as_json + plot > 1:
+        raise typer.BadParameter("only one of --csv, --json and --plot")
+    if not plot and (picture is not None or force):
+        raise typer.BadParameter(f"{picture or '--force'} is for --plot")
+    if plot:
+        picture = picture or Path(f"{file.stem}_theory.png")
+        check_picture(picture, force=force)
+    scenario = scenario_or_result(file, changes or (), quiet=as_json)
+    model = scenario.model()
+    if plot and picture is not None:
+        from rubnoise.figures.theory import theory_picture
+
+        write_picture(picture, lambda kind: theory_picture(model, scenario.title or file.stem, kind), force=force)
+        return
+    brief = not (as_csv or as_json)
+    points = Points.of(model, wavenumbers=wavenumbers, lags=lags, areas=areas, brief=brief)
+    answer = theory_answer.answered(model, points)
+    if as_json:
+        print(json.dumps(answer))
+    else:
+        heading = f"{file}: {scenario.title}".removesuffix(": ")
+        lines = theory_text.rows(answer) if as_csv else theory_text.described(heading, model.calibration, answer)
+        print("\n".join(lines))

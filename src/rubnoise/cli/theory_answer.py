@@ -1,0 +1,95 @@
+"""What theory says about a model, by name, in working units and ready for JSON."""
+
+from math import isfinite
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.cli.theory_points import Points
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.theory.campbell import Cumulants
+from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.exact import Exact, exact
+from rubnoise.theory.spectrum import spectral_density
+
+CONVENTION: Final = (
+    "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
+)
+
+
+def answered(model: Model, points: Points) -> dict[str, Any]:
+    """Return moments, and spectrum, autocovariance and distribution at the points; None for what is not finite.
+
+    A group that does not apply to the model is left out.
+    """
+    theory = exact(model)
+    answer: dict[str, Any] = {
+        "count": {"mean": theory.count_mean, "variance": theory.count_variance},
+        "area": _moments(theory.area),
+    }
+    if theory.force is not None:
+        answer["force"] = _moments(theory.force)
+    answer |= _motion(theory)
+    answer["diameter"] = {
+        "calibrated": model.calibrated_diameter,
+        "mean": model.sizes.moment(1),
+        "length_biased_mean": theory.length_biased_mean_diameter,
+    }
+    # A point may lie further out than squares can be told: what is left there is 0.
+    with np.errstate(over="ignore", under="ignore", divide="ignore"):
+        answer |= _at(model, points)
+    return {name: _finite(group) for name, group in answer.items()}
+
+
+def _moments(cumulants: Cumulants) -> dict[str, Any]:
+    return {
+        "mean": cumulants.mean,
+        "std": cumulants.std,
+        "skewness": cumulants.skewness,
+        "excess_kurtosis": cumulants.excess_kurtosis,
+        "cumulants": list(cumulants.values),
+    }
+
+
+def _motion(theory: Exact) -> dict[str, Any]:
+    if theory.slider is None:
+        return {}
+    slider = {
+        "displacement_mean": theory.slider.mean_displacement,
+        "displacement_std": theory.slider.displacement_std,
+        "velocity_std": theory.slider.velocity_std,
+        "one_way_validity": theory.slider.one_way_validity,
+    }
+    return {"slider": slider}
+
+
+def _at(model: Model, points: Points) -> dict[str, Any]:
+    return {
+        "spectrum": {
+            "wavenumber": points.wavenumbers,
+            "density": spectral_density(model, points.wavenumbers),
+            "convention": CONVENTION,
+        },
+        "autocovariance": {"lag": points.lags, "value": autocovariance(model, points.lags)},
+    } | _distribution(model, points.areas)
+
+
+def _distribution(model: Model, areas: NDArray[np.float64]) -> dict[str, Any]:
+    try:
+        law = distribution(model)
+    except Refused:
+        return {}
+    known = {"area": areas, "density": law.density(areas), "cdf": law.cdf(areas), "atom_at_zero": law.atom_at_zero}
+    return {"distribution": known}
+
+
+def _finite(value: Any) -> Any:
+    """Return a value as JSON has it: arrays as lists, and None for what is no finite number."""
+    if isinstance(value, dict):
+        return {name: _finite(item) for name, item in value.items()}
+    if isinstance(value, list | np.ndarray):
+        return [_finite(item) for item in np.asarray(value, dtype=np.float64).tolist()]
+    return value if isinstance(value, str) or isfinite(value) else None

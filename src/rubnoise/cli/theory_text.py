@@ -1,0 +1,136 @@
+"""What theory says about a model, as lines for a terminal and as rows of a table."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+from rubnoise.cli.layout import WORTH_A_WARNING, line, number, one_way_warning, printable, remark
+
+COLUMN: Final = 19
+UNITS: Final = {
+    "area.mean": "um^2",
+    "area.std": "um^2",
+    "force.mean": "uN",
+    "force.std": "uN",
+    "slider.displacement_mean": "um",
+    "slider.displacement_std": "um",
+    "slider.velocity_std": "um/s",
+    "diameter.calibrated": "um",
+    "diameter.mean": "um",
+    "diameter.length_biased_mean": "um",
+    "spectrum.wavenumber": "rad/um",
+    "spectrum.density": "um^4/(rad/um)",
+    "spectral_lines.wavenumber": "rad/um",
+    "spectral_lines.power": "um^4",
+    "autocovariance.lag": "um",
+    "autocovariance.value": "um^4",
+    "distribution.area": "um^2",
+    "distribution.density": "1/um^2",
+}
+"""Units by the path of a field; what is not here is a plain number, but for cumulants, each of its own unit."""
+
+CURVES: Final = {
+    "spectrum": "wavenumber",
+    "spectral_lines": "wavenumber",
+    "autocovariance": "lag",
+    "distribution": "area",
+}
+"""Groups that are told at points, and which of their fields says where."""
+
+
+def described(heading: str, calibration: str, answer: dict[str, Any]) -> list[str]:
+    """Return what theory says, as lines to print under a heading."""
+    return [
+        printable(heading),
+        "",
+        *_moment_lines(calibration, answer),
+        *_slider_lines(answer.get("slider")),
+        *_curve_lines(answer),
+    ]
+
+
+def _moment_lines(calibration: str, answer: dict[str, Any]) -> Iterator[str]:
+    count, sizes = answer["count"], answer["diameter"]
+    yield line("mean diameter d_m", f"{_shown(sizes['calibrated'])} um (calibration {calibration})")
+    yield line("diameters as drawn", f"mean {_shown(sizes['mean'])} um")
+    yield line("of those found alive", f"mean {_shown(sizes['length_biased_mean'])} um")
+    yield line("junction count", f"mean {_shown(count['mean'])}, variance {_shown(count['variance'])}")
+    for name, label, unit in (("area", "real contact area", "um^2"), ("force", "friction force", "uN")):
+        if name in answer:
+            yield from _cumulant_lines(label, unit, answer[name])
+
+
+def _cumulant_lines(label: str, unit: str, group: dict[str, Any]) -> Iterator[str]:
+    yield line(label, f"mean {_shown(group['mean'])}, std {_shown(group['std'])} {unit}")
+    yield line("", f"skewness {_shown(group['skewness'])}, excess kurtosis {_shown(group['excess_kurtosis'])}")
+
+
+def _slider_lines(slider: dict[str, Any] | None) -> Iterator[str]:
+    if slider is None:
+        return
+    validity = slider["one_way_validity"]
+    place = f"mean {_shown(slider['displacement_mean'])}, std {_shown(slider['displacement_std'])} um"
+    yield line("displacement", place)
+    yield line("velocity", f"std {_shown(slider['velocity_std'])} um/s")
+    yield line("one-way validity", f"{_shown(validity)} (std of velocity over sliding speed)")
+    if validity is None:
+        yield remark("warning: without damping the vibration grows for ever; it has no stationary spread")
+    elif validity > WORTH_A_WARNING:
+        yield remark(f"warning: {one_way_warning(validity)}")
+
+
+def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
+    spectrum, covariance, law = answer["spectrum"], answer["autocovariance"], answer.get("distribution")
+    yield from _table(
+        "spectral density of the area, two-sided",
+        {"k (rad/um)": spectrum["wavenumber"], "S (um^4/(rad/um))": spectrum["density"]},
+    )
+    if "spectral_lines" in answer:
+        lines = answer["spectral_lines"]
+        yield from _table("and its lines", {"k (rad/um)": lines["wavenumber"], "power (um^4)": lines["power"]})
+    yield from _table("autocovariance of the area", {"lag (um)": covariance["lag"], "R (um^4)": covariance["value"]})
+    if law is not None:
+        yield from _table(
+            f"distribution of the area, which is 0 with probability {_shown(law['atom_at_zero'])}",
+            {"area (um^2)": law["area"], "density (1/um^2)": law["density"], "P(A_r <= area)": law["cdf"]},
+        )
+
+
+def _table(heading: str, columns: dict[str, Sequence[float | None]]) -> Iterator[str]:
+    yield from ("", heading)
+    yield "  " + "".join(f"{name:>{COLUMN}}" for name in columns)
+    for row in zip(*columns.values(), strict=True):
+        yield "  " + "".join(f"{_shown(value):>{COLUMN}}" for value in row)
+
+
+def _shown(value: float | None) -> str:
+    return "none" if value is None else number(value)
+
+
+def rows(answer: dict[str, Any]) -> Iterator[str]:
+    """Return a heading and a row a number: its name, where it is taken and in which unit, its value and its unit.
+
+    Numbers are to their last bit; a value that is not finite is left empty.
+    """
+    yield "quantity,at,at_unit,value,unit"
+    for group, fields in answer.items():
+        at = CURVES.get(group)
+        for name, value in fields.items():
+            path = f"{group}.{name}"
+            if name == "cumulants":
+                for order, each in enumerate(value, start=1):
+                    yield _row(path, order, "order", each, _power(UNITS[f"{group}.mean"], order))
+            elif isinstance(value, list) and name != at:
+                for where, each in zip(fields[at], value, strict=True):
+                    yield _row(path, where, UNITS[f"{group}.{at}"], each, UNITS.get(path, "1"))
+            elif not isinstance(value, list | str):
+                yield _row(path, "", "", value, UNITS.get(path, "1"))
+
+
+def _power(unit: str, order: int) -> str:
+    base, _, power = unit.partition("^")
+    exponent = order * int(power or 1)
+    return base if exponent == 1 else f"{base}^{exponent}"
+
+
+def _row(*cells: Any) -> str:
+    return ",".join("" if cell is None else str(cell) for cell in cells)

@@ -1,0 +1,143 @@
+"""What is exact about a model in one picture: distribution, autocovariance, spectrum, and the slider's response."""
+
+from math import pi
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.errors import Refused
+from rubnoise.figures.marks import AREA
+from rubnoise.figures.style import (
+    FAINT,
+    INK,
+    VERMILION,
+    Format,
+    as_bytes,
+    house_style,
+    logarithmic,
+    new_figure,
+    shortened,
+)
+from rubnoise.model import Model, Slider
+from rubnoise.theory.campbell import Cumulants, area_cumulants
+from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.response import response
+from rubnoise.theory.response_spectrum import displacement_spectrum_per_hertz
+from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+POINTS: Final = 1200
+REACH: Final = 4.5
+LONGEST_TITLE: Final = 80
+RARE: Final = 1e-6
+Doubles = NDArray[np.float64]
+
+
+def theory_picture(model: Model, title: str, kind: Format) -> bytes:
+    """Return the picture of a model's theory as the bytes of a file."""
+    with house_style():
+        return as_bytes(_figure(model, title), kind)
+
+
+def _figure(model: Model, title: str) -> "Figure":
+    area = area_cumulants(model)
+    figure = new_figure(7.6, 5.6)
+    told = f"real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
+    figure.suptitle(f"{shortened(title, LONGEST_TITLE)}\n{told}", x=0.01, ha="left", fontsize=10.0)
+    rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
+    axes = figure.subplot_mosaic(rows)
+    _draw_law(axes["law"], model, area)
+    _draw_covariance(axes["covariance"], model, area)
+    _draw_spectrum(axes["spectrum"], model)
+    if model.slider is not None:
+        _draw_response(axes["response"], model, model.slider)
+    return figure
+
+
+def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
+    axes.set_title("Distribution")
+    axes.set_xlabel(AREA)
+    axes.set_ylabel("density (1/µm²)")
+    try:
+        law = distribution(model)
+    except Refused:
+        _say(axes, "known for births at random")
+        return
+    span = np.linspace(max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std, POINTS)[1:]
+    density = law.density(span)
+    bell = np.exp(-0.5 * ((span - area.mean) / area.std) ** 2) / (np.sqrt(2.0 * pi) * area.std)
+    axes.plot(span, bell, color=FAINT, lw=1.0, ls=(0, (4, 2)), label="normal")
+    axes.fill_between(span, density, color=VERMILION, alpha=0.15, lw=0.0)
+    axes.plot(span, density, color=VERMILION, lw=1.6, label="exact")
+    # A density that is singular at 0 must not flatten the rest.
+    axes.set_ylim(0.0, min(1.1 * float(density[np.isfinite(density)].max()), 6.0 * float(bell.max())))
+    axes.set_xlim(0.0 if area.mean < 2.0 * REACH * area.std else None, span[-1])
+    axes.legend(loc="upper right")
+    if law.atom_at_zero > RARE:
+        axes.set_title(f"Distribution; no contact at all: {law.atom_at_zero:.3g}")
+
+
+def _draw_covariance(axes: "Axes", model: Model, area: Cumulants) -> None:
+    lag = np.linspace(0.0, 1.25 * model.mean_life_distance, POINTS // 4)
+    axes.set_title("Autocovariance")
+    axes.axhline(0.0, color=FAINT, lw=0.6)
+    axes.plot(lag, autocovariance(model, lag), color=VERMILION, lw=1.6)
+    axes.axvline(model.mean_life_distance, color=FAINT, lw=0.8, ls=(0, (2, 2)))
+    axes.annotate(
+        "mean life",
+        (model.mean_life_distance, area.variance),
+        xytext=(-4.0, -4.0),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        color="#5a5a5a",
+    )
+    axes.set_xlim(0.0, lag[-1])
+    axes.set_xlabel("lag in sliding distance (µm)")
+    axes.set_ylabel("covariance (µm⁴)")
+
+
+def _draw_spectrum(axes: "Axes", model: Model) -> None:
+    unit = 1.0 / model.mean_life_distance
+    wavenumber = np.geomspace(0.1 * unit, 300.0 * unit, POINTS)
+    density = spectral_density(model, wavenumber)
+    axes.set_title("Spectral density of the area")
+    axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact, two-sided")
+    far = 300.0 * unit
+    tail = float(mean_spectral_density(model, np.array([10.0 * far]))[0]) * (10.0 * far / wavenumber) ** 4
+    below = tail < 10.0 * density[0]
+    axes.plot(wavenumber[below], tail[below], color=INK, lw=0.8, ls=(0, (4, 2)), label="tail k⁻⁴")
+    for axis in (axes.xaxis, axes.yaxis):
+        logarithmic(axis)
+    axes.set_xlim(wavenumber[0], wavenumber[-1])
+    axes.set_ylim(0.2 * float(tail[-1]), 5.0 * density[0])
+    axes.set_xlabel("wavenumber (rad/µm)")
+    axes.set_ylabel("µm⁴ per rad/µm")
+    axes.legend(loc="lower left")
+
+
+def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
+    axes.set_title("One-way displacement")
+    if slider.damping == 0.0:
+        _say(axes, "not stationary without damping")
+        return
+    natural = slider.natural_frequency
+    frequency = np.unique(np.concatenate([np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)])) * natural
+    axes.set_title(f"One-way displacement, std {response(model).displacement_std:.4g} µm")
+    axes.plot(frequency, displacement_spectrum_per_hertz(model, frequency), color=VERMILION, lw=1.6)
+    for axis in (axes.xaxis, axes.yaxis):
+        logarithmic(axis)
+    axes.set_xlim(frequency[0], frequency[-1])
+    axes.set_xlabel("frequency (Hz)")
+    axes.set_ylabel("µm²/Hz")
+
+
+def _say(axes: "Axes", text: str) -> None:
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color="#5a5a5a")
+    axes.set_xticks([])
+    axes.set_yticks([])

@@ -1,0 +1,141 @@
+"""`rubnoise plot`: pictures of a run in files."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.terminal import call, names
+from tests.format.runs import describe, random_rows, write_run
+
+CONTACT = Path("../given/contact.toml")
+SLIDER = Path("../given/slider.toml")
+BEGINNINGS = {"png": b"\x89PNG\r\n\x1a\n", "pdf": b"%PDF-", "svg": b"<?xml"}
+
+
+@pytest.fixture
+def result(here: Path) -> Path:
+    assert call("run", SLIDER, "-q", "-o", "x.h5").code == 0
+    return here / "x.h5"
+
+
+@pytest.fixture
+def bare(here: Path) -> Path:
+    assert call("run", CONTACT, "-q", "-o", "bare.h5").code == 0
+    return here / "bare.h5"
+
+
+def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> None:
+    answer = call("plot", "x.h5")
+    assert (answer.code, answer.out, answer.err) == (0, "x_trace.png\n", "")
+    assert (here / "x_trace.png").read_bytes().startswith(BEGINNINGS["png"])
+    assert names(here) == ["x.h5", "x_trace.png"]
+
+
+@pytest.mark.parametrize("what", ["lives", "histogram", "psd", "acf", "count", "slider"])
+def test_every_picture_has_a_name_of_its_own(result: Path, here: Path, what: str) -> None:
+    assert call("plot", "x.h5", what).out == f"x_{what}.png\n"
+    assert names(here) == ["x.h5", f"x_{what}.png"]
+
+
+@pytest.mark.parametrize("kind", BEGINNINGS)
+def test_the_ending_chooses_the_format(result: Path, here: Path, kind: str) -> None:
+    (here / "sub").mkdir()
+    assert call("plot", "x.h5", "acf", "-o", f"sub/a.{kind.upper()}").code == 0
+    assert (here / "sub" / f"a.{kind.upper()}").read_bytes().startswith(BEGINNINGS[kind])
+    assert names(here / "sub") == [f"a.{kind.upper()}"]
+
+
+def test_a_stretch_is_chosen_in_um_or_with_units(result: Path, here: Path) -> None:
+    for name, stretch in (
+        ("a.png", ("--from", "50", "--to", "90")),
+        ("b.png", ("--from", "0.05 mm", "--to", "90 um")),
+        ("c.png", ("--from", "50", "--to", "91")),
+    ):
+        assert call("plot", "x.h5", "-o", name, *stretch).code == 0
+    first, same, other = ((here / name).read_bytes() for name in ("a.png", "b.png", "c.png"))
+    assert first == same
+    assert first != other
+
+
+def test_a_file_is_replaced_only_by_force(result: Path, here: Path) -> None:
+    (here / "x_trace.png").write_bytes(b"precious")
+    answer = call("plot", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.endswith("x_trace.png: exists already (--force replaces it)\n")
+    assert (here / "x_trace.png").read_bytes() == b"precious"
+    assert call("plot", "x.h5", "--force").code == 0
+    assert (here / "x_trace.png").read_bytes().startswith(BEGINNINGS["png"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("fft",), "no picture is called 'fft'; there are trace, lives, histogram, psd, acf, count, slider"),
+        (("-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
+        (("-o", "none/x.png"), "no such folder"),
+        (("--from", "x"), "--from: x: not a number and a unit"),
+        (("--to", "5 kg"), '--to: 5 kg: "kg" is the unit of a mass, a length is needed'),
+        (("--from", "nan"), "--from: nan: not a finite number"),
+        (("--from", "400"), "x.h5: nothing lies in 400 to 300 um; the run goes from 0 to 300 um"),
+        (("--from", "5", "--to", "5.05"), "x.h5: 5 to 5.05 um is too short to draw"),
+        (("psd", "--to", "10"), "x.h5: a spectrum needs a stretch of 24.8 um or more"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(result: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:
+    answer = call("plot", "x.h5", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in " ".join(answer.err.replace("│", " ").split())
+    assert names(here) == ["x.h5"]
+
+
+def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
+    answer = call("plot", "bare.h5", "slider")
+    said = "bare.h5: the run has no slider to draw; [slider] in its scenario would give it one\n"
+    assert (answer.code, answer.out, answer.err) == (2, "", said)
+    for what in ("trace", "lives", "histogram", "psd", "acf", "count"):
+        assert call("plot", "bare.h5", what).code == 0
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("folder", "folder: is a folder; plot draws one result at a time\n"),
+        ("missing.h5", "missing.h5: no such file or directory\n"),
+        ("../given/contact.toml", "../given/contact.toml: is not an HDF5 file\n"),
+    ],
+)
+def test_what_is_no_result_is_refused(here: Path, path: str, said: str) -> None:
+    (here / "folder").mkdir()
+    answer = call("plot", path)
+    assert (answer.code, answer.out, answer.err) == (2, "", said)
+    assert names(here) == ["folder"]
+
+
+def test_an_unfinished_result_is_refused(here: Path) -> None:
+    said = []
+
+    def look() -> None:
+        said.append(call("plot", "x.h5.part", "-o", "p.png"))
+
+    description = describe()
+    write_run("x.h5", description, random_rows(description), meanwhile=look)
+    assert said[0].code == 2
+    assert said[0].err == "x.h5.part: unfinished; the run that writes it goes on or was stopped\n"
+
+
+def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
+    description = describe()
+    write_run("odd.h5", description, random_rows(description))
+    answer = call("plot", "odd.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "odd.h5: the scenario in the file is none that can be run, so theory is silent\n"
+    assert names(here) == ["odd.h5"]
+
+
+def test_without_matplotlib_nothing_is_written(result: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    answer = call("plot", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert 'pip install "rubnoise[plot]"' in answer.err
+    assert names(here) == ["x.h5"]

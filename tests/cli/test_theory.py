@@ -1,0 +1,227 @@
+"""`rubnoise theory`: what is exact about a scenario, in words, as JSON, as a table, as a picture."""
+
+import csv
+import json
+import sys
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.architecture.sources import ROOT
+from tests.cli.terminal import PAPER, call, names
+
+CONTACT = Path("../given/contact.toml")
+SLIDER = Path("../given/slider.toml")
+FIG5 = PAPER / "fig5.toml"
+REFERENCE = ROOT / "tests" / "reference"
+
+
+def told(*arguments: str | Path) -> Any:
+    answer = call("theory", *arguments, "--json")
+    assert (answer.code, answer.err) == (0, "")
+    return answer.json()
+
+
+def _as_scenario(row: dict[str, Any]) -> list[str]:
+    spread = row["diameter_std"]
+    law = ["diameter.law=normal", f'diameter.spread="{spread} um"'] if spread else ["diameter.law=fixed"]
+    values = [
+        f'interface.mean_real_contact_area="{row["mean_real_contact_area_input"]} um^2"',
+        f"interface.mean_junction_count={row['mean_junction_count_input']}",
+        f"interface.calibration={row['calibration']}",
+        *law,
+    ]
+    return [word for value in values for word in ("--set", value)]
+
+
+def _rows(name: str, *, every: int = 1) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = json.loads((REFERENCE / name).read_text(encoding="utf-8"))["rows"]
+    return found[::every]
+
+
+@pytest.mark.parametrize("row", [*_rows("moments.json", every=5), _rows("moments.json")[-1]])
+def test_moments_are_those_computed_elsewhere(here: Path, row: dict[str, Any]) -> None:
+    found = told(CONTACT, *_as_scenario(row), "--at-lag", "0", "--at-area", "1", "--at-wavenumber", "1")
+    assert found["count"]["mean"] == pytest.approx(row["junction_count_mean"], rel=1e-10)
+    assert found["count"]["variance"] == pytest.approx(row["junction_count_mean"], rel=1e-10)
+    for name in ("mean", "std", "skewness", "excess_kurtosis"):
+        assert found["area"][name] == pytest.approx(row[f"area_{name}"], rel=1e-10)
+    assert found["diameter"]["calibrated"] == pytest.approx(row["mean_diameter_calibrated"], rel=1e-10)
+    assert found["diameter"]["length_biased_mean"] == pytest.approx(row["length_biased_mean_diameter"], rel=1e-10)
+
+
+@pytest.mark.parametrize("row", _rows("spectrum.json"))
+def test_the_spectrum_is_the_one_computed_elsewhere(here: Path, row: dict[str, Any]) -> None:
+    points = row["wavenumber_rad_per_um"]
+    given = ",".join(str(k) for k in points)
+    found = told(CONTACT, *_as_scenario(row), "--at-wavenumber", given)["spectrum"]
+    assert found["wavenumber"] == points
+    assert found["density"] == pytest.approx(row["spectral_density_um4_per_rad_per_um"], rel=1e-9)
+    assert "two-sided" in found["convention"]
+
+
+def test_figure_5_has_everything() -> None:
+    found = told(FIG5, "--at-lag", "0,-3,3,20", "--at-area=-5,0,204.67,1e6")
+    assert sorted(found) == sorted(
+        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution"]
+    )
+    assert found["area"]["mean"] == pytest.approx(204.6736, abs=5e-5)
+    assert found["area"]["cumulants"][1] == pytest.approx(found["area"]["std"] ** 2, rel=1e-14)
+    assert len(found["area"]["cumulants"]) == len(found["force"]["cumulants"]) == 6
+    assert found["force"]["std"] == pytest.approx(14_107.34, abs=0.005)
+    assert found["slider"]["displacement_std"] == pytest.approx(195.3059, abs=5e-5)
+    assert found["slider"]["velocity_std"] == pytest.approx(47_241.1, abs=0.05)
+    assert found["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
+    covariance = found["autocovariance"]["value"]
+    assert covariance[0] == pytest.approx(found["area"]["cumulants"][1], rel=1e-12)
+    assert covariance[1] == covariance[2]
+    assert covariance[3] == 0.0
+    law = found["distribution"]
+    assert law["area"] == [-5.0, 0.0, 204.67, 1e6]
+    assert law["cdf"][0] == 0.0
+    assert law["cdf"][1] == pytest.approx(law["atom_at_zero"], rel=1e-12)
+    assert law["cdf"][1] == pytest.approx(np.exp(-20.0), rel=1e-6)
+    assert law["cdf"][3] == pytest.approx(1.0, abs=1e-12)
+    assert law["density"][0] == law["density"][3] == 0.0
+
+
+def test_a_bare_contact_has_no_force_and_no_slider(here: Path) -> None:
+    assert sorted(told(CONTACT)) == sorted(["count", "area", "diameter", "spectrum", "autocovariance", "distribution"])
+
+
+def test_points_are_echoed_in_order_and_taken_together(here: Path) -> None:
+    found = told(CONTACT, "--at-wavenumber", "1,-0.001, 0", "--at-wavenumber", "5e-1,1", "--at-lag", "+2.,.5")
+    assert found["spectrum"]["wavenumber"] == [1.0, -0.001, 0.0, 0.5, 1.0]
+    assert found["autocovariance"]["lag"] == [2.0, 0.5]
+    density = found["spectrum"]["density"]
+    assert density[0] == density[4]
+    assert density[2] > density[3] > density[0]
+
+
+def test_many_points_far_out_are_no_trouble(here: Path) -> None:
+    many = ",".join(str(0.01 * i) for i in range(3000))
+    far = "1e300,-1e300,1e-300,1e150"
+    found = told(CONTACT, "--at-wavenumber", f"{many},{far}", "--at-lag", far, "--at-area", far)
+    assert len(found["spectrum"]["density"]) == 3004
+    assert found["spectrum"]["density"][-4:] == [0.0, 0.0, found["spectrum"]["density"][0], 0.0]
+    assert found["autocovariance"]["value"][:2] == [0.0, 0.0]
+    assert found["distribution"]["cdf"][:2] == [1.0, 0.0]
+
+
+@pytest.mark.parametrize("option", ["--at-wavenumber", "--at-lag", "--at-area"])
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("nan", '"nan" is no finite number'),
+        ("1,inf", '"inf" is no finite number'),
+        ("", "a number is missing"),
+        ("1,,2", "a number is missing"),
+        ("1 um", '"1 um" is no finite number'),
+        ("0x10", '"0x10" is no finite number'),
+        ("1_0", '"1_0" is no finite number'),
+        ("1e999", "1e999 is beyond the largest number there is"),
+        ("1;2", '"1;2" is no finite number'),
+    ],
+)
+def test_what_is_no_number_is_refused_by_name(here: Path, option: str, text: str, said: str) -> None:
+    answer = call("theory", CONTACT, f"{option}={text}", "--json")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"{option}: {said}")
+
+
+def test_grids_of_its_own_cover_what_matters(here: Path) -> None:
+    found = told(SLIDER)
+    k, lag, area = (
+        found[group][name]
+        for group, name in (("spectrum", "wavenumber"), ("autocovariance", "lag"), ("distribution", "area"))
+    )
+    assert k[0] == lag[0] == area[0] == 0.0
+    assert k == sorted(set(k))
+    assert found["spectrum"]["density"][-1] < 1e-12 * found["spectrum"]["density"][0]
+    assert found["autocovariance"]["value"][-1] == pytest.approx(0.0, abs=1e-9)
+    assert found["distribution"]["cdf"][-1] > 1.0 - 1e-6
+    # The trapezoid over the grid is the integral of the density.
+    assert np.trapezoid(found["distribution"]["density"], area) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_changes_and_results_are_taken(here: Path) -> None:
+    assert call("run", SLIDER, "-q", "-o", "x.h5").code == 0
+    assert told("x.h5") == told(SLIDER)
+    assert told(SLIDER, "--set", "interface.mean_junction_count=40")["count"]["mean"] == pytest.approx(40.0, rel=1e-3)
+    refused = call("theory", "x.h5", "--set", "run.seed=3")
+    assert (refused.code, refused.out) == (2, "")
+    assert "x.h5: is a result" in refused.err
+
+
+def test_text_fits_a_terminal_and_warns(here: Path) -> None:
+    answer = call("theory", FIG5)
+    assert (answer.code, answer.err) == (0, "")
+    lines = answer.out.splitlines()
+    assert max(map(len, lines[1:])) <= 80
+    assert "  real contact area             mean 204.6736, std 56.42936 um^2" in lines
+    assert "  one-way validity              47.2411 (std of velocity over sliding speed)" in lines
+    assert "warning: the velocity of the slider spreads by 47.2 times the sliding speed" in answer.out
+    assert "warning" not in call("theory", SLIDER, "--set", 'strength.mean="0.1 MPa"').out
+
+
+def test_an_undamped_slider_has_no_spread(here: Path) -> None:
+    undamped = ("--set", 'slider.damping="0 N*s/m"')
+    assert told(SLIDER, *undamped)["slider"]["displacement_std"] is None
+    answer = call("theory", SLIDER, *undamped)
+    assert answer.code == 0
+    assert "without damping the vibration grows for ever" in " ".join(answer.out.split())
+    assert call("theory", SLIDER, *undamped, "--plot").code == 0
+
+
+def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
+    points = ("--at-wavenumber", "0,1", "--at-lag", "2", "--at-area", "200,300")
+    answer = call("theory", FIG5, "--csv", *points)
+    heading, *rows = csv.reader(StringIO(answer.out))
+    assert heading == ["quantity", "at", "at_unit", "value", "unit"]
+    found = {(name, at): (float(value), unit) for name, at, _, value, unit in rows}
+    json_ = told(FIG5, *points)
+    assert found["area.mean", ""] == (json_["area"]["mean"], "um^2")
+    assert found["area.cumulants", "3"] == (json_["area"]["cumulants"][2], "um^6")
+    assert found["force.cumulants", "2"] == (json_["force"]["cumulants"][1], "uN^2")
+    assert found["spectrum.density", "1.0"] == (json_["spectrum"]["density"][1], "um^4/(rad/um)")
+    assert found["distribution.cdf", "300.0"] == (json_["distribution"]["cdf"][1], "1")
+    assert found["distribution.atom_at_zero", ""][1] == "1"
+    assert len(rows) == len(found) == 2 + 2 * 10 + 4 + 3 + 2 + 1 + 2 * 2 + 1
+
+
+@pytest.mark.parametrize("name", ["t.png", "t.pdf", "t.svg"])
+def test_it_is_drawn(here: Path, name: str) -> None:
+    pytest.importorskip("matplotlib")
+    assert call("theory", SLIDER, name, "--plot").out == f"{name}\n"
+    assert names(here) == [name]
+    refused = call("theory", SLIDER, name, "--plot")
+    assert refused.code == 2
+    assert f"{name}: exists already" in refused.err
+    assert call("theory", CONTACT, "--plot").out == "contact_theory.png\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--csv", "--json"), "only one of --csv, --json and --plot"),
+        (("x.png",), "x.png is for --plot"),
+        (("--force",), "--force is for --plot"),
+        (("x.jpg", "--plot"), "ends in none of .png, .pdf and .svg"),
+    ],
+)
+def test_wrong_usage_is_refused(here: Path, arguments: tuple[str, ...], said: str) -> None:
+    answer = call("theory", CONTACT, *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in " ".join(answer.err.replace("│", " ").split())
+    assert names(here) == []
+
+
+def test_without_matplotlib_nothing_is_written(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    answer = call("theory", CONTACT, "--plot")
+    assert (answer.code, answer.out) == (2, "")
+    assert 'pip install "rubnoise[plot]"' in answer.err
+    assert names(here) == []

@@ -1,0 +1,194 @@
+"""The pictures of a run show what the run and the theory say, with nothing cut off."""
+
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib.image
+import numpy as np
+import pytest
+from scipy.signal import welch
+
+import rubnoise
+from rubnoise.errors import Refused
+from rubnoise.figures import stretch as stretches
+from rubnoise.figures import style
+from rubnoise.figures.catalogue import PICTURES, check_name, picture
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.style import house_style
+from rubnoise.storage.reader import open_run
+from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.spectrum import spectral_density
+
+SCENARIO: dict[str, Any] = {
+    "format": 1,
+    "title": "a contact that costs $5",
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
+    "diameter": {"law": "normal", "spread": "0.2 um"},
+    "strength": {"mean": 250.0},
+    "sliding": {"distance": 4000.0, "speed": 1000.0},
+    "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05},
+    "output": {"tick": "0.1 um"},
+}
+FEW = {
+    "format": 1,
+    "interface": {"mean_real_contact_area": 20.0, "mean_junction_count": 0.5},
+    "sliding": {"distance": 400.0, "start": "empty"},
+}
+TRIANGLES = FEW | {
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 4},
+    "pulse": {"shape": "triangle"},
+    "birth": {"law": "regular"},
+}
+
+
+def _stretch(folder: Path, values: dict[str, Any]) -> Iterator[Stretch]:
+    rubnoise.run(rubnoise.build(values), folder / "run.h5", seed=3).close()
+    with open_run(folder / "run.h5") as file:
+        yield Stretch.of(file)
+
+
+@pytest.fixture(scope="module")
+def full(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
+    yield from _stretch(tmp_path_factory.mktemp("full"), SCENARIO)
+
+
+@pytest.fixture(scope="module", params=[FEW, TRIANGLES], ids=["few junctions", "regular triangles"])
+def odd(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
+    yield from _stretch(tmp_path_factory.mktemp("odd"), request.param)
+
+
+def _lines(name: str, stretch: Stretch) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return what the labelled lines of a picture hold."""
+    with house_style():
+        axes = PICTURES[name](stretch).axes
+        return {str(line.get_label()): line.get_data() for each in axes for line in each.lines}
+
+
+def _pixels(png: bytes) -> np.ndarray:
+    return np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
+
+
+def _of_colour(pixels: np.ndarray, colour: str) -> int:
+    wanted = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+    return int(np.all(np.abs(pixels - wanted) < 0.02, axis=2).sum())
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: str) -> None:
+    png = picture(name, full, "png")
+    pixels = _pixels(png)
+    border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
+    assert np.all(border == 1.0)
+    assert _of_colour(pixels, style.VERMILION) > 200
+    assert name == "histogram" or _of_colour(pixels, style.BLUE) > 200  # whose bars are pale
+    assert picture(name, full, "png") == png
+
+
+@pytest.mark.parametrize("name", [name for name in PICTURES if name != "slider"])
+@pytest.mark.parametrize("kind", ["png", "svg"])
+def test_odd_contacts_are_drawn_too(odd: Stretch, name: str, kind: Any) -> None:
+    assert len(picture(name, odd, kind)) > 5000
+
+
+def test_a_slider_is_drawn_only_where_there_is_one(odd: Stretch) -> None:
+    with pytest.raises(Refused, match="the run has no slider to draw"):
+        picture("slider", odd, "png")
+
+
+@pytest.mark.parametrize("name", ["trace", "lives", "count", "slider"])
+def test_another_stretch_makes_another_picture(full: Stretch, name: str) -> None:
+    elsewhere = Stretch.of(full.file, 1000.0, 1040.0)
+    assert picture(name, elsewhere, "png") != picture(name, full, "png")
+
+
+def test_lives_add_up_to_the_trace(full: Stretch) -> None:
+    distance, total = _lines("lives", full)["their sum, the simulated area"]
+    trace = np.interp(distance, *(full.file.column("trace", name) for name in ("distance", "real_contact_area")))
+    np.testing.assert_allclose(total, trace, atol=0.5)  # kinks between ticks
+    assert total.std() > 10.0
+
+
+def test_too_many_lives_are_refused(full: Stretch) -> None:
+    with pytest.raises(Refused, match=r"junctions live in this stretch, of which a picture shows 2,000 at most"):
+        picture("lives", Stretch.of(full.file, 0.0, 4000.0), "png")
+
+
+def test_the_spectrum_is_that_of_scipy_beside_the_exact_one(full: Stretch) -> None:
+    lines = _lines("psd", full)
+    k, density = lines["simulated (Welch, Hann window)"]
+    ticks = round(2.0 * np.pi / (k[0] * full.model.tick))
+    area = full.file.column("trace", "real_contact_area")
+    cycles, twice = welch(area, 1.0 / full.model.tick, "hann", ticks, ticks // 2, detrend="constant")
+    np.testing.assert_allclose(k, 2.0 * np.pi * cycles[1:], rtol=1e-12)
+    np.testing.assert_allclose(density[:-1], 0.5 * twice[1:-1], rtol=1e-9)
+    k, density = lines["exact S(k)"]
+    np.testing.assert_allclose(density, spectral_density(full.model, k), rtol=1e-12)
+    k, expected = lines["expected of the estimate"]
+    middle = (k > 0.1) & (k < 1.0)
+    np.testing.assert_allclose(expected[middle], spectral_density(full.model, k[middle]), rtol=0.2)
+    assert expected[-1] > 1.5 * spectral_density(full.model, k[-1])  # the aliases of the ticks
+
+
+def test_a_spectrum_of_few_ticks_is_refused(full: Stretch) -> None:
+    with pytest.raises(Refused, match="a spectrum needs a stretch of"):
+        picture("psd", Stretch.of(full.file, 0.0, 10.0), "png")
+
+
+def test_the_autocovariance_is_that_of_the_record(full: Stretch) -> None:
+    lines = _lines("acf", full)
+    lag, covariance = lines["simulated"]
+    area = full.file.column("trace", "real_contact_area")
+    assert covariance[0] == pytest.approx(area.var(), rel=1e-9)
+    steps = round(lag[20] / full.model.tick)
+    away = area - area.mean()
+    assert covariance[20] == pytest.approx(np.mean(away[steps:] * away[:-steps]), rel=1e-3)
+    lag, exact = lines["exact"]
+    np.testing.assert_allclose(exact, autocovariance(full.model, lag), rtol=1e-12)
+
+
+def test_the_shares_of_live_junctions_are_those_of_the_run(full: Stretch) -> None:
+    count = full.file.column("trace", "junction_count")
+    with house_style():
+        bars = PICTURES["count"](full).axes[1].patches
+    heights = {round(bar.get_x() + 0.5): bar.get_height() for bar in bars}
+    assert sum(heights.values()) == pytest.approx(1.0)
+    assert heights[20] == pytest.approx(np.mean(count == 20))
+    numbers, exact = _lines("count", full)["exact: Poisson"]
+    mean = float(numbers @ exact)
+    assert mean == pytest.approx(20.0, abs=0.05)
+
+
+def test_the_histogram_leaves_the_atom_at_zero_to_words(tmp_path: Path) -> None:
+    opened = _stretch(tmp_path, FEW)
+    stretch = next(opened)
+    nothing = np.mean(stretch.file.column("trace", "real_contact_area") == 0.0)
+    with house_style():
+        figure = PICTURES["histogram"](stretch)
+    assert f"no contact at all: {nothing:.3g} (exact 0.607)" in str(figure.get_suptitle())
+    bars = figure.axes[0].patches[0].get_data()
+    mass = float(np.sum(bars.values * np.diff(bars.edges)))
+    assert mass == pytest.approx(1.0 - nothing, abs=1e-9)
+    opened.close()
+
+
+def test_it_is_told_where_only_the_beginning_is_counted(full: Stretch, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stretches, "MOST_READ", 20_000)
+    with house_style():
+        assert "\nfrom its first 2000 µm\n" in str(PICTURES["histogram"](full).get_suptitle())
+    monkeypatch.undo()
+    with house_style():
+        assert "first" not in str(PICTURES["histogram"](full).get_suptitle())
+
+
+def test_a_title_is_drawn_as_it_is(full: Stretch) -> None:
+    with house_style():
+        told = PICTURES["trace"](full).get_suptitle()
+    assert told == "The real contact area\na contact that costs $5 (run.h5)"
+
+
+@pytest.mark.parametrize("name", ["", "traces", "PSD"])
+def test_an_unknown_picture_is_refused_with_the_names_there_are(name: str) -> None:
+    with pytest.raises(Refused, match="there are trace, lives, histogram, psd, acf, count, slider"):
+        check_name(name)
