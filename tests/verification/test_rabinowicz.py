@@ -13,6 +13,7 @@ from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.simulation.draws import birth_distances, births_per_block, first_birth, start
+from rubnoise.theory.sampling import standard_errors
 from tests.models import bare, recorded
 from tests.verification.seeds import seed_of
 
@@ -101,8 +102,10 @@ def test_the_ripples_that_are_told_of() -> None:
 def test_poisson_births_of_triangles_are_far_from_constant() -> None:
     run = bare(count=20.0, pulse=TRIANGLE, spread=ONE_SIZE, tick=0.5, distance=20_000.0)
     area = recorded(run, seed_of("poisson triangles"))["trace"]["real_contact_area"]
-    # 2/sqrt(3 N); a run of 2000 lives knows its std to some 2 %, see theory/sampling.
-    assert area.std() / area.mean() == pytest.approx(2.0 / sqrt(60.0), rel=0.08)
+    expected, error = 200.0 * 2.0 / sqrt(60.0), standard_errors(run).std
+    assert abs(area.std() - expected) <= 4.0 * error
+    assert abs(area.std() - 200.0 * ripple(20.0, LENS)) > 5.0 * error
+    assert abs(area.std() - 1.1 * expected) > 5.0 * error
 
 
 @pytest.mark.parametrize("count", [1.0, 2.0, 20.0])

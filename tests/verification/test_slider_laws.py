@@ -121,3 +121,12 @@ def test_lenses_in_place_of_triangles_are_seen() -> None:
     start, slider = (run.equilibrium_displacement, 0.0), Oscillator(mass=0.005, stiffness=300.0, damping=0.05)
     lenses = theta_slider.motion(slider, 1000.0, record["slider"]["distance"], rows_of(record), start)
     assert difference(record, lenses) > 1e-3
+
+
+def test_ticks_are_divided_finer_where_the_force_hardly_varies() -> None:
+    """The velocity's error counts beside the largest velocity, which regular births of one size make small."""
+    laws: list[dict[str, Any]] = [{}, {"births": "regular"}, {"births": "regular", "spread": ONE_SIZE}]
+    cells = [cells_per_tick(model(1.0, distance=6.0, tick=0.1, speed=100.0, count=51.0, **law)) for law in laws]
+    assert cells[0] <= cells[1] < cells[2]
+    lone = [cells_per_tick(model(1.0, distance=6.0, tick=0.1, speed=100.0, count=0.5, **law)) for law in laws]
+    assert lone[0] == lone[2]
