@@ -5,11 +5,14 @@ import pytest
 
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.sizes_gamma import ExponentialSizes
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.segments import bin_covariances, cross_spectrum, tick_covariance
+from rubnoise.theory.quadrature import size_range
+from rubnoise.theory.segments import bin_covariances, correlation_reach, cross_spectrum, tick_covariance
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
 from rubnoise.theory.welch import Segments, welch_errors
 from tests.unit.drawn_records import Doubles, drawn_trace, periodograms
@@ -58,8 +61,17 @@ def test_covariances_of_transforms_against_the_double_sum(shift: int, count: int
 def test_covariance_by_ticks_ends_with_the_longest_life() -> None:
     found = tick_covariance(one_size(), TICK, 40)
     np.testing.assert_allclose(found, autocovariance(one_size(), TICK * np.arange(40)), rtol=1e-15)
+    assert correlation_reach(one_size()) == 2.0 * 5.53
     assert found[15] > 0.0
     assert not found[17:].any()
+
+
+def test_lives_too_rare_to_count_do_not_lengthen_it() -> None:
+    model = model_of(ExponentialSizes(mean=5.53), 5.53)
+    reach, variance = correlation_reach(model), area_cumulants(model).variance
+    assert reach < 2.0 * size_range(model.sizes)[1]
+    assert autocovariance(model, reach) < 1e-17 * variance
+    assert autocovariance(model, 0.8**2 * reach) > 1e-17 * variance
 
 
 @pytest.fixture(scope="module")

@@ -1,26 +1,42 @@
 """What the ticks of two segments of a record have to do with each other once they are windowed and transformed."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.quadrature import size_range
 
 Doubles = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
+_NOTHING = 1e-17
+_NEARER, _TRIALS = 0.8, 120
+
 
 def tick_covariance(model: Model, tick: float, count: int) -> Doubles:
-    """Return R(j h) in um^4 for j = 0 ... count - 1 ticks of h um.
-
-    With Poisson births nothing is left beyond the longest life, and nothing is computed there.
-    """
+    """Return R(j h) in um^4 for j = 0 ... count - 1 ticks of h um."""
     lags = tick * np.arange(count, dtype=np.float64)
-    reach = 2.0 * model.sizes.support[1] if isinstance(model.births, PoissonBirths) else np.inf
+    near = lags <= correlation_reach(model)
     covariance = np.zeros(count)
-    covariance[lags <= reach] = autocovariance(model, lags[lags <= reach])
+    covariance[near] = autocovariance(model, lags[near])
     return covariance
+
+
+@lru_cache(maxsize=8)
+def correlation_reach(model: Model) -> float:
+    """Return a lag in um beyond which R is below 1e-17 R(0); inf unless births are a Poisson process.
+
+    It is the longest life, or less where lives that long are too rare to count: R falls all the way.
+    """
+    if not isinstance(model.births, PoissonBirths):
+        return np.inf
+    lags = 2.0 * size_range(model.sizes)[1] * _NEARER ** np.arange(_TRIALS)
+    correlated = autocovariance(model, lags) > _NOTHING * autocovariance(model, np.zeros(1))
+    return float(lags[max(int(np.argmax(correlated)) - 1, 0)])
 
 
 def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend: bool) -> Complex:

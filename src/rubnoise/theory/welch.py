@@ -11,12 +11,13 @@ from rubnoise.model import Model
 from rubnoise.theory.estimated_spectrum import checked_window, segment_wavenumbers
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.random_births import need_random_births
-from rubnoise.theory.segments import bin_covariances, cross_spectrum, tick_covariance
+from rubnoise.theory.segments import bin_covariances, correlation_reach, cross_spectrum, tick_covariance
 from rubnoise.theory.spectrum import spectral_density
 
 Doubles = NDArray[np.float64]
 
 _SIZES = 32  # an error of an error: seven digits are plenty
+_LONGEST = 4  # lengths of a segment beyond which a correlation is left out: a record of a few such lives says nothing
 _NOTHING = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
 
@@ -97,9 +98,10 @@ def welch_covariance(model: Model, segments: Segments, bins: NDArray[np.int64]) 
 
 
 def _covariance(model: Model, segments: Segments) -> tuple[Doubles, int]:
-    """Return the covariance by ticks up to the longest life, and how far apart segments may start and still share."""
-    lags = 1 + int(2.0 * model.sizes.support[1] / segments.tick)
-    return tick_covariance(model, segments.tick, lags), segments.window.size + lags
+    """Return the covariance by ticks, and how far apart segments may start and still have something in common."""
+    n = segments.window.size
+    lags = min(2 + int(correlation_reach(model) / segments.tick), _LONGEST * n)
+    return tick_covariance(model, segments.tick, lags), n + lags
 
 
 def _overlap(window: Doubles, shift: int) -> Doubles:
