@@ -20,8 +20,8 @@ HEAD = """\
 
 *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran its model
 once and told what it saw. Here is what it claims, what runs from fixed seeds say to it, what the exact theory says, and
-the verdict that follows from the numbers. `rubnoise claims` makes all of it anew in a minute or so, `rubnoise figures all
--o DIR` the pictures; this page is what they said, written by `tools/generate_paper.py`.
+the verdict that follows from the numbers. `rubnoise claims` makes all of it anew in a minute or so, `rubnoise figures
+all -o DIR` the pictures; this page is what they said, written by `tools/generate_paper.py`.
 
 Each simulated number is the mean of independent runs with the 95 % interval of their scatter, which owes nothing to the
 theory. Exact numbers follow from the model alone ([model.md](model.md)). Where the two disagreed by more than four
