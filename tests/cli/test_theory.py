@@ -167,15 +167,6 @@ def test_text_fits_a_terminal_and_warns(here: Path) -> None:
     assert "warning" not in call("theory", SLIDER, "--set", 'strength.mean="0.1 MPa"').out
 
 
-def test_an_undamped_slider_has_no_spread(here: Path) -> None:
-    undamped = ("--set", 'slider.damping="0 N*s/m"')
-    assert told(SLIDER, *undamped)["slider"]["displacement_std"] is None
-    answer = call("theory", SLIDER, *undamped)
-    assert answer.code == 0
-    assert "without damping the vibration grows for ever" in " ".join(answer.out.split())
-    assert call("theory", SLIDER, *undamped, "--plot").code == 0
-
-
 def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     points = ("--at-wavenumber", "0,1", "--at-lag", "2", "--at-area", "200,300")
     answer = call("theory", FIG5, "--csv", *points)

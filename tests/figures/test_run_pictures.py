@@ -19,6 +19,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import house_style
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.response import response
 from rubnoise.theory.spectrum import spectral_density
 
 SCENARIO: dict[str, Any] = {
@@ -192,3 +193,20 @@ def test_a_title_is_drawn_as_it_is(full: Stretch) -> None:
 def test_an_unknown_picture_is_refused_with_the_names_there_are(name: str) -> None:
     with pytest.raises(Refused, match="there are trace, lives, histogram, psd, acf, count, slider"):
         check_name(name)
+
+
+def test_the_spectrum_of_the_displacement_is_one_sided_and_per_hertz(full: Stretch) -> None:
+    with house_style():
+        motion = PICTURES["slider"](full).axes
+    assert len(motion) == 3
+    lines = {str(line.get_label()): line.get_data() for line in motion[2].lines}
+    frequency, exact = lines["exact"]
+    assert np.trapezoid(exact, frequency) == pytest.approx(response(full.model).displacement_std ** 2, rel=0.02)
+    seen = full.file.column("slider", "displacement")
+    frequency, simulated = next(data for label, data in lines.items() if label.startswith("simulated"))
+    assert np.trapezoid(simulated, frequency) == pytest.approx(seen.var(), rel=0.2)
+
+
+def test_a_short_stretch_of_motion_has_no_spectrum(full: Stretch) -> None:
+    with house_style():
+        assert len(PICTURES["slider"](Stretch.of(full.file, 100.0, 108.0)).axes) == 2

@@ -71,10 +71,8 @@ def _slider_lines(slider: dict[str, Any] | None) -> Iterator[str]:
     place = f"mean {_shown(slider['displacement_mean'])}, std {_shown(slider['displacement_std'])} um"
     yield line("displacement", place)
     yield line("velocity", f"std {_shown(slider['velocity_std'])} um/s")
-    yield line("one-way validity", f"{_shown(validity)} (std of velocity over sliding speed)")
-    if validity is None:
-        yield remark("warning: without damping the vibration grows for ever; it has no stationary spread")
-    elif validity > WORTH_A_WARNING:
+    yield line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)")
+    if validity > WORTH_A_WARNING:
         yield remark(f"warning: {one_way_warning(validity)}")
 
 

@@ -1,6 +1,6 @@
 """The friction force and the vibration that it excites, and the spectrum of the vibration beside the exact one."""
 
-from math import isfinite, pi
+from math import pi
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -34,7 +34,7 @@ Doubles = NDArray[np.float64]
 
 
 def slider_figure(stretch: Stretch) -> "Figure":
-    """Draw force and displacement in time, and the displacement's spectrum over the whole stretch.
+    """Draw force and displacement in time, and, of a stretch with ticks enough, the displacement's spectrum.
 
     Raises Refused for a run without a slider.
     """
@@ -42,9 +42,11 @@ def slider_figure(stretch: Stretch) -> "Figure":
     if model.slider is None or model.sliding_speed is None or "slider" not in stretch.file.columns:
         raise Refused("the run has no slider to draw; [slider] in its scenario would give it one")
     shown = stretch.narrowed(PERIODS * model.sliding_speed / model.slider.natural_frequency)
-    figure = new_figure(7.2, 6.6)
+    seen = _spectrum(stretch)
+    figure = new_figure(7.2, 4.2 if seen is None else 6.6)
     entitle(figure, stretch, "The friction force, and the vibration that it excites")
-    force, place, spectrum = figure.subplots(3, 1, height_ratios=[1.0, 1.0, 1.5])
+    heights = [1.0, 1.0] if seen is None else [1.0, 1.0, 1.5]
+    force, place, *below = figure.subplots(len(heights), 1, height_ratios=heights)
     place.sharex(force)
     exact, motion = force_cumulants(model), response(model)
     _draw_in_time(force, shown, "friction_force", MILLI, (exact.mean, exact.std))
@@ -54,35 +56,31 @@ def slider_figure(stretch: Stretch) -> "Figure":
     _draw_in_time(place, shown, "displacement", 1.0, (motion.mean_displacement, motion.displacement_std))
     place.set_ylabel("displacement (µm)")
     place.set_xlabel("time (s)")
-    _draw_spectrum(spectrum, stretch, model.slider)
+    if seen is not None:
+        _draw_spectrum(below[0], stretch, model.slider, seen)
     return figure
 
 
 def _draw_in_time(axes: "Axes", stretch: Stretch, name: str, scale: float, exact: tuple[float, float]) -> None:
     speed = stretch.model.sliding_speed or 1.0
     mean, std = exact
-    if isfinite(std):
-        exact_band(axes, scale * mean, scale * std)
+    exact_band(axes, scale * mean, scale * std)
     distance, values = stretch.curve("slider", name)
     axes.plot(distance / speed, scale * values, color=BLUE, lw=0.9, label="simulated")
     axes.set_xlim(stretch.start / speed, stretch.stop / speed)
 
 
-def _draw_spectrum(axes: "Axes", stretch: Stretch, slider: Slider) -> None:
+def _draw_spectrum(axes: "Axes", stretch: Stretch, slider: Slider, seen: Spectrum) -> None:
     """Draw one-sided densities over frequency: twice the two-sided ones over w, at w = 2 pi f."""
-    seen = _spectrum(stretch)
-    if seen is None:
-        axes.set_axis_off()
-        return
     lowest, natural = float(seen.wavenumber[1]) / (2.0 * pi), slider.natural_frequency
     highest = min(float(seen.wavenumber[-1]) / (2.0 * pi), max(FARTHEST * natural, 10.0 * lowest))
     shown = seen.wavenumber[1:] <= 2.0 * pi * highest
     label = f"simulated ({seen.segments} segments)"
     axes.plot(seen.wavenumber[1:][shown] / (2.0 * pi), 2.0 * seen.density[1:][shown], color=BLUE, lw=1.0, label=label)
     frequency = np.sort(np.append(np.geomspace(lowest, highest, POINTS), np.linspace(0.8, 1.2, POINTS) * natural))
-    if slider.damping > 0.0:
-        exact = displacement_spectrum_per_hertz(stretch.model, frequency)
-        axes.plot(frequency, exact, color=VERMILION, lw=1.0, label="exact")
+    frequency = frequency[(lowest <= frequency) & (frequency <= highest)]
+    exact = displacement_spectrum_per_hertz(stretch.model, frequency)
+    axes.plot(frequency, exact, color=VERMILION, lw=1.0, label="exact")
     for axis in (axes.xaxis, axes.yaxis):
         logarithmic(axis)
     axes.set_xlim(lowest, highest)

@@ -122,10 +122,6 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
 
 
 def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
-    axes.set_title("One-way displacement")
-    if slider.damping == 0.0:
-        _say(axes, "not stationary without damping")
-        return
     natural = slider.natural_frequency
     frequency = np.unique(np.concatenate([np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)])) * natural
     axes.set_title(f"One-way displacement, std {response(model).displacement_std:.4g} µm")
