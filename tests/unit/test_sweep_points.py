@@ -151,7 +151,10 @@ def test_a_sweep_may_be_extended_and_changed_on_the_command_line(tmp_path: Path)
         'format = 1\nextends = "base.toml"\n[sweep]\nreplicates = 1\n', encoding="utf-8"
     )
     assert len(expand(load_sweep(path))) == 6
-    assert len(expand(load_sweep(path, ["sweep.grid.interface.mean_junction_count=[10, 40]"]))) == 4
+    changed = load_sweep(path, ['sweep.grid.interface.mean_real_contact_area=["300 um^2", "400 um^2"]'])
+    assert changed.keys == (AREA, COUNT)
+    told = [tuple(point.values.values()) for point in expand(changed)]
+    assert told == [(area, count) for area in ("300 um^2", "400 um^2") for count in (10, 20, 30)]
 
 
 def test_either_is_what_the_file_is(tmp_path: Path) -> None:

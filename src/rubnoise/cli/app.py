@@ -7,7 +7,7 @@ from io import TextIOWrapper
 import typer
 from typer import Typer
 
-from rubnoise.cli import check, claims, export, info, junction, junctions, new, plot, run, schema, theory
+from rubnoise.cli import check, claims, export, figures, info, junction, junctions, new, plot, run, schema, theory
 from rubnoise.errors import RubnoiseError
 
 app = Typer(
@@ -24,6 +24,7 @@ app.command("junction", context_settings={"ignore_unknown_options": True})(junct
 app.command("junctions")(junctions.command)
 app.command("plot")(plot.command)
 app.command("theory")(theory.command)
+app.command("figures")(figures.command)
 app.command("claims")(claims.command)
 app.command("export")(export.command)
 app.command("new")(new.command)

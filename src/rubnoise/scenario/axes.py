@@ -139,10 +139,13 @@ def _suggestion(key: str) -> str:
 
 
 def _as_written(layers: Layers, axes: list[Axis]) -> tuple[Axis, ...]:
-    """Return axes in the order of the text, which a dotted key that comes back to a table would upset."""
+    """Return axes in the order of the text, which a dotted key that comes back to a table would upset.
+
+    A key that a base file names keeps its place when its values are changed.
+    """
 
     def position(axis: Axis) -> tuple[int, int, int]:
-        source = layers.source_of(axis.swept_path)
+        source = layers.origin_of(axis.swept_path)
         place = source.key_place(axis.swept_path)
         return layers.sources.index(source), place.line, place.start
 

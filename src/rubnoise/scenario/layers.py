@@ -32,6 +32,10 @@ class Layers:
                     return source
         return self.main
 
+    def origin_of(self, path: Path) -> Source:
+        """Return the most basic source that gives a key, where it is named for the first time."""
+        return next((source for source in self.sources if _gives(source.data, path)), self.main)
+
     @property
     def main(self) -> Source:
         """The file that was asked for."""

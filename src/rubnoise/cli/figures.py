@@ -1,0 +1,106 @@
+"""`rubnoise figures`: the figures of the paper, drawn anew from scenarios, with the theory over them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rubnoise.cli.status import StatusLine
+    from rubnoise.figures.style import Format
+
+
+def command(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help="fig2, fig3 ... fig9, or all.", metavar="[FIG]...", show_default=False),
+    ] = None,
+    *,
+    folder: Annotated[
+        Path, typer.Option("-o", "--output", help="Folder of the pictures; made where it is missing.", metavar="DIR")
+    ] = Path("figures"),
+    formats: Annotated[
+        list[str] | None,
+        typer.Option("--format", help="png, pdf or svg, more than once for several; all three when left out."),
+    ] = None,
+    scenarios: Annotated[
+        Path | None,
+        typer.Option(help="Folder with scenarios of these names, in place of those that come along.", metavar="DIR"),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing pictures.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
+) -> None:
+    """Draw figures 2 to 9 of the paper: simulated by the scenarios of scenarios/paper, and by exact theory.
+
+    Example: rubnoise figures fig4 fig8 -o figures --format png
+    """
+    from rubnoise.cli.progress import announce_compilation, on_terminal
+    from rubnoise.cli.status import StatusLine
+    from rubnoise.figures.paper import check_sources, chosen
+    from rubnoise.figures.style import house_style
+
+    wanted, kinds = chosen(names or ()), _formats(formats)
+    house_style()  # says at once where matplotlib is missing
+    check_sources(wanted, scenarios)
+    files = {name: {kind: folder / f"{name}.{kind}" for kind in kinds} for name in wanted}
+    _check_places(folder, [file for own in files.values() for file in own.values()], force=force)
+    shown = on_terminal() and not quiet
+    if shown:
+        announce_compilation()
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, own in files.items():
+        with StatusLine(shown=shown) as status:
+            pictures = _drawn(name, kinds, scenarios, status)
+        for kind, file in own.items():
+            _write(file, pictures[kind], force=force)
+            if not quiet:
+                print(file)
+
+
+def _drawn(
+    name: str, kinds: "tuple[Format, ...]", scenarios: Path | None, status: "StatusLine"
+) -> "dict[Format, bytes]":
+    from rubnoise.figures.paper import paper_figure
+    from rubnoise.figures.sources import Sources
+
+    status.tell(name)
+    sources = Sources(folder=scenarios, watch=lambda done, runs: status.tell(f"{name}: {done} of {runs} runs"))
+    return paper_figure(name, kinds, sources)
+
+
+def _formats(wanted: Sequence[str] | None) -> "tuple[Format, ...]":
+    from rubnoise.figures.style import FORMATS
+
+    wrong = [kind for kind in wanted or () if kind not in FORMATS]
+    if wrong:
+        raise typer.BadParameter(f"--format {wrong[0]}: there are {', '.join(FORMATS)}")
+    return tuple(kind for kind in FORMATS if not wanted or kind in wanted)
+
+
+def _check_places(folder: Path, files: Sequence[Path], *, force: bool) -> None:
+    """Raise OutputRefused before anything is drawn where a picture may not or cannot be written."""
+    from rubnoise.errors import OutputRefused
+    from rubnoise.storage.output import check_output
+
+    try:
+        above = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    except OSError as problem:
+        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
+    if not above.is_dir():
+        raise OutputRefused(f"{above}: is no folder")
+    if above == folder:
+        for file in files:
+            check_output(file, force=force)
+    else:
+        check_output(above / folder.name, force=True)
+
+
+def _write(file: Path, picture: bytes, *, force: bool) -> None:
+    from rubnoise.storage.output import check_output, give_final_name, sole_writer
+
+    paths = check_output(file, force=force)
+    with sole_writer(paths):
+        check_output(file, force=force)
+        paths.part.write_bytes(picture)
+        give_final_name(paths, force=force)

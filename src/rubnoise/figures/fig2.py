@@ -1,0 +1,100 @@
+"""Figure 2: two truncated cones that slide over each other, and the overlap of their tops."""
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rubnoise.api import simulate
+from rubnoise.figures.sources import Sources
+from rubnoise.figures.style import BLUE, FAINT, INK, PALE, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SHARE: Final = 0.6
+"""How far the shown junction has come, as a share of its diameter: on its way up."""
+
+HEIGHT: Final = 0.5
+FLANK: Final = 0.5
+"""Height of the cones and how far they widen, in diameters; the area depends on neither."""
+
+ABOVE: Final = 2.9
+"""How far to the right of the side view the circles are drawn, in diameters."""
+
+
+def draw(sources: Sources) -> "Figure":
+    """Draw the cones from the side and their tops from above at one tick of a simulated junction."""
+    scenario = sources.scenario("fig2.toml")
+    model, record = scenario.model(), simulate(scenario)
+    rows, trace = record["junctions"], record["trace"]
+    first = int(np.argmax(rows["birth_distance"] > 0.0))
+    birth, diameter = float(rows["birth_distance"][first]), float(rows["diameter"][first])
+    tick = round((birth + SHARE * diameter) / model.tick)
+    slid = float(trace["distance"][tick]) - birth
+    figure = new_figure(7.2, 3.0)
+    axes = figure.subplots()
+    # In diameters: the drawing is the same whatever the size, which is told in words.
+    _draw_side(axes, slid / diameter)
+    _draw_above(axes, slid / diameter)
+    exact, simulated = float(model.pulse.area(slid, diameter)), float(trace["real_contact_area"][tick])
+    areas = f"shaded: {exact:.3f} µm² by Eq. (2),\n{simulated:.3f} µm² in the simulation"
+    told = f"s = {slid:.2f} µm of d = {diameter:.2f} µm\n{areas}"
+    axes.text(ABOVE + 0.5 * slid / diameter, -0.85, told, ha="center", va="top")
+    axes.set_aspect("equal")
+    axes.set_xlim(-1.5, 4.5)
+    axes.set_ylim(-1.25, 1.1)
+    axes.set_axis_off()
+    return figure
+
+
+def _draw_side(axes: "Axes", slid: float) -> None:
+    """Draw the cones, the resting one with its top from 0 to 1 and the other so far to the left that they overlap."""
+    from matplotlib.patches import Polygon
+
+    cone = np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + FLANK, -HEIGHT], [-FLANK, -HEIGHT]])
+    apart = 1.0 - slid
+    look: dict[str, Any] = {"facecolor": PALE, "edgecolor": INK, "lw": 1.0}
+    axes.add_patch(Polygon(cone, **look))
+    axes.add_patch(Polygon(cone * [1.0, -1.0] + [-apart, 0.0], **look))
+    axes.plot([0.0, slid], [0.0, 0.0], color=BLUE, lw=4.0, solid_capstyle="butt")
+    # Both tops lie in the plane of contact, so their diameters are marked off it.
+    _measure(axes, (0.0, 1.0), -0.25, "d", ground=PALE)
+    _measure(axes, (-apart, slid), 0.25, "d", ground=PALE)
+    _mark_overlap(axes, 0.0, slid)
+    arrow = {"arrowstyle": "-|>", "color": INK, "lw": 1.2}
+    axes.annotate("", (0.95 - apart, 0.68), (0.05 - apart, 0.68), arrowprops=arrow)
+    axes.text(0.5 - apart, 0.72, "sliding", ha="center", va="bottom")
+    axes.text(-1.45, 1.0, "The asperities, from the side", fontsize=10.0)
+
+
+def _draw_above(axes: "Axes", slid: float) -> None:
+    from matplotlib.patches import Circle
+
+    middle, other = (ABOVE + 0.5, 0.0), (ABOVE + slid - 0.5, 0.0)
+    still, moving = Circle(middle, 0.5), Circle(other, 0.5)
+    for circle in (still, moving):
+        circle.set(facecolor="none", edgecolor=INK, linewidth=1.0)
+        axes.add_patch(circle)
+    lens = Circle(middle, 0.5, facecolor=BLUE, alpha=0.35, edgecolor="none")
+    axes.add_patch(lens)
+    lens.set_clip_path(moving)
+    axes.plot(*zip(middle, other, strict=True), "+", color=INK, ms=7.0)
+    _measure(axes, (ABOVE, ABOVE + 1.0), 0.65, "d")
+    _mark_overlap(axes, ABOVE, ABOVE + slid)
+    axes.text(ABOVE - 0.45, 1.0, "Their flat tops, from above", fontsize=10.0)
+
+
+def _mark_overlap(axes: "Axes", start: float, end: float) -> None:
+    """Mark s, the width of the overlap, below the drawing."""
+    for edge in (start, end):
+        axes.plot([edge, edge], [0.0, -0.76], color=FAINT, lw=0.8, ls=(0, (3, 3)))
+    _measure(axes, (start, end), -0.7, "s")
+
+
+def _measure(axes: "Axes", ends: tuple[float, float], height: float, name: str, ground: str = "white") -> None:
+    """Draw a length between two places, with its name in the middle."""
+    arrow = {"arrowstyle": "<|-|>", "color": INK, "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 8.0}
+    axes.annotate("", (ends[1], height), (ends[0], height), arrowprops=arrow)
+    label = axes.text(0.5 * sum(ends), height, name, ha="center", va="center", style="italic", fontsize=10.0)
+    label.set_bbox({"facecolor": ground, "edgecolor": "none", "pad": 1.5})

@@ -1,0 +1,132 @@
+"""The figures of the paper, by name: what each shows, which scenarios it is made of, and how it is drawn."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from rubnoise.errors import Refused
+from rubnoise.figures.sources import Sources
+from rubnoise.figures.style import Format, as_bytes, house_style
+from rubnoise.scenario.sweep import load_either
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PaperFigure:
+    """One figure of the paper: its title, its caption, and the scenario files that it is made of."""
+
+    title: str
+    caption: str
+    scenarios: tuple[str, ...]
+
+
+FIGURES: Final[dict[str, PaperFigure]] = {
+    "fig2": PaperFigure(
+        title="Geometry of a junction",
+        caption=(
+            "Two truncated cones with flat tops of one diameter d slide over each other; after a distance s since "
+            "their first touch their tops overlap in a lens (shaded), whose area is that of Eq. (2)."
+        ),
+        scenarios=("fig2.toml",),
+    ),
+    "fig3": PaperFigure(
+        title="Life history of a junction",
+        caption=(
+            "The area of a junction rises to πd²/4 at s = d and falls again until s = 2d; its mean over the life is "
+            "exactly d²/3, where the paper has 0.327 d². Rabinowicz's triangle has the same life and peak and "
+            "the mean πd²/8."
+        ),
+        scenarios=("fig3.toml",),
+    ),
+    "fig4": PaperFigure(
+        title="The real contact area as a sum of junctions",
+        caption=(
+            "A portion of the trace of the real contact area (above), and the areas of the single junctions whose sum "
+            "it is (below). The band is the exact standard deviation about the exact mean."
+        ),
+        scenarios=("fig4.toml",),
+    ),
+    "fig5": PaperFigure(
+        title="Excitation force and vibration",
+        caption=(
+            "Friction force on the slider, and the displacement and velocity that it excites, each about its exact "
+            "mean and standard deviation. The velocity is far beyond the sliding speed, which the one-way coupling of "
+            "the paper takes for constant: the example breaks its own assumption."
+        ),
+        scenarios=("fig5.toml",),
+    ),
+    "fig6": PaperFigure(
+        title="Traces for five numbers of junctions",
+        caption=(
+            "The same mean area on more and smaller junctions fluctuates less. Histograms of the whole runs, with the "
+            "exact densities over them."
+        ),
+        scenarios=tuple(f"fig6_n{count}.toml" for count in (10, 20, 30, 40, 50)),
+    ),
+    "fig7": PaperFigure(
+        title="Standard deviation against the number of junctions",
+        caption=(
+            "Simulated standard deviations with 95 % intervals, and the exact curves. Over the mean they all follow "
+            "one law, which is 1.2298/√N for junctions of one size: the paper's non-linear decrease."
+        ),
+        scenarios=("fig7.toml",),
+    ),
+    "fig8": PaperFigure(
+        title="Spectral density of the real contact area",
+        caption=(
+            "Welch's estimate from a run and the exact density. On linear axes it seems to end in a constant; on "
+            "logarithmic ones it falls as 1/k⁴, swinging about 4λE[d²]/k⁴. A floor comes from the estimate alone: at "
+            "the end the ticks' aliases lift it."
+        ),
+        scenarios=("fig8.toml",),
+    ),
+    "fig9": PaperFigure(
+        title="Spectral densities for five numbers of junctions",
+        caption=(
+            "The number of junctions changes the spectrum at low wavenumbers by an order of magnitude, and moves its "
+            "corner; divided by the variance and the mean life all come to one curve."
+        ),
+        scenarios=("fig9.toml",),
+    ),
+}
+
+
+def caption(name: str) -> str:
+    """Return one to three sentences that stand below a figure."""
+    return FIGURES[name].caption
+
+
+def chosen(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the figures that are meant, in the paper's order; none or `all` means every one.
+
+    Raises Refused, with those that there are, for a name that is none.
+    """
+    wanted = tuple(names) or ("all",)
+    wrong = [name for name in wanted if name not in FIGURES and name != "all"]
+    if wrong:
+        raise Refused(f"{', '.join(wrong)}: no figure of the paper; there are {', '.join(FIGURES)}, and all")
+    return tuple(name for name in FIGURES if name in wanted or "all" in wanted)
+
+
+def check_sources(names: Iterable[str], folder: Path | None = None) -> None:
+    """Read every scenario of some figures, from a folder or from those that come along; raises ScenarioRefused."""
+    sources = Sources(folder=folder)
+    for scenario in dict.fromkeys(scenario for name in names for scenario in FIGURES[name].scenarios):
+        load_either(sources.path(scenario))
+
+
+def paper_figure(name: str, formats: Iterable[Format], sources: Sources) -> dict[Format, bytes]:
+    """Return a figure of the paper as the bytes of its files, the same whenever it is drawn.
+
+    Raises ScenarioRefused for its scenarios, PicturesMissing without matplotlib.
+    """
+    with house_style():
+        figure: Figure = import_module(f"rubnoise.figures.{name}").draw(sources)
+        # Once for all formats, so that none depends on which others are wanted.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        return {kind: as_bytes(figure, kind) for kind in formats}

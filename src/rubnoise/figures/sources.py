@@ -1,0 +1,64 @@
+"""Where the figures of the paper come from: scenario files, and the runs and sweeps that are made of them."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.record.sink import Sink
+from rubnoise.scenario import Scenario, load
+from rubnoise.scenario.points import Point
+from rubnoise.scenario.shipped import shipped
+from rubnoise.scenario.sweep import expand, load_sweep
+from rubnoise.sweep.serial import Measure, run_points
+
+FOLDER: Final = "paper"
+MOST_POINTS: Final = 1600
+"""Points of a curve that a figure of the paper's width can show apart."""
+
+Doubles = NDArray[np.float64]
+Kept = TypeVar("Kept", bound=Sink)
+Result = TypeVar("Result")
+Watch = Callable[[int, int], None]
+"""Told how many runs of how many are done."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sources:
+    """The scenario files of the figures: those that come with rubnoise, or those of a folder."""
+
+    folder: Path | None = None
+    watch: Watch | None = None
+
+    def path(self, name: str) -> Path:
+        """Return the path of a scenario file; raises Refused where a file that should have come along has not."""
+        return shipped(f"{FOLDER}/{name}") if self.folder is None else self.folder / name
+
+    def scenario(self, name: str, changes: Sequence[str] = ()) -> Scenario:
+        """Return a scenario; raises ScenarioRefused."""
+        return load(self.path(name), changes)
+
+    def points(self, name: str) -> tuple[Point, ...]:
+        """Return the points of a sweep; raises ScenarioRefused."""
+        return expand(load_sweep(self.path(name)))
+
+    def results(self, name: str, measure: Measure[Kept, Result]) -> Iterator[tuple[Point, Result]]:
+        """Run a sweep, and yield its points with their results."""
+        points = self.points(name)
+        for done, result in enumerate(run_points(points, measure), 1):
+            yield result
+            if self.watch is not None:
+                self.watch(done, len(points))
+
+
+def envelope(place: Doubles, value: Doubles, most: int = MOST_POINTS) -> tuple[Doubles, Doubles]:
+    """Return a curve, or of one with more points than a figure shows the lowest and highest of each few."""
+    step = -(-2 * place.size // most)
+    if step <= 2:
+        return place, value
+    starts = np.arange(0, place.size, step)
+    extremes = np.stack([np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)], axis=-1)
+    return np.repeat(place[starts], 2), extremes.ravel()

@@ -1,0 +1,129 @@
+"""The figures of the paper: each shows simulation and theory, whole, and the same bytes whenever it is drawn."""
+
+import re
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import matplotlib.image
+import numpy as np
+import pytest
+
+from rubnoise.errors import Refused
+from rubnoise.figures import style
+from rubnoise.figures.paper import FIGURES, caption, check_sources, chosen, paper_figure
+from rubnoise.figures.sources import Sources
+from rubnoise.scenario.shipped import shipped
+from tests.figures.papers import PAPER, of_colour, short_papers
+
+NAMES = [f"fig{number}" for number in range(2, 10)]
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Return what draws a figure once in all formats, from short scenarios."""
+    sources = Sources(folder=short_papers(tmp_path_factory.mktemp("papers")))
+    return cache(lambda name: paper_figure(name, style.FORMATS, sources))
+
+
+def _pixels(png: bytes) -> np.ndarray:
+    return np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
+
+
+def test_the_figures_are_those_of_the_paper() -> None:
+    assert list(FIGURES) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_is_whole(drawn: Any, name: str) -> None:
+    pixels = _pixels(drawn(name)["png"])
+    assert pixels.shape[1] == 7.2 * style.DOTS_PER_INCH
+    edges = [pixels[:3], pixels[-3:], pixels[:, :3], pixels[:, -3:]]
+    assert all(np.all(edge == 1.0) for edge in edges)
+    assert np.mean(np.any(pixels < 0.9, axis=2)) > 0.02
+
+
+@pytest.mark.parametrize("name", NAMES[1:])
+def test_a_figure_shows_simulation_and_theory(drawn: Any, name: str) -> None:
+    svg = drawn(name)["svg"].decode()
+    blues = {style.BLUE, *(colour for colour, _ in style.SERIES)}
+    assert any(blue in svg for blue in blues)
+    assert style.VERMILION in svg
+    assert of_colour(_pixels(drawn(name)["png"]), style.VERMILION).sum() > 150
+
+
+def test_the_geometry_tells_the_simulated_area_beside_the_formula(drawn: Any) -> None:
+    words = _words(drawn("fig2")["svg"].decode())
+    told = re.search(r"shaded: ([0-9.]+) µm² by Eq\. \(2\),.*?([0-9.]+) µm² in the simulation", words, re.DOTALL)
+    assert told is not None, words
+    assert told[1] == told[2]
+
+
+def _words(svg: str) -> str:
+    """Return the texts of a drawing, which stand in it as comments beside their outlines."""
+    return "\n".join(re.findall(r"<!-- (.*?) -->", svg))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_axes_have_units(drawn: Any, name: str) -> None:
+    words = _words(drawn(name)["svg"].decode())
+    assert "µm" in words
+    if name != "fig2":
+        assert re.search(r"\((?:µm²?|mN|mm/s|s|1/µm²|rad/µm|rad|1/rad)\)|µm⁴ per rad/µm", words)
+
+
+@pytest.mark.parametrize("name", ["fig3", "fig6", "fig7", "fig8"])
+def test_a_figure_is_the_same_again_and_whatever_is_set(drawn: Any, name: str, tmp_path: Path) -> None:
+    with mpl.rc_context({"font.size": 20.0, "axes.facecolor": "red", "svg.hashsalt": "x"}):
+        again = paper_figure(name, style.FORMATS, Sources(folder=short_papers(tmp_path)))
+    assert again == drawn(name)
+
+
+@pytest.mark.parametrize("name", ["fig3", "fig5"])
+@pytest.mark.parametrize("kind", style.FORMATS)
+def test_a_format_does_not_depend_on_the_others(drawn: Any, name: str, kind: style.Format, tmp_path: Path) -> None:
+    alone = paper_figure(name, (kind,), Sources(folder=short_papers(tmp_path)))
+    assert alone == {kind: drawn(name)[kind]}
+
+
+def test_another_seed_makes_another_figure(drawn: Any, tmp_path: Path) -> None:
+    other = paper_figure("fig4", ("png",), Sources(folder=short_papers(tmp_path, seed=2)))
+    assert other["png"] != drawn("fig4")["png"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_tell_no_time_and_stay_small(drawn: Any, name: str) -> None:
+    files = drawn(name)
+    assert files["png"].startswith(b"\x89PNG")
+    assert files["pdf"].startswith(b"%PDF")
+    assert b"CreationDate" not in files["pdf"]
+    assert b"dc:date" not in files["svg"]
+    assert all(len(file) < 700_000 for file in files.values())
+
+
+def test_captions_are_sentences() -> None:
+    for name, figure in FIGURES.items():
+        assert caption(name) == figure.caption
+        assert figure.caption.endswith(".")
+        assert 1 <= figure.caption.count(". ") + 1 <= 3
+        assert "\n" not in figure.caption
+
+
+def test_the_scenarios_of_every_figure_come_along() -> None:
+    check_sources(FIGURES)
+    for figure in FIGURES.values():
+        assert all(shipped(f"paper/{scenario}").is_file() for scenario in figure.scenarios)
+    used = {scenario for figure in FIGURES.values() for scenario in figure.scenarios}
+    assert used == {path.name for path in PAPER.glob("*.toml")}
+
+
+def test_names_are_taken_in_the_papers_order() -> None:
+    assert chosen(["fig8", "fig3", "fig8"]) == ("fig3", "fig8")
+    assert chosen([]) == chosen(["all"]) == chosen(["fig2", "all"]) == tuple(NAMES)
+
+
+def test_a_wrong_name_is_told_with_the_right_ones() -> None:
+    with pytest.raises(Refused, match=r"fig1, figure: no figure of the paper; there are fig2, .*, fig9, and all"):
+        chosen(["fig1", "fig2", "figure"])
