@@ -2,9 +2,12 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.exact import exact
+from rubnoise.theory.spectrum import spectral_density
 from tests.unit.theory_models import paper_model
 
 
@@ -19,6 +22,18 @@ def test_everything_at_once() -> None:
     assert found.force.mean == pytest.approx(51_168.4, abs=0.05)
     assert found.slider is not None
     assert found.slider.one_way_validity == pytest.approx(47.24, abs=5e-3)
+
+
+def test_what_is_asked_at_points_is_that_of_the_theory() -> None:
+    model = paper_model()
+    found = exact(model)
+    points = np.array([[0.0, 0.1], [1.0, 30.0]])
+    np.testing.assert_array_equal(found.spectral_density(points), spectral_density(model, points))
+    np.testing.assert_array_equal(found.autocovariance(points), autocovariance(model, points))
+    assert found.autocovariance(0.0) == pytest.approx(found.area.variance, rel=1e-12)
+    law = found.distribution()
+    assert law.cdf(found.area.mean) == pytest.approx(0.52, abs=0.02)
+    assert law.atom_at_zero == pytest.approx(np.exp(-found.count_mean), rel=1e-9)
 
 
 def test_no_force_without_a_strength_and_no_motion_without_a_slider() -> None:

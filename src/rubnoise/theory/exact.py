@@ -1,10 +1,15 @@
 """Everything the theory says about one model, in one frozen answer."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
+from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.occupancy import (
     expected_births,
     expected_junction_rows,
@@ -12,12 +17,27 @@ from rubnoise.theory.occupancy import (
     mean_count,
 )
 from rubnoise.theory.response import Response, response
+from rubnoise.theory.spectrum import spectral_density
+
+if TYPE_CHECKING:
+    from rubnoise.theory.distribution import Distribution
+
+Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exact:
-    """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one)."""
+    """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
+    >>> import rubnoise
+    >>> theory = rubnoise.exact(rubnoise.load("scenarios/paper/fig5.toml"))
+    >>> round(theory.area.mean, 4), round(theory.area.std, 4)
+    (204.6736, 56.4294)
+    >>> theory.autocovariance([0.0, 20.0]) / theory.area.variance
+    array([1., 0.])
+    """
+
+    model: Model = field(repr=False)
     area: Cumulants
     count_mean: float
     length_biased_mean_diameter: float
@@ -31,6 +51,25 @@ class Exact:
         """Standard deviation of the Poisson number of live junctions."""
         return sqrt(self.count_mean)
 
+    @property
+    def count_variance(self) -> float:
+        """Variance of the Poisson number of live junctions: its mean."""
+        return self.count_mean
+
+    def spectral_density(self, wavenumber: ArrayLike) -> Doubles:
+        """Return the two-sided S(k) of the area in um^4 per rad/um at wavenumbers in rad/um, of any shape."""
+        return spectral_density(self.model, wavenumber)
+
+    def autocovariance(self, lag: ArrayLike) -> Doubles:
+        """Return R(tau) of the area in um^4 at lags in um, of any shape."""
+        return autocovariance(self.model, lag)
+
+    def distribution(self) -> "Distribution":
+        """Return the distribution of the area: its ``cdf`` and ``density`` at any areas, its ``atom_at_zero``."""
+        from rubnoise.theory.distribution import distribution
+
+        return distribution(self.model)
+
 
 def exact(model: Model) -> Exact:
     """Return the exact results for a model: cumulants of area and force, the live count, the one-way slider's response.
@@ -38,6 +77,7 @@ def exact(model: Model) -> Exact:
     Equations and sources are those of `area_cumulants`, `mean_count`, `length_biased_mean_diameter` and `response`.
     """
     return Exact(
+        model=model,
         area=area_cumulants(model),
         count_mean=mean_count(model),
         length_biased_mean_diameter=length_biased_mean_diameter(model),
