@@ -124,7 +124,7 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
         ("theory", ("theory", full, "--at-area", "0,1,1e9", "--json")),
-        ("theory", ("theory", "bare.toml", "--json")),
+        ("theory", ("theory", "bare.toml", "--set", "birth.law=regular", "--json")),
         ("junction", ("junction", "slider.h5", "17", "--json")),
         ("junction", ("junction", "bare.h5", "3", "--json")),
         ("junctions", ("junctions", "slider.h5", "--json")),

@@ -13,11 +13,14 @@ from rubnoise.theory.campbell import Cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
+from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.spectrum import spectral_density
 
 CONVENTION: Final = (
     "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
 )
+
+MOST_LINES: Final = 64
 
 
 def answered(model: Model, points: Points) -> dict[str, Any]:
@@ -73,8 +76,17 @@ def _at(model: Model, points: Points) -> dict[str, Any]:
             "density": spectral_density(model, points.wavenumbers),
             "convention": CONVENTION,
         },
+        **_lines(model),
         "autocovariance": {"lag": points.lags, "value": autocovariance(model, points.lags)},
     } | _distribution(model, points.areas)
+
+
+def _lines(model: Model) -> dict[str, Any]:
+    """Return the first lines that regular births put into the spectrum."""
+    wavenumber, power = spectral_lines(model)
+    if not power.size:
+        return {}
+    return {"spectral_lines": {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}}
 
 
 def _distribution(model: Model, areas: NDArray[np.float64]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any, Final
 from rubnoise.cli.layout import WORTH_A_WARNING, line, number, one_way_warning, printable, remark
 
 COLUMN: Final = 19
+LINES_SHOWN: Final = 6
 UNITS: Final = {
     "area.mean": "um^2",
     "area.std": "um^2",
@@ -83,8 +84,8 @@ def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
         {"k (rad/um)": spectrum["wavenumber"], "S (um^4/(rad/um))": spectrum["density"]},
     )
     if "spectral_lines" in answer:
-        lines = answer["spectral_lines"]
-        yield from _table("and its lines", {"k (rad/um)": lines["wavenumber"], "power (um^4)": lines["power"]})
+        k, power = (answer["spectral_lines"][name][:LINES_SHOWN] for name in ("wavenumber", "power"))
+        yield from _table("and the first of its lines", {"k (rad/um)": k, "power (um^4)": power})
     yield from _table("autocovariance of the area", {"lag (um)": covariance["lag"], "R (um^4)": covariance["value"]})
     if law is not None:
         yield from _table(

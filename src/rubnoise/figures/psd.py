@@ -11,6 +11,7 @@ from rubnoise.figures.marks import entitle, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
 from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.spectrum import spectral_density
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ FEWEST_TICKS: Final = 16
 SEGMENTS: Final = 30
 LONGEST_LIVES: Final = 40.0
 """Length of a segment in mean lives: enough to see the spectrum flat, and short enough to have many of them."""
+
+MOST_LINES: Final = 30
+NOTHING: Final = 1e-12
+"""Part of the power below which a line of the theory is rounding."""
 
 POINTS: Final = 600
 UNIT: Final = "µm⁴ per rad/µm"
@@ -62,7 +67,10 @@ def _spectrum(stretch: Stretch) -> Spectrum:
     total = WelchSum(ticks, tick)
     for panel in stretch.panels("trace", "real_contact_area"):
         total.add(panel)
-    return total.spectrum()
+    seen = total.spectrum()
+    if not seen.density.any():
+        raise Refused("the real contact area does not vary in this stretch, so it has no spectrum")
+    return seen
 
 
 def _least(seen: Spectrum) -> float:
@@ -71,8 +79,16 @@ def _least(seen: Spectrum) -> float:
 
 
 def _draw_exact(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
+    """Draw S(k), unless it is 0, and mark the lines that regular births have beside it or instead."""
     wavenumber = np.geomspace(seen.wavenumber[1], seen.wavenumber[-1], POINTS)
-    axes.plot(wavenumber, spectral_density(stretch.model, wavenumber), color=VERMILION, lw=2.4, label="exact S(k)")
+    density = spectral_density(stretch.model, wavenumber)
+    if density.any():
+        axes.plot(wavenumber, density, color=VERMILION, lw=2.4, label="exact S(k)")
+    lines, power = spectral_lines(stretch.model)
+    label = "exact lines"
+    for line in lines[power > NOTHING * power.sum()][:MOST_LINES]:
+        axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)
+        label = "_one entry is enough"
 
 
 def _draw_expected(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:

@@ -23,9 +23,11 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
+from rubnoise.theory.lines import spectral_lines
+from rubnoise.theory.one_sided import tail
 from rubnoise.theory.response import response
 from rubnoise.theory.response_spectrum import displacement_spectrum_per_hertz
-from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
+from rubnoise.theory.spectrum import spectral_density
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +37,9 @@ POINTS: Final = 1200
 REACH: Final = 4.5
 LONGEST_TITLE: Final = 80
 RARE: Final = 1e-6
+NOTHING: Final = 1e-24
+"""Power over the square of the mean area that is rounding."""
+
 Doubles = NDArray[np.float64]
 
 
@@ -61,13 +66,16 @@ def _figure(model: Model, title: str) -> "Figure":
 
 def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
     axes.set_title("Distribution")
-    axes.set_xlabel(AREA)
-    axes.set_ylabel("density (1/µm²)")
+    if area.std == 0.0:
+        _say(axes, f"always {area.mean:.5g} µm²")
+        return
     try:
         law = distribution(model)
     except Refused:
         _say(axes, "known for births at random")
         return
+    axes.set_xlabel(AREA)
+    axes.set_ylabel("density (1/µm²)")
     span = np.linspace(max(0.0, area.mean - REACH * area.std), area.mean + REACH * area.std, POINTS)[1:]
     density = law.density(span)
     bell = np.exp(-0.5 * ((span - area.mean) / area.std) ** 2) / (np.sqrt(2.0 * pi) * area.std)
@@ -103,22 +111,43 @@ def _draw_covariance(axes: "Axes", model: Model, area: Cumulants) -> None:
 
 
 def _draw_spectrum(axes: "Axes", model: Model) -> None:
-    unit = 1.0 / model.mean_life_distance
-    wavenumber = np.geomspace(0.1 * unit, 300.0 * unit, POINTS)
+    wavenumber = np.geomspace(0.1, 300.0, POINTS) / model.mean_life_distance
+    axes.set_title("Spectral density of the area, two-sided")
     density = spectral_density(model, wavenumber)
-    axes.set_title("Spectral density of the area")
-    axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact, two-sided")
-    far = 300.0 * unit
-    tail = float(mean_spectral_density(model, np.array([10.0 * far]))[0]) * (10.0 * far / wavenumber) ** 4
-    below = tail < 10.0 * density[0]
-    axes.plot(wavenumber[below], tail[below], color=INK, lw=0.8, ls=(0, (4, 2)), label="tail k⁻⁴")
+    lines = _lines(model, float(wavenumber[-1]))
+    if not (density.any() or lines[1].size):
+        _say(axes, "nothing varies")
+        return
+    if density.any():
+        axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact")
+    if lines[1].size:
+        axes.vlines(lines[0], 1e-3 * lines[1], lines[1], color=VERMILION, lw=1.2, label="lines of regular births (µm⁴)")
+        axes.plot(*lines, "o", color=VERMILION, ms=3.0)
+    _draw_tail(axes, model, wavenumber, density)
     for axis in (axes.xaxis, axes.yaxis):
         logarithmic(axis)
     axes.set_xlim(wavenumber[0], wavenumber[-1])
-    axes.set_ylim(0.2 * float(tail[-1]), 5.0 * density[0])
     axes.set_xlabel("wavenumber (rad/µm)")
     axes.set_ylabel("µm⁴ per rad/µm")
     axes.legend(loc="lower left")
+
+
+def _lines(model: Model, largest: float) -> tuple[Doubles, Doubles]:
+    """Return the lines up to a wavenumber, without those that are rounding."""
+    wavenumber, power = spectral_lines(model)
+    told = (wavenumber <= largest) & (power > NOTHING * area_cumulants(model).mean ** 2)
+    return wavenumber[told], power[told]
+
+
+def _draw_tail(axes: "Axes", model: Model, wavenumber: Doubles, density: Doubles) -> None:
+    try:
+        level = tail(model, wavenumber)
+    except Refused:
+        return
+    below = level < 5.0 * density[0]
+    axes.plot(wavenumber[below], level[below], color=INK, lw=0.8, ls=(0, (4, 2)), label="tail k⁻⁴")
+    # Zeros of the triangle's spectrum would stretch the axis to nowhere.
+    axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
 
 
 def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
