@@ -52,6 +52,13 @@ def test_redrawn_diameters_are_noted(here: Path) -> None:
     assert "redrawing diameters <= 0 puts the mean count +28.8% off the 20 asked for" in flat
 
 
+def test_redrawn_strengths_are_noted(here: Path) -> None:
+    law = ("--set", "strength.law=normal", "--set")
+    wide = " ".join(call("check", SLIDER, *law, 'strength.spread="100 %"').out.split())
+    assert "redrawing strengths <= 0 puts the mean strength +28.8% off the 250 MPa asked for" in wide
+    assert "strengths" not in call("check", SLIDER, *law, 'strength.spread="20 %"').out
+
+
 def test_every_file_is_reported_and_one_broken_file_is_enough_for_a_refusal(here: Path) -> None:
     (here / "broken.toml").write_text("format = 1\n[interface]\nmean_junction_count = -1\n", encoding="utf-8")
     answer = call("check", "broken.toml", SHORT, "missing.toml", SLIDER)

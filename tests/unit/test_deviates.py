@@ -1,10 +1,11 @@
 """Deviates by inversion against a library's special functions, and their moments against theory."""
 
+import mpmath
 import numpy as np
 import pytest
 from scipy import special
 
-from rubnoise.contact.deviates import exponential, logarithm, normal_above, normal_quantile
+from rubnoise.contact.deviates import antilogarithm, exponential, logarithm, normal_above, normal_quantile
 
 COUNT = 200_000
 UNIFORM = np.random.default_rng(20).random(COUNT)
@@ -13,6 +14,23 @@ UNIFORM = np.random.default_rng(20).random(COUNT)
 def test_logarithm_is_right_to_the_last_bits():
     x = np.concatenate([UNIFORM[UNIFORM > 0], 1.0 - 2.0**-53 * np.arange(1, 100), 2.0 ** -np.arange(1.0, 1000.0)])
     assert np.abs(logarithm(x) / np.log(x) - 1.0).max() < 5e-16
+
+
+def test_antilogarithm_is_right_to_the_last_bit():
+    x = np.concatenate([np.linspace(-708.0, 709.0, 3001), UNIFORM[:3000] - 0.5, 1e-9 * UNIFORM[:100]])
+    with mpmath.workdps(30):
+        errors = [
+            float(mpmath.mpf(y) / mpmath.exp(v) - 1) for v, y in zip(x.tolist(), antilogarithm(x).tolist(), strict=True)
+        ]
+    assert max(map(abs, errors)) < 2.0**-52
+
+
+def test_antilogarithm_undoes_the_logarithm_and_ends_where_doubles_do():
+    x = np.array([1e-300, 0.3, 1.0, 7.0, 1e300])
+    assert antilogarithm(logarithm(x)) == pytest.approx(x, rel=2e-13)
+    assert antilogarithm(np.array([0.0])).tolist() == [1.0]
+    tiny = antilogarithm(np.array([-708.0, -1e4]))
+    assert tiny[0] == tiny[1] > 0.0
 
 
 def test_normal_quantile_follows_the_library_into_both_tails():

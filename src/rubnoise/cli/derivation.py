@@ -31,7 +31,7 @@ def derived(scenario: Scenario) -> dict[str, Any]:
         "expected_junctions": theory.expected_junction_rows,
     }
     answer |= _dynamics(model, theory) | {"cost": _cost(model, theory, counted(scenario))}
-    return answer | {"warnings": list(scenario.warnings), "notes": _notes(model, answer)}
+    return answer | {"warnings": list(scenario.warnings), "notes": _notes(scenario, answer)}
 
 
 def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
@@ -104,7 +104,8 @@ def _slider_lines(slider: dict[str, float] | None) -> list[str]:
     ]
 
 
-def _notes(model: Model, answer: dict[str, Any]) -> list[str]:
+def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
+    model = scenario.model()
     asked, mean = model.mean_junction_count, answer["junction_count"]["mean"]
     notes = []
     if abs(mean / asked - 1.0) > WORTH_A_NOTE:
@@ -117,4 +118,9 @@ def _notes(model: Model, answer: dict[str, Any]) -> list[str]:
             f"the exact mean area is {area / wanted - 1.0:+.1%} off the {wanted:g} um^2 asked for;"
             " calibration matched meets it"
         )
+    if scenario.strength is not None and model.strengths is not None:
+        excess = model.strengths.mean / float(scenario.strength.mean) - 1.0
+        if excess > WORTH_A_NOTE:
+            given = number(float(scenario.strength.mean))
+            notes.append(f"redrawing strengths <= 0 puts the mean strength {excess:+.1%} off the {given} MPa asked for")
     return notes

@@ -81,7 +81,7 @@ def _rows(point: tuple[Any, Any], centres: range, shape: Any) -> Iterator[list[f
     series = _series(z, y, shape)
     for number in centres:
         centre = mpmath.mpf(number) / _PIECES_PER_UNIT
-        y = mpmath.polyval(series[::-1], centre - z)
+        y = mpmath.fdot(series, [(centre - z) ** n for n in range(len(series))])
         z, series = centre, _series(centre, y, shape)
         yield [float(c) for c in series[:_TERMS_KEPT]]
 

@@ -35,9 +35,9 @@ class LognormalSizes:
 
     @property
     def support(self) -> tuple[float, float]:
-        """Diameters in um within 8.3 standard deviations of ln d. Averages of d^n have weight beyond it."""
+        """Diameters in um within 8.31 standard deviations of ln d. Averages of d^n have weight beyond it."""
         median, log_std = median_and_log_std(self.mean, self.std)
-        low, high = antilogarithm(np.array([-8.3, 8.3]) * log_std).tolist()
+        low, high = antilogarithm(np.array([-8.31, 8.31]) * log_std).tolist()
         return median * low, median * high
 
     def draw(self, uniform: Doubles) -> Doubles:

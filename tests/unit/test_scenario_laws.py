@@ -1,0 +1,129 @@
+"""The laws of sizes and strengths in a scenario: what each takes, what it becomes, and how wide it may be."""
+
+import pytest
+
+from rubnoise.contact.sizes import FixedSizes, NormalSizes
+from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
+from rubnoise.contact.sizes_lognormal import LognormalSizes
+from rubnoise.contact.strengths import ConstantStrength, StrengthLaw
+from rubnoise.contact.strengths_spread import LognormalStrength, NormalStrength, WeibullStrength
+from rubnoise.errors import ScenarioRefused
+from rubnoise.scenario import build, loads
+from tests.unit.scenarios import BARE, WHOLE, refusal, whole
+
+SPREADING = {"normal": NormalSizes, "lognormal": LognormalSizes, "gamma": GammaSizes}
+STRENGTH = '[strength]\nmean = "250 MPa"\n'
+
+
+def strong(law: str, spread: str) -> str:
+    """Return the whole scenario with a law of strengths and its spread, left out where it is nothing."""
+    spread = f"spread = {spread}\n" if spread else ""
+    return WHOLE.replace(STRENGTH, f'{STRENGTH}law = "{law}"\n{spread}')
+
+
+@pytest.mark.parametrize("law", SPREADING)
+@pytest.mark.parametrize(("spread", "absolute", "relative"), [('"0.2 um"', 0.2, 0.0), ('"20 %"', 0.0, 0.2)])
+def test_a_size_law_has_the_calibrated_diameter_and_its_spread(
+    law: str, spread: str, absolute: float, relative: float
+) -> None:
+    model = loads(whole(law=f'"{law}"', spread=spread)).model()
+    diameter = model.calibrated_diameter
+    assert model.sizes == SPREADING[law](mean=diameter, std=absolute + relative * diameter)
+
+
+def test_exponential_sizes_need_no_spread() -> None:
+    model = loads(BARE + '[diameter]\nlaw = "exponential"\n').model()
+    assert model.sizes == ExponentialSizes(mean=model.calibrated_diameter)
+    assert model.stationary_mean_area == pytest.approx(6.0 * 200.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", ["lognormal", "exponential", "gamma"])
+def test_matched_sizes_have_the_mean_area_asked_for(law: str) -> None:
+    spread = "" if law == "exponential" else 'spread = "150 %"\n'
+    text = BARE.replace("[sliding]", f'calibration = "matched"\n[diameter]\nlaw = "{law}"\n{spread}[sliding]')
+    assert loads(text).model().stationary_mean_area == pytest.approx(200.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("law", ["lognormal", "gamma"])
+def test_no_spread_at_all_is_one_size(law: str) -> None:
+    model = loads(whole(law=f'"{law}"', spread='"0 um"')).model()
+    assert model.sizes == FixedSizes(diameter=model.calibrated_diameter)
+
+
+@pytest.mark.parametrize(
+    ("law", "spread", "expected"),
+    [
+        ("constant", "", ConstantStrength(mean=250.0)),
+        ("normal", '"50 MPa"', NormalStrength(centre=250.0, std=50.0)),
+        ("lognormal", '"20 %"', LognormalStrength(mean=250.0, std=50.0)),
+        ("weibull", '"0.1 GPa"', WeibullStrength(mean=250.0, std=100.0)),
+        ("weibull", '"0 %"', ConstantStrength(mean=250.0)),
+    ],
+)
+def test_a_strength_law_has_its_mean_and_spread(law: str, spread: str, expected: StrengthLaw) -> None:
+    scenario = loads(strong(law, spread))
+    assert scenario.model().strengths == expected
+    assert build(scenario.resolved()).model().strengths == expected
+
+
+@pytest.mark.parametrize("law", [*SPREADING, "strength normal", "strength lognormal", "strength weibull"])
+def test_a_law_with_a_spread_needs_one(law: str) -> None:
+    if law in SPREADING:
+        report = refusal(whole(law=f'"{law}"').replace('spread = "0.2 um"\n', ""))
+        head = f'run.toml:9: error: diameter.spread: missing; the law "{law}" needs a spread'
+    else:
+        report = refusal(strong(law.removeprefix("strength "), ""))
+        head = f'run.toml:13: error: strength.spread: missing; the law "{law.split()[1]}" needs a spread'
+    assert report.splitlines()[0] == head
+
+
+def test_exponential_sizes_take_no_spread() -> None:
+    report = refusal(whole(law='"exponential"')).splitlines()
+    assert report[0] == 'run.toml:11: error: diameter.spread: the law "exponential" takes no spread'
+    assert report[-1] == '    write law = "gamma", or leave the spread out'
+
+
+@pytest.mark.parametrize("law", ['law = "constant"\n', ""])
+def test_one_strength_takes_no_spread(law: str) -> None:
+    report = refusal(WHOLE.replace(STRENGTH, f'{STRENGTH}{law}spread = "5 MPa"\n'))
+    assert 'error: strength.spread: the law "constant" takes no spread' in report
+    assert report.endswith('write law = "normal", or leave the spread out')
+
+
+def test_a_strength_does_not_spread_over_a_length() -> None:
+    report = refusal(strong("normal", '"5 um"'))
+    assert report.startswith('run.toml:16: error: strength.spread: "um" is the unit of a length, a stress or a ratio')
+
+
+@pytest.mark.parametrize("law", ["lognormal", "gamma"])
+def test_a_long_tail_may_be_three_times_the_mean_and_no_more(law: str) -> None:
+    loads(whole(law=f'"{law}"', spread='"300 %"'))
+    report = refusal(whole(law=f'"{law}"', spread='"301 %"'))
+    head = f'run.toml:11: error: diameter.spread: 3.01 times the mean is too wide for the law "{law}"'
+    assert (report.splitlines()[0], report.splitlines()[-1]) == (head, '    up to "300 %"')
+    loads(whole(spread='"301 %"'))
+
+
+def test_strengths_may_be_as_wide_and_no_more() -> None:
+    loads(strong("weibull", '"750 MPa"'))
+    assert "strength.spread: 4 times the mean is too wide" in refusal(strong("weibull", '"1 GPa"'))
+    loads(strong("normal", '"1 GPa"'))
+
+
+def test_python_gives_spreads_in_working_units() -> None:
+    values = {
+        "format": 1,
+        "interface": {"mean_real_contact_area": 200, "mean_junction_count": 20},
+        "diameter": {"law": "gamma", "spread": 0.5},
+        "strength": {"law": "weibull", "mean": 250, "spread": 40},
+        "sliding": {"distance": 1000},
+    }
+    model = build(values).model()
+    assert model.sizes == GammaSizes(mean=model.calibrated_diameter, std=0.5)
+    assert model.strengths == WeibullStrength(mean=250.0, std=40.0)
+
+
+def test_the_least_matched_area_of_a_law_is_named() -> None:
+    text = whole(law='"lognormal"', spread='"3 um"', calibration='"matched"')
+    with pytest.raises(ScenarioRefused, match=r"2\.25 mean_junction_count \* spread\^2 = 405 um\^2"):
+        loads(text)
