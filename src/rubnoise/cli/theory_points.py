@@ -13,6 +13,7 @@ from rubnoise.cli.layout import printable
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.reach import covariance_reach
 
 Doubles = NDArray[np.float64]
 
@@ -21,6 +22,9 @@ LONGEST_SHOWN: Final = 40
 FEW: Final = 8
 MANY: Final = 241
 """Steps between points where nobody says which: for a terminal, and for everything else."""
+
+LITTLE, NOTHING = 1e-3, 1e-9
+"""Parts of the variance at which lags end."""
 
 REACH: Final = 6.0
 """How many standard deviations from the mean the areas reach where nobody says which."""
@@ -84,11 +88,10 @@ def _wavenumbers(model: Model, *, brief: bool) -> Doubles:
 
 
 def _lags(model: Model, *, brief: bool) -> Doubles:
-    """Return lags from 0 to the longest life, beyond which nothing is left of the contact."""
-    longest = 2.0 * model.sizes.support[1]
+    """Return lags from 0 to where nothing is left of the contact."""
     if brief:
-        return _rounded(longest / FEW) * np.arange(FEW + 1, dtype=np.float64)
-    return np.linspace(0.0, longest, MANY)
+        return _rounded(covariance_reach(model, LITTLE) / FEW) * np.arange(FEW + 1, dtype=np.float64)
+    return np.linspace(0.0, covariance_reach(model, NOTHING), MANY)
 
 
 def _areas(model: Model, *, brief: bool) -> Doubles:

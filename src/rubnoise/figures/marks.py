@@ -17,13 +17,14 @@ DISTANCE: Final = "sliding distance (µm)"
 
 def entitle(figure: "Figure", stretch: "Stretch", shown: str) -> None:
     """Put a title over a figure: what it shows, and of which run."""
-    title = "".join(character if character.isprintable() else " " for character in stretch.title)
-    whose = (
-        f"{shortened(title, LONGEST_TITLE)} ({shortened(stretch.file.path.name)})"
-        if title.strip()
-        else (shortened(stretch.file.path.name, LONGEST_TITLE))
-    )
+    title, name = printed(stretch.title), printed(stretch.file.path.name)
+    whose = f"{shortened(title, LONGEST_TITLE)} ({shortened(name)})" if title else shortened(name, LONGEST_TITLE)
     figure.suptitle(f"{shown}\n{whose}", x=0.01, ha="left", fontsize=10.0)
+
+
+def printed(text: str) -> str:
+    """Return a text from a file with a space for whatever would break a line or has no shape."""
+    return "".join(character if character.isprintable() else " " for character in text).strip()
 
 
 def exact_band(axes: "Axes", mean: float, std: float) -> None:

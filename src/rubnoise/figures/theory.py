@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import AREA
+from rubnoise.figures.marks import AREA, printed
 from rubnoise.figures.style import (
     FAINT,
     INK,
@@ -25,6 +25,7 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.one_sided import tail
+from rubnoise.theory.reach import covariance_reach
 from rubnoise.theory.response import response
 from rubnoise.theory.response_spectrum import displacement_spectrum_per_hertz
 from rubnoise.theory.spectrum import spectral_density
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 POINTS: Final = 1200
 REACH: Final = 4.5
 LONGEST_TITLE: Final = 80
+LAGS: Final = 300
+LITTLE: Final = 0.01
+QUIET: Final = "#5a5a5a"
 RARE: Final = 1e-6
 NOTHING: Final = 1e-24
 """Power over the square of the mean area that is rounding."""
@@ -46,18 +50,19 @@ Doubles = NDArray[np.float64]
 def theory_picture(model: Model, title: str, kind: Format) -> bytes:
     """Return the picture of a model's theory as the bytes of a file."""
     with house_style():
-        return as_bytes(_figure(model, title), kind)
+        return as_bytes(theory_figure(model, title), kind)
 
 
-def _figure(model: Model, title: str) -> "Figure":
+def theory_figure(model: Model, title: str) -> "Figure":
+    """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement."""
     area = area_cumulants(model)
     figure = new_figure(7.6, 5.6)
     told = f"real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
-    figure.suptitle(f"{shortened(title, LONGEST_TITLE)}\n{told}", x=0.01, ha="left", fontsize=10.0)
+    figure.suptitle(f"{shortened(printed(title), LONGEST_TITLE)}\n{told}", x=0.01, ha="left", fontsize=10.0)
     rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
     axes = figure.subplot_mosaic(rows)
     _draw_law(axes["law"], model, area)
-    _draw_covariance(axes["covariance"], model, area)
+    _draw_covariance(axes["covariance"], model)
     _draw_spectrum(axes["spectrum"], model)
     if model.slider is not None:
         _draw_response(axes["response"], model, model.slider)
@@ -90,20 +95,20 @@ def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
         axes.set_title(f"Distribution; no contact at all: {law.atom_at_zero:.3g}")
 
 
-def _draw_covariance(axes: "Axes", model: Model, area: Cumulants) -> None:
-    lag = np.linspace(0.0, 1.25 * model.mean_life_distance, POINTS // 4)
+def _draw_covariance(axes: "Axes", model: Model) -> None:
+    lag = np.linspace(0.0, max(covariance_reach(model, LITTLE), 1.25 * model.mean_life_distance), LAGS)
     axes.set_title("Autocovariance")
     axes.axhline(0.0, color=FAINT, lw=0.6)
     axes.plot(lag, autocovariance(model, lag), color=VERMILION, lw=1.6)
     axes.axvline(model.mean_life_distance, color=FAINT, lw=0.8, ls=(0, (2, 2)))
-    axes.annotate(
+    axes.text(
+        model.mean_life_distance,
+        0.5,
         "mean life",
-        (model.mean_life_distance, area.variance),
-        xytext=(-4.0, -4.0),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        color="#5a5a5a",
+        transform=axes.get_xaxis_transform(),
+        ha="center",
+        color=QUIET,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
     )
     axes.set_xlim(0.0, lag[-1])
     axes.set_xlabel("lag in sliding distance (µm)")
@@ -163,6 +168,6 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
 
 
 def _say(axes: "Axes", text: str) -> None:
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color="#5a5a5a")
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=QUIET)
     axes.set_xticks([])
     axes.set_yticks([])
