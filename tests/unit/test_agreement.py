@@ -2,7 +2,14 @@
 
 import pytest
 
-from rubnoise.analysis.agreement import Agreement, as_json, from_attributes
+from rubnoise.analysis.agreement import (
+    Agreement,
+    as_json,
+    family_wise_bound,
+    from_attributes,
+    normal_deviate,
+    outside,
+)
 
 FULL = Agreement(name="real_contact_area_mean", observed=206.0, expected=204.0, standard_error=0.5)
 UNSURE = Agreement(name="real_contact_area_std", observed=57.0, expected=56.5, standard_error=None)
@@ -47,3 +54,32 @@ def test_json_has_the_score() -> None:
         "real_contact_area_mean": {"observed": 206.0, "expected": 204.0, "standard_error": 0.5, "z": 4.0},
         "events": {"observed": 73084.0, "expected": None, "standard_error": None, "z": None},
     }
+
+
+def test_a_deviate_stands_for_the_score_of_a_law_that_is_not_normal() -> None:
+    figure = Agreement(name="count", observed=0.0, expected=20.0, standard_error=20.0**0.5, deviate=-5.9)
+    assert figure.z == -5.9
+    assert as_json([figure])["count"]["z"] == -5.9
+
+
+@pytest.mark.parametrize(
+    ("below", "above", "z"),
+    [(1.0, 0.0013499, 3.0), (0.0013499, 1.0, -3.0), (0.7, 0.6, 0.0), (0.0, 1.0, -37.05), (1.0, 0.0, 37.05)],
+)
+def test_a_deviate_has_the_tail_of_the_figure(below: float, above: float, z: float) -> None:
+    assert normal_deviate(below, above) == pytest.approx(z, abs=0.01)
+
+
+def test_the_bound_of_a_family_is_bonferronis() -> None:
+    from scipy.special import ndtr
+
+    for count in (1, 40, 1000):
+        assert 2.0 * count * ndtr(-family_wise_bound(count)) == pytest.approx(1e-3)
+    assert family_wise_bound(10, 0.05) == pytest.approx(2.807, abs=1e-3)
+    assert family_wise_bound(0) == family_wise_bound(1)
+
+
+def test_what_lies_outside_is_what_exceeds_the_bound() -> None:
+    broken = Agreement(name="broken", observed=float("nan"), expected=1.0, standard_error=0.5)
+    assert outside([FULL, UNSURE, ALONE, broken], 4.0) == [broken]
+    assert outside([FULL, UNSURE, ALONE], 3.9) == [FULL]

@@ -5,19 +5,29 @@ from dataclasses import dataclass
 
 EXACT, ERROR = "_exact", "_standard_error"
 
+FAMILY_WISE_ERROR = 1e-3
+"""Probability that any figure at all of a right run lies outside of the family-wise bound."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """One measured figure of a run; expected and standard_error are None where the theory promises nothing."""
+    """One measured figure of a run; expected and standard_error are None where the theory promises nothing.
+
+    ``deviate`` is there for a figure whose law is known and far from normal, such as a small count: the value of a unit
+    normal that is as improbable as the figure (see `normal_deviate`).
+    """
 
     name: str
     observed: float
     expected: float | None
     standard_error: float | None
+    deviate: float | None = None
 
     @property
     def z(self) -> float | None:
-        """Distance from the expected value in standard errors; None where it cannot be told."""
+        """Distance from the expected value in standard errors, or the deviate; None where it cannot be told."""
+        if self.deviate is not None:
+            return self.deviate
         if self.expected is None or not self.standard_error:
             return None
         return (self.observed - self.expected) / self.standard_error
@@ -56,3 +66,32 @@ def as_json(figures: Iterable[Agreement]) -> dict[str, dict[str, float | None]]:
         }
         for figure in figures
     }
+
+
+def normal_deviate(below: float, above: float) -> float:
+    """Return the z of a unit normal with the tail of a figure: P(values <= it) is ``below``, P(values >= it) ``above``.
+
+    Of the two tails the one below 1/2 counts, and neither gives 0, so that a count is never called less probable than
+    it is; tails below 1e-300 count as that much, |z| = 37.
+    """
+    from scipy.special import ndtri
+
+    if above < 0.5:
+        return -float(ndtri(max(above, 1e-300)))
+    return float(ndtri(max(below, 1e-300))) if below < 0.5 else 0.0
+
+
+def family_wise_bound(count: int, error: float = FAMILY_WISE_ERROR) -> float:
+    """Return the bound on |z| that ``count`` normal scores all keep with a probability of at least 1 - error.
+
+    P(|z| > bound) = error/count for each: Bonferroni's inequality, which holds however the scores depend on each other,
+    as the figures of one run do. Source: Miller, Simultaneous Statistical Inference (1981), section 1.
+    """
+    from scipy.special import ndtri
+
+    return -float(ndtri(0.5 * error / max(count, 1)))
+
+
+def outside(figures: Iterable[Agreement], bound: float) -> list[Agreement]:
+    """Return the figures whose |z| exceeds a bound; those without a z promise nothing, and keep it."""
+    return [figure for figure in figures if figure.z is not None and not abs(figure.z) <= bound]

@@ -117,14 +117,15 @@ def shared_variance(ticks: int, segments: int, neighbours: int = _NEIGHBOURS) ->
     b the bins' distance; at b = 0 it is what the segments' overlap adds to their mean square. A real record's own
     fourth cumulant comes on top. Source: Welch (1967), as above.
     """
+    from scipy.fft import fft
+
     window, step = hann(ticks), half_of(ticks)
     norm = float(np.square(window).sum()) ** 2
-    angles = np.outer(np.arange(neighbours + 1), np.arange(ticks)) * (2.0 * np.pi / ticks)
-    waves = np.cos(angles) - 1j * np.sin(angles)
+    bins = np.arange(neighbours + 1) % ticks
     total = np.zeros(neighbours + 1)
     for apart in range(min(segments, -(-ticks // step))):
         product = np.zeros(ticks)
         product[: ticks - apart * step] = window[: ticks - apart * step] * window[apart * step :]
         share = (1.0 if apart == 0 else 2.0) * (1.0 - apart / segments)
-        total += share * np.square(np.abs(waves @ product)) / norm
+        total += share * np.square(np.abs(fft(product)[bins])) / norm
     return total

@@ -1,0 +1,114 @@
+"""The trace beside the theory: moments of area, count and force over its stationary part."""
+
+from math import sqrt
+
+from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.comparing.findings import Finding, Identity
+from rubnoise.analysis.comparing.judging import judged, too_short
+from rubnoise.analysis.comparing.trace import TraceSums
+from rubnoise.analysis.moments import needed_for_mean, over_ticks
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants, force_cumulants
+from rubnoise.theory.correlation import joint_cumulants
+from rubnoise.theory.lags import lag_rule
+from rubnoise.theory.motion_errors import mean_force_error
+from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
+from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.sampling import standard_errors
+
+_ROUNDING = 2.0**-50
+
+
+def settled_length(model: Model, trace: TraceSums) -> float:
+    """Return the length in um of the stationary part of a trace."""
+    return trace.settled_ticks * model.tick
+
+
+def missing_length(model: Model, trace: TraceSums) -> float | None:
+    """Return what sliding in um a mean needs from the start on, or None where the trace has it."""
+    needed = needed_for_mean(model)
+    return None if settled_length(model, trace) >= needed else trace.layout.settled * model.tick + needed
+
+
+def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
+    """Return the four moments of real contact area; raises Refused where theory has no errors for its births."""
+    need_random_births(model, "the standard error of a mean area")
+    expected, seen, length = area_cumulants(model), trace.area, settled_length(model, trace)
+    errors = standard_errors(over_ticks(model, trace.settled_ticks, model.tick))
+    mean = Agreement(
+        name="real_contact_area_mean", observed=seen.mean, expected=expected.mean, standard_error=errors.mean
+    )
+    return [
+        mean,
+        judged("real_contact_area_std", seen.std, expected.std, errors.std, length=length),
+        *(
+            judged(
+                f"real_contact_area_{name}",
+                getattr(seen, name),
+                getattr(expected, name),
+                getattr(errors, name),
+                length=length,
+                scale=1.0,
+            )
+            for name in ("skewness", "excess_kurtosis")
+        ),
+    ]
+
+
+def count_findings(model: Model, trace: TraceSums) -> list[Finding]:
+    """Return mean and variance of the live count; raises Refused unless it is Poisson.
+
+    The variance of the mean square about the mean follows from the joint cumulants of N(s) and N(s + tau), all of them
+    C = lam E[(2d - tau)+]: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2.
+    """
+    need_random_births(model, "the standard error of a mean count")
+    stretch = over_ticks(model, trace.settled_ticks, model.tick)
+    lags, weights = lag_rule(stretch)
+    shared = count_covariance(model, lags)
+    expected, seen = mean_count(model), trace.count
+    error = sqrt(float(weights @ (shared + 2.0 * shared**2)))
+    mean = Agreement(
+        name="junction_count_mean", observed=seen.mean, expected=expected, standard_error=mean_count_error(stretch)
+    )
+    length = settled_length(model, trace)
+    return [mean, judged("junction_count_variance", seen.variance, expected, error, length=length)]
+
+
+def force_findings(model: Model, trace: TraceSums) -> list[Finding]:
+    """Return the friction force beside its law: psi A_r tick by tick for one strength, else mean and std.
+
+    Raises Refused for unequal strengths unless births are random.
+    """
+    if model.strengths is None:
+        return []
+    if isinstance(model.strengths, ConstantStrength):
+        largest = model.strengths.mean * (trace.area.mean + 12.0 * trace.area.std)
+        away, allowed = trace.force_deviation, _ROUNDING * largest
+        return [Identity(name="friction_force", deviation=away, allowed=allowed, units="uN")]
+    need_random_births(model, "the standard error of a mean force")
+    missing = missing_length(model, trace)
+    return _unequal_strengths(model, trace) if missing is None else [too_short("friction_force", missing)]
+
+
+def _unequal_strengths(model: Model, trace: TraceSums) -> list[Finding]:
+    expected, seen = force_cumulants(model), trace.force
+    stretch = over_ticks(model, trace.settled_ticks, model.tick)
+    mean = Agreement(
+        name="friction_force_mean",
+        observed=seen.mean,
+        expected=expected.mean,
+        standard_error=mean_force_error(stretch),
+    )
+    error = _variance_error(stretch) / (2.0 * expected.std)
+    return [mean, judged("friction_force_std", seen.std, expected.std, error, length=settled_length(model, trace))]
+
+
+def _variance_error(stretch: Model) -> float:
+    """Return the standard error in uN^2 of the force's variance: Cov = E[psi^4] kappa_22 + 2 (E[psi^2] kappa_11)^2."""
+    if stretch.strengths is None:
+        return 0.0
+    lags, weights = lag_rule(stretch)
+    joint = joint_cumulants(stretch, lags, ((1, 1), (2, 2)))
+    second, fourth = stretch.strengths.moment(2), stretch.strengths.moment(4)
+    return sqrt(float(weights @ (fourth * joint[2, 2] + 2.0 * (second * joint[1, 1]) ** 2)))

@@ -1,0 +1,88 @@
+"""The slider's motion beside its exact response, from where its start is forgotten."""
+
+from dataclasses import replace
+from math import hypot, inf, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.comparing.findings import Finding, LeftOut
+from rubnoise.analysis.comparing.judging import judged, too_short
+from rubnoise.analysis.comparing.rows import Rows, panels, settled_tick
+from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.model import Model, Slider
+from rubnoise.record.tally import Moments
+from rubnoise.theory.drive import drive_of
+from rubnoise.theory.motion_errors import motion_errors
+from rubnoise.theory.response import Response, response
+
+Doubles = NDArray[np.float64]
+
+FEWEST_DECAYS = 10
+"""Decay times that a record of the motion should have behind its start."""
+
+_FORGOTTEN = 1e-3
+
+
+def slowest_decay(slider: Slider) -> float:
+    """Return the time in s in which the slowest free motion falls by e: 2m/c, or about c/k where that is longer."""
+    if slider.damping == 0.0:
+        return inf
+    return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
+
+
+def motion_findings(model: Model, rows: Rows) -> list[Finding]:
+    """Return mean and std of displacement and std of velocity; nothing without a slider.
+
+    The record begins where the start has fallen to a thousandth of the spread, and the contact is stationary.
+    Raises Refused where theory has no response for the model.
+    """
+    if model.slider is None:
+        return []
+    drive, exact = drive_of(model), response(model)
+    if model.slider.damping == 0.0:
+        return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
+    first = settled_tick(model) + int(_forgetting(model, exact) * drive.speed / model.tick)
+    decays = FEWEST_DECAYS * slowest_decay(model.slider) * drive.speed
+    needed = first * model.tick + max(decays, needed_for_mean(model))
+    if model.distance < needed:
+        return [too_short("displacement", needed)]
+    return _figures(model, exact, *_read(rows, first))
+
+
+def _forgetting(model: Model, exact: Response) -> float:
+    """Return the time in s in which the start falls to a thousandth of the spread."""
+    if model.slider is None:
+        return 0.0
+    away = abs(exact.mean_displacement - model.equilibrium_displacement)
+    if model.start == "empty":
+        away = exact.mean_displacement
+    spread = hypot(exact.displacement_std, exact.velocity_std / model.slider.natural_angular_frequency)
+    return slowest_decay(model.slider) * log((1.0 + away / spread) / _FORGOTTEN)
+
+
+def _read(rows: Rows, first: int) -> tuple[Moments, Moments]:
+    place, speed = Moments(powers=2), Moments(powers=2)
+    done = 0
+    for columns in panels(rows, "slider", ("displacement", "velocity")):
+        skipped = max(first - done, 0)
+        place.add(columns["displacement"][skipped:])
+        speed.add(columns["velocity"][skipped:])
+        done += columns["velocity"].size
+    return place, speed
+
+
+def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> list[Finding]:
+    length = place.count * model.tick
+    errors = motion_errors(replace(model, start="stationary", distance=length), length)
+    return [
+        Agreement(
+            name="displacement_mean",
+            observed=place.mean,
+            expected=exact.mean_displacement,
+            standard_error=errors.mean_displacement,
+        ),
+        judged("displacement_std", place.std, exact.displacement_std, errors.displacement_std, length=length),
+        judged("velocity_std", speed.std, exact.velocity_std, errors.velocity_std, length=length),
+    ]

@@ -1,0 +1,46 @@
+"""The stored columns of a run, read in panels, so that a longer run needs no more memory."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import ceil
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.model import Model
+from rubnoise.theory.lags import longest_life
+
+Doubles = NDArray[np.float64]
+
+PANEL_ROWS: Final = 1 << 18
+
+
+class Rows(Protocol):
+    """The columns of a run, in a file or elsewhere, named and in the units of a result file."""
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """Names of the columns of each group."""
+        ...
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        ...
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
+        ...
+
+
+def panels(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    """Yield the named columns of a group from its first row to its last, a panel at a time; those that it has."""
+    there = [name for name in names if name in rows.columns[group]]
+    total = rows.rows(group)
+    for first in range(0, total, PANEL_ROWS):
+        last = min(first + PANEL_ROWS, total)
+        yield {name: rows.column(group, name, first, last) for name in there}
+
+
+def settled_tick(model: Model) -> int:
+    """Return the first tick from which the contact is stationary: after a longest life where the start was empty."""
+    return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)

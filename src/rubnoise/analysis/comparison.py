@@ -1,0 +1,68 @@
+"""A run held against the theory of its own scenario: from its stored rows alone, never from what it says of itself."""
+
+from collections.abc import Callable
+
+from rubnoise.analysis.comparing.births import Births, birth_findings
+from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
+from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, LeftOut, comparison
+from rubnoise.analysis.comparing.lives import Lives, life_findings
+from rubnoise.analysis.comparing.motion import motion_findings
+from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
+from rubnoise.analysis.comparing.rows import Rows, panels
+from rubnoise.analysis.comparing.sizes import Marks, mark_findings
+from rubnoise.analysis.comparing.start import Start, start_findings
+from rubnoise.analysis.comparing.trace import TraceSums, read_trace
+from rubnoise.analysis.records import RecordTooShort
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+
+COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "shear_strength", "state")
+
+
+def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
+    """Return everything that a run can be held against, with scores; ``bound`` replaces the family-wise bound on |z|.
+
+    The run is read twice, /trace and /junctions once each (and /slider), in panels. Raises RecordTooShort, carrying the
+    mean area, for a run from which not even that can be judged.
+    """
+    trace = read_trace(model, rows)
+    missing = missing_length(model, trace)
+    if missing is not None:
+        length = trace.ticks * model.tick
+        raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
+    births, start, marks, lives = Births(model), Start(), Marks(model), Lives(model, trace)
+    for columns in panels(rows, "junctions", COLUMNS):
+        for gathered in (births, start, marks, lives):
+            gathered.add(columns)
+    parts = (
+        _part("births", birth=lambda: birth_findings(model, births), start=lambda: start_findings(model, start)),
+        _part(
+            "junctions", diameter=lambda: mark_findings(model, marks), life=lambda: life_findings(model, lives, trace)
+        ),
+        _trace_part(model, trace),
+        _part("slider", displacement=lambda: motion_findings(model, rows)),
+    )
+    return comparison(parts, bound)
+
+
+def _trace_part(model: Model, trace: TraceSums) -> Findings:
+    return _part(
+        "contact",
+        real_contact_area=lambda: area_findings(model, trace),
+        real_contact_area_kolmogorov=lambda: distribution_findings(model, trace),
+        junction_count=lambda: count_findings(model, trace),
+        friction_force=lambda: force_findings(model, trace),
+        real_contact_area_autocovariance=lambda: covariance_findings(model, trace),
+        spectrum=lambda: spectrum_findings(model, trace),
+    )
+
+
+def _part(heading: str, **parts: Callable[[], list[Finding]]) -> Findings:
+    """Return what the parts find; of one that the theory refuses, its name and the reason are kept."""
+    found: list[Finding] = []
+    for name, find in parts.items():
+        try:
+            found += find()
+        except Refused as refusal:
+            found.append(LeftOut(name=name, reason=str(refusal)))
+    return Findings(heading=heading, found=tuple(found))

@@ -1,0 +1,86 @@
+"""The Kolmogorov distance of a sample from its law, and how improbable it is."""
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.agreement import Agreement, normal_deviate
+
+Doubles = NDArray[np.float64]
+
+FEWEST = 10
+"""Independent values from which a distance is told at all."""
+
+_BINS = 1 << 18
+_EXACT_UP_TO = 1000  # the limit's own error is some tenth of 1/sqrt(n)
+# Mean and standard deviation of D sqrt(n) for many values: sqrt(pi/2) ln 2, and sqrt(pi^2/12 - mean^2).
+_MEAN, _STD = 0.868731, 0.260333
+
+
+def kolmogorov_figure(name: str, distance: float, count: int) -> Agreement:
+    """Return the largest distance between the distribution functions of ``count`` independent values and of their law.
+
+    Beside it stand its mean and standard deviation for a right law; the score is that of its tail probability, 0 for
+    the smaller ones of few values, of which only a bound is known. A law that is not continuous gives smaller
+    distances, so that the score is safe. Source: Feller (1948), doi:10.1214/aoms/1177730243.
+    """
+    tail = distance_tail(distance, count)
+    below = 1.0 - tail if count > _EXACT_UP_TO else 0.5
+    return Agreement(
+        name=name,
+        observed=distance,
+        expected=_MEAN / sqrt(count),
+        standard_error=_STD / sqrt(count),
+        deviate=normal_deviate(below, tail),
+    )
+
+
+def distance_tail(distance: float, count: int) -> float:
+    """Return P(D >= distance) for values of a continuous law: up to 1000 by the bound of both one-sided exact tails.
+
+    That bound is the probability itself where it is small; beyond 1000 values it is Kolmogorov's limit.
+    """
+    from scipy.special import kolmogorov, smirnov
+
+    if count > _EXACT_UP_TO:
+        return float(kolmogorov(distance * sqrt(count)))
+    return min(1.0, 2.0 * float(smirnov(count, min(distance, 1.0))))
+
+
+def sample_distance(values: Doubles, heights: Doubles, atom: float = 0.0) -> float:
+    """Return D of values >= 0 of which the law's distribution function is ``heights``; at 0 it jumps to ``atom``."""
+    order = np.argsort(values)
+    at_zero = int((values == 0.0).sum())
+    risen = heights[order][at_zero:]
+    steps = np.arange(at_zero, values.size + 1) / values.size
+    zero = abs(float(steps[0]) - atom) if at_zero or atom else 0.0
+    if not risen.size:
+        return zero
+    return max(zero, float(np.max(steps[1:] - risen)), float(np.max(risen - steps[:-1])))
+
+
+class UniformSample:
+    """Values that ought to be uniform on [0, 1], counted in 2^18 bins, so that any number of them takes 2 MB.
+
+    Their distance is taken at the edges of the bins alone: never more than D, and less by 2^-18 at most and by what a
+    bin holds.
+    """
+
+    def __init__(self) -> None:
+        self._counts = np.zeros(_BINS, dtype=np.int64)
+
+    def add(self, values: Doubles) -> None:
+        """Take in more values."""
+        bins = np.minimum((np.clip(values, 0.0, 1.0) * _BINS).astype(np.int64), _BINS - 1)
+        self._counts += np.bincount(bins, minlength=_BINS)
+
+    @property
+    def count(self) -> int:
+        """How many values there are."""
+        return int(self._counts.sum())
+
+    def distance(self) -> float:
+        """Return the largest distance of the values' distribution function from the diagonal."""
+        heights = np.cumsum(self._counts) / max(self.count, 1)
+        return float(np.max(np.abs(heights - np.arange(1, _BINS + 1) / _BINS)))

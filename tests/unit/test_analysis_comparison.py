@@ -1,0 +1,224 @@
+"""A run beside its theory: what is compared of which run, what is left out and why; right runs are accepted."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.analysis.comparing import rows, trace
+from rubnoise.analysis.comparing.findings import Comparison
+from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.records import RecordTooShort
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.model import Model, Slider
+from tests.models import bare, model, recorded
+from tests.verification.fabricated import Held, held
+from tests.verification.seeds import seed_of
+
+QUICK = Slider(mass=0.005, stiffness=300.0, damping=0.5)
+RIGHT = {
+    "figure 5": model(distance=20_000.0, tick=0.2),
+    "empty": model(start="empty", slider=None, distance=3000.0, tick=0.2),
+    "wide": bare(spread=Spread(relative=1.0), distance=6000.0, tick=0.2),
+    "few": bare(count=0.5, distance=160_000.0, tick=4.0),
+    "triangle": replace(bare(distance=6000.0, tick=0.2), pulse=TRIANGLE),
+    "one size": bare(spread=Spread(absolute=0.0), distance=4000.0, tick=0.2),
+    "unequal strengths": replace(
+        model(slider=None, distance=20_000.0, tick=0.2), strengths=LognormalStrength(mean=250.0, std=100.0)
+    ),
+    "at rest": model(distance=10_000.0, tick=0.5, slider=replace(QUICK, start="rest"), speed=100.0),
+    "regular": replace(bare(distance=3000.0, tick=0.2), births=RegularBirths(mean_spacing=0.55)),
+}
+
+
+@cache
+def run(name: str) -> Held:
+    return held(recorded(RIGHT[name], seed_of(f"comparison/{name}")))
+
+
+@cache
+def compared(name: str) -> Comparison:
+    return compare(RIGHT[name], run(name))
+
+
+def names(found: Comparison) -> set[str]:
+    return {figure.name.rstrip("0123456789.") for figure in found.figures}
+
+
+def reason(found: Comparison, name: str) -> str:
+    return next(each.reason for each in found.left_out if each.name == name)
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_right_runs_are_accepted(name: str) -> None:
+    found = compared(name)
+    assert found.outside == []
+    assert all(figure.z is not None for figure in found.figures)
+    assert found.bound == pytest.approx(3.9, abs=0.4)
+
+
+def test_an_ordinary_run_is_held_against_everything() -> None:
+    found = compared("figure 5")
+    assert [part.heading for part in found.parts] == ["births", "junctions", "contact", "slider"]
+    assert names(found) >= {
+        "birth_count",
+        "birth_gap_variation",
+        "birth_gap_kolmogorov",
+        "birth_place_kolmogorov",
+        "start_count",
+        "diameter_mean",
+        "diameter_std",
+        "diameter_kolmogorov",
+        "life_mean_area",
+        "life_over_diameter",
+        "real_contact_area_mean",
+        "real_contact_area_std",
+        "real_contact_area_skewness",
+        "real_contact_area_excess_kurtosis",
+        "real_contact_area_kolmogorov",
+        "junction_count_mean",
+        "junction_count_variance",
+        "real_contact_area_autocovariance_",
+        "displacement_mean",
+    }
+    assert sum(figure.name.startswith("spectrum") for figure in found.figures) >= 7
+    held_to = {identity.name for identity in found.identities}
+    assert held_to == {"shear_strength", "life", "death", "area_from_rows", "count_from_rows", "friction_force"}
+
+
+def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
+    found = compared("empty")
+    assert not any(figure.name.startswith("start") for figure in found.figures)
+    assert {"real_contact_area_mean", "life_mean_area", "birth_count"} <= names(found)
+    settled = rows.settled_tick(RIGHT["empty"])
+    assert trace.read_trace(RIGHT["empty"], run("empty")).settled_ticks == RIGHT["empty"].tick_count + 1 - settled
+    # The first life taken in, the run would not pass as stationary.
+    taken = compare(replace(RIGHT["empty"], start="stationary"), run("empty"))
+    assert "start_count" in taken.outside
+
+
+def test_unequal_strengths_are_compared_and_their_force_too() -> None:
+    assert {"shear_strength_mean", "shear_strength_std", "friction_force_mean", "friction_force_std"} <= names(
+        compared("unequal strengths")
+    )
+
+
+def test_a_start_from_rest_is_forgotten_first() -> None:
+    assert {"displacement_mean", "displacement_std", "velocity_std"} <= names(compared("at rest"))
+
+
+def test_regular_births_are_told_from_random_ones() -> None:
+    found = compared("regular")
+    assert {"birth_gap", "birth_count", "area_from_rows", "count_from_rows"} <= {each.name for each in found.identities}
+    assert {"diameter_mean", "diameter_std", "diameter_kolmogorov"} <= names(found)
+    assert "known for Poisson births alone" in reason(found, "spectrum")
+    random = replace(RIGHT["regular"], births=bare().births)
+    assert {"birth_gap_kolmogorov", "birth_place_kolmogorov"} <= set(compare(random, run("regular")).outside)
+
+
+def test_what_is_too_short_for_a_figure_says_how_long_it_should_be() -> None:
+    found = compare(bare(distance=700.0, tick=0.2), held(recorded(bare(distance=700.0, tick=0.2), 1)))
+    assert "it needs about 1.76e+04 um of sliding" in reason(found, "real_contact_area_excess_kurtosis")
+    assert "real_contact_area_mean" in names(found)
+    slider = compare(model(distance=1000.0), held(recorded(model(distance=1000.0), 1)))
+    assert reason(slider, "displacement").startswith("the run is too short for it; it needs about 3.")
+
+
+def test_the_length_that_is_said_to_be_needed_is_enough() -> None:
+    short = compare(bare(distance=700.0, tick=0.4), held(recorded(bare(distance=700.0, tick=0.4), 1)))
+    needed = float(reason(short, "real_contact_area_skewness").split("about ")[1].split(" um")[0])
+    longer = bare(distance=1.05 * needed, tick=0.4)
+    assert "real_contact_area_skewness" in names(compare(longer, held(recorded(longer, 1))))
+
+
+@pytest.mark.parametrize(
+    ("short", "needed"), [(bare(distance=300.0), 553.0), (bare(distance=560.0, start="empty"), 567.5)]
+)
+def test_a_run_too_short_for_its_mean_is_refused(short: Model, needed: float) -> None:
+    with pytest.raises(RecordTooShort, match=r"a comparison with the theory: .* too short") as refused:
+        compare(short, held(recorded(short, 1)))
+    assert refused.value.needed == pytest.approx(needed, abs=1.0)
+    assert isinstance(refused.value.estimate, float)
+
+
+def test_ticks_too_wide_for_a_spectrum_are_told() -> None:
+    wide = bare(distance=3000.0, tick=3.0)
+    found = compare(wide, held(recorded(wide, 1)))
+    assert reason(found, "spectrum") == "ticks are too wide for it; it needs 8 to a mean life"
+    assert "real_contact_area_std" in names(found)
+
+
+def test_an_undamped_slider_is_left_out() -> None:
+    undamped = model(distance=1000.0, slider=replace(QUICK, damping=0.0))
+    found = compare(undamped, held(recorded(undamped, 1)))
+    assert reason(found, "displacement") == "a slider without damping never forgets its start"
+
+
+def test_a_bound_may_be_asked_for() -> None:
+    found = compare(RIGHT["one size"], run("one size"), 1e-6)
+    assert found.bound == 1e-6
+    assert not found.by_family
+    assert len(found.outside) > 10
+
+
+def test_panels_of_any_size_give_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rows, "PANEL_ROWS", 997)
+    again = compare(RIGHT["empty"], run("empty"))
+    for one, other in zip(again.figures, compared("empty").figures, strict=True):
+        assert one.observed == pytest.approx(other.observed, rel=1e-9)
+        assert one.z == pytest.approx(other.z, abs=1e-6)
+
+
+def changed(groups: Any, group: str, name: str, change: Any) -> Held:
+    columns: dict[str, NDArray[Any]] = dict(groups[group])
+    columns[name] = columns[name].copy()
+    change(columns[name])
+    return Held(dict(groups) | {group: columns})
+
+
+@pytest.mark.parametrize(
+    ("group", "name", "identity"),
+    [
+        ("junctions", "diameter", "life"),
+        ("junctions", "death_distance", "death"),
+        ("junctions", "shear_strength", "shear_strength"),
+        ("trace", "friction_force", "friction_force"),
+    ],
+)
+def test_a_single_wrong_row_breaks_an_identity(group: str, name: str, identity: str) -> None:
+    def change(values: NDArray[Any]) -> None:
+        values[100] *= 1.0 + 1e-9
+
+    found = compare(RIGHT["figure 5"], changed(run("figure 5").groups, group, name, change))
+    assert identity in found.outside
+
+
+def test_a_wrong_sum_at_a_sampled_tick_breaks_an_identity() -> None:
+    apart = trace.Layout.of(RIGHT["figure 5"]).apart
+
+    def change(values: NDArray[Any]) -> None:
+        values[3 * apart] += 1
+
+    for name, identity in (("real_contact_area", "area_from_rows"), ("junction_count", "count_from_rows")):
+        found = compare(RIGHT["figure 5"], changed(run("figure 5").groups, "trace", name, change))
+        assert identity in found.outside
+
+
+def test_scores_of_many_right_runs_are_unit_normals() -> None:
+    short = bare(distance=1500.0, tick=0.2)
+    seeds = range(seed_of("comparison/many"), seed_of("comparison/many") + 50)
+    scores: dict[str, list[float]] = {}
+    for seed in seeds:
+        for figure in compare(short, held(recorded(short, seed))).figures:
+            scores.setdefault(figure.name, []).append(figure.z or 0.0)
+    whole = {name: np.array(z) for name, z in scores.items() if not name.startswith(("start", "real_contact_area_kol"))}
+    assert len(whole) > 15
+    assert {name: z.mean() for name, z in whole.items() if abs(z.mean()) > 4.0 / 50**0.5} == {}
+    # Spreads of 50 scores are known to a tenth.
+    assert {name: z.std() for name, z in whole.items() if not 0.6 <= z.std() <= 1.4} == {}
