@@ -9,6 +9,7 @@ from rubnoise.analysis.spectra import Spectrum
 from rubnoise.figures import fig7
 from rubnoise.figures.sources import Sources, envelope
 from rubnoise.figures.spectra import FIRST, WIDEST, drawn
+from rubnoise.figures.spreads import Spread, spreads_of
 from rubnoise.scenario.sweep import load_sweep
 from tests.figures.papers import PAPER
 from tests.verification.seeds import seed_of
@@ -48,21 +49,21 @@ def test_bins_of_a_spectrum_keep_its_integral() -> None:
 
 
 @pytest.fixture(scope="module")
-def spreads(tmp_path_factory: pytest.TempPathFactory) -> list[fig7.Spread]:
+def spreads(tmp_path_factory: pytest.TempPathFactory) -> list[Spread]:
     folder = tmp_path_factory.mktemp("fig7")
     lines = ["format = 1", f'extends = "{PAPER / "fig7.toml"}"', "[run]", f"seed = {seed_of('spreads of figure 7')}"]
     lines += ["[sliding]", 'distance = "3 mm"', "[sweep]", "replicates = 2", "[sweep.grid]"]
     lines += ['interface.mean_real_contact_area = ["100 um^2", "300 um^2"]']
     lines += ["interface.mean_junction_count = [10, 20, 30]"]
     (folder / "fig7.toml").write_text("\n".join([*lines, ""]), encoding="utf-8")
-    return fig7._spreads(Sources(folder=folder))
+    return spreads_of(Sources(folder=folder), "fig7.toml")
 
 
-def _z(spreads: list[fig7.Spread], factor: float) -> np.ndarray:
+def _z(spreads: list[Spread], factor: float) -> np.ndarray:
     return np.array([(each.std - factor * each.exact_std) / each.standard_error for each in spreads])
 
 
-def test_spreads_lie_about_the_exact_ones_by_their_errors(spreads: list[fig7.Spread]) -> None:
+def test_spreads_lie_about_the_exact_ones_by_their_errors(spreads: list[Spread]) -> None:
     assert [spread.count for spread in spreads] == [10, 20, 30] * 2
     z = _z(spreads, 1.0)
     assert np.abs(z).max() <= 4.0
@@ -86,5 +87,5 @@ def test_runs_are_counted_aloud(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     told: list[tuple[int, int]] = []
-    fig7._spreads(Sources(folder=tmp_path, watch=lambda done, runs: told.append((done, runs))))
+    spreads_of(Sources(folder=tmp_path, watch=lambda done, runs: told.append((done, runs))), "fig7.toml")
     assert told == [(done, 5) for done in range(1, 6)]

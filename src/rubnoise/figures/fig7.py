@@ -1,6 +1,5 @@
 """Figure 7: how far the real contact area spreads, against the number of junctions that carry it."""
 
-from dataclasses import dataclass
 from itertools import cycle
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
@@ -8,15 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.figures.sources import Sources
+from rubnoise.figures.spreads import Spread, by_area, spreads_of
 from rubnoise.figures.style import SERIES, VERMILION, logarithmic, new_figure
-from rubnoise.model import Model
-from rubnoise.record.sink import Extent
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario, build
-from rubnoise.scenario.points import Point
-from rubnoise.sweep.serial import Measure
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.sampling import standard_errors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,25 +31,9 @@ CURVE: Final = 41
 """Points of an exact curve, from the fewest junctions to the most."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spread:
-    """The spread of A_r in the runs of one point with its standard error, and the exact one with the mean, in um^2."""
-
-    scenario: Scenario
-    std: float
-    standard_error: float
-    exact_std: float
-    exact_mean: float
-
-    @property
-    def count(self) -> float:
-        """N_jm."""
-        return self.scenario.interface.mean_junction_count
-
-
 def draw(sources: Sources) -> "Figure":
     """Draw the standard deviation for each mean area, and all of them over their mean on logarithmic axes."""
-    families = _by_area(_spreads(sources))
+    families = by_area(spreads_of(sources, "fig7.toml"))
     figure = new_figure(7.2, 3.8)
     absolute, relative = figure.subplots(1, 2, width_ratios=[1.2, 1.0])
     for number, ((area, spreads), (colour, marker)) in enumerate(zip(families.items(), cycle(SERIES), strict=False)):
@@ -139,43 +117,3 @@ def _few_numbers(axis: "Axis") -> None:
     axis.set_major_locator(FixedLocator([0.1, 0.15, 0.2, 0.3, 0.4, 10.0, 20.0, 30.0, 40.0, 50.0]))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-
-
-def _spreads(sources: Sources) -> list[Spread]:
-    """Return the spread at each point, its replicates taken together."""
-    runs: dict[tuple[object, ...], tuple[Point, list[float]]] = {}
-    for point, variance in sources.results("fig7.toml", VARIANCE):
-        runs.setdefault(tuple(point.values.values()), (point, []))[1].append(variance)
-    return [_spread(point.scenario, variances) for point, variances in runs.values()]
-
-
-def _tally(extent: Extent) -> Tally:
-    del extent
-    return Tally()
-
-
-def _variance(model: Model, tally: Tally) -> float:
-    del model
-    return tally.moments["real_contact_area"].variance
-
-
-VARIANCE: Final = Measure(sink=_tally, read=_variance)
-
-
-def _spread(scenario: Scenario, variances: list[float]) -> Spread:
-    model = scenario.model()
-    exact = area_cumulants(model)
-    return Spread(
-        scenario=scenario,
-        std=sqrt(sum(variances) / len(variances)),
-        standard_error=standard_errors(model).std / sqrt(len(variances)),
-        exact_std=exact.std,
-        exact_mean=exact.mean,
-    )
-
-
-def _by_area(spreads: list[Spread]) -> dict[float, list[Spread]]:
-    families: dict[float, list[Spread]] = {}
-    for spread in sorted(spreads, key=lambda each: each.count):
-        families.setdefault(float(spread.scenario.interface.mean_real_contact_area), []).append(spread)
-    return dict(sorted(families.items()))

@@ -65,7 +65,7 @@ def _finish(plain: "Axes", scaled: "Axes") -> None:
     plain.set_xlabel(AXIS)
     plain.set_ylabel(DENSITY)
     plain.set_title("Five mean numbers of junctions")
-    plain.legend(loc="lower left", title="junctions")
+    plain.legend(loc="lower left", title="simulated, junctions", alignment="left")
     scaled.set_xlabel("wavenumber times mean life (rad)")
     scaled.set_ylabel("density over variance\nand mean life (1/rad)")
     scaled.set_title("Over variance and life: one curve")
