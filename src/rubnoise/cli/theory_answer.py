@@ -13,8 +13,8 @@ from rubnoise.theory.campbell import Cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.visible_lines import visible_lines
 
 CONVENTION: Final = (
     "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"
@@ -83,7 +83,7 @@ def _at(model: Model, points: Points) -> dict[str, Any]:
 
 def _lines(model: Model) -> dict[str, Any]:
     """Return the first lines that regular births put into the spectrum."""
-    wavenumber, power = spectral_lines(model)
+    wavenumber, power = visible_lines(model)
     if not power.size:
         return {}
     return {"spectral_lines": {"wavenumber": wavenumber[:MOST_LINES], "power": power[:MOST_LINES]}}

@@ -11,8 +11,8 @@ from rubnoise.figures.marks import entitle, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
 from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.visible_lines import visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,9 +24,6 @@ LONGEST_LIVES: Final = 40.0
 """Length of a segment in mean lives: enough to see the spectrum flat, and short enough to have many of them."""
 
 MOST_LINES: Final = 30
-NOTHING: Final = 1e-12
-"""Part of the power below which a line of the theory is rounding."""
-
 POINTS: Final = 600
 UNIT: Final = "µm⁴ per rad/µm"
 Doubles = NDArray[np.float64]
@@ -84,9 +81,9 @@ def _draw_exact(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
     density = spectral_density(stretch.model, wavenumber)
     if density.any():
         axes.plot(wavenumber, density, color=VERMILION, lw=2.4, label="exact S(k)")
-    lines, power = spectral_lines(stretch.model)
+    lines, _ = visible_lines(stretch.model)
     label = "exact lines"
-    for line in lines[power > NOTHING * power.sum()][:MOST_LINES]:
+    for line in lines[:MOST_LINES]:
         axes.axvline(line, color=VERMILION, lw=0.8, ls=(0, (1, 2)), zorder=0, label=label)
         label = "_one entry is enough"
 

@@ -1,6 +1,5 @@
 """A stretch of a result that a picture shows, read in panels and thinned to what a picture can hold."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil, floor
@@ -9,9 +8,9 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.analysis.stored_model import stored_model
+from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.scenario import build
 from rubnoise.storage.reader import RunFile
 
 MOST_POINTS: Final = 3000
@@ -42,7 +41,7 @@ class Stretch:
     @classmethod
     def of(cls, file: RunFile, start: float | None = None, stop: float | None = None) -> Self:
         """Return a stretch of an open result, all of it by default; raises Refused where it holds no two ticks."""
-        model = _model(file)
+        model = stored_model(file)
         whole = cls(
             file=file,
             model=model,
@@ -117,11 +116,3 @@ class Stretch:
             values.append(np.stack([np.minimum.reduceat(panel, starts), np.maximum.reduceat(panel, starts)], axis=-1))
         places = np.repeat(np.arange(first, last, step) + 0.5 * (step - 1), 2)
         return self.model.tick * places, np.concatenate(values).ravel().astype(np.float64)
-
-
-def _model(file: RunFile) -> Model:
-    """Return the physics of a run from the scenario in its file; raises RunFileRefused where that is none."""
-    try:
-        return build(json.loads(str(file.provenance["scenario_resolved"]))).model()
-    except (ValueError, RecursionError, AttributeError, Refused) as problem:
-        raise RunFileRefused("the scenario in the file is none that can be run, so theory is silent") from problem

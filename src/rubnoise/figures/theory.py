@@ -23,12 +23,12 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.one_sided import tail
 from rubnoise.theory.reach import covariance_reach
 from rubnoise.theory.response import response
 from rubnoise.theory.response_spectrum import displacement_spectrum_per_hertz
 from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.visible_lines import visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,9 +41,6 @@ LAGS: Final = 300
 LITTLE: Final = 0.01
 QUIET: Final = "#5a5a5a"
 RARE: Final = 1e-6
-NOTHING: Final = 1e-24
-"""Power over the square of the mean area that is rounding."""
-
 Doubles = NDArray[np.float64]
 
 
@@ -119,15 +116,17 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     wavenumber = np.geomspace(0.1, 300.0, POINTS) / model.mean_life_distance
     axes.set_title("Spectral density of the area, two-sided")
     density = spectral_density(model, wavenumber)
-    lines = _lines(model, float(wavenumber[-1]))
-    if not (density.any() or lines[1].size):
+    lines, power = visible_lines(model)
+    if not (density.any() or power.size):
         _say(axes, "nothing varies")
         return
     if density.any():
         axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact")
-    if lines[1].size:
-        axes.vlines(lines[0], 1e-3 * lines[1], lines[1], color=VERMILION, lw=1.2, label="lines of regular births (µm⁴)")
-        axes.plot(*lines, "o", color=VERMILION, ms=3.0)
+    if power.size:
+        shown = lines <= wavenumber[-1]
+        label = "lines of regular births (µm⁴)"
+        axes.vlines(lines[shown], 1e-3 * power[shown], power[shown], color=VERMILION, lw=1.2, label=label)
+        axes.plot(lines[shown], power[shown], "o", color=VERMILION, ms=3.0)
     _draw_tail(axes, model, wavenumber, density)
     for axis in (axes.xaxis, axes.yaxis):
         logarithmic(axis)
@@ -135,13 +134,6 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     axes.set_xlabel("wavenumber (rad/µm)")
     axes.set_ylabel("µm⁴ per rad/µm")
     axes.legend(loc="lower left")
-
-
-def _lines(model: Model, largest: float) -> tuple[Doubles, Doubles]:
-    """Return the lines up to a wavenumber, without those that are rounding."""
-    wavenumber, power = spectral_lines(model)
-    told = (wavenumber <= largest) & (power > NOTHING * area_cumulants(model).mean ** 2)
-    return wavenumber[told], power[told]
 
 
 def _draw_tail(axes: "Axes", model: Model, wavenumber: Doubles, density: Doubles) -> None:
