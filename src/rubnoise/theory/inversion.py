@@ -1,0 +1,141 @@
+"""From characteristic function to distribution: what a Poisson number of live areas adds up to."""
+
+from dataclasses import dataclass
+from math import exp, expm1, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import erfc
+
+from rubnoise.theory.area_tails import AreaTails
+from rubnoise.theory.live_area import LiveArea
+from rubnoise.theory.point_transform import Complexes, point_transform
+
+Doubles = NDArray[np.float64]
+
+NOTHING = 39.0
+"""-ln of a probability that rounding swallows."""
+
+_MANY_JUNCTIONS = 100.0
+_FEWEST, _MOST, _FOR_MANY = 2**13, 2**17, 2**11
+_LEAST_REACH, _WIDENING = 32.0, 16.0
+_LOST = 1e-10
+_WEAKEST, _STRONGEST = 1.0, 20.0
+_TAPER_CENTRE, _TAPER_WIDTH = 0.65, 0.042
+_STENCIL = np.arange(-4.0, 6.0)
+_PADDING = 8
+_FEW_TERMS, _AT_ONCE = 2**23, 2**20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Window:
+    """Density (1/um^2) and distribution function every ``step`` um^2 from ``start`` on, and a little on both sides."""
+
+    start: float
+    reach: float
+    step: float
+    density: Doubles
+    cdf: Doubles
+
+    @property
+    def end(self) -> float:
+        """Where the window ends, in um^2."""
+        return self.start + self.reach
+
+    def at(self, area: Doubles, values: Doubles) -> Doubles:
+        """Return ``density`` or ``cdf`` at areas inside, by the polynomial through the ten nearest places."""
+        place = (area - self.start) / self.step + _PADDING
+        nearest = np.floor(place)
+        fraction, rows = place - nearest, nearest.astype(np.int64)
+        total = np.zeros_like(area)
+        for point in _STENCIL:
+            others = _STENCIL[point != _STENCIL]
+            weight = np.prod(fraction[:, None] - others, axis=1) / np.prod(point - others)
+            total += weight * values[rows + int(point)]
+        return total
+
+
+def windows(live: LiveArea, mean_count: float, tails: AreaTails, *, above_two: bool) -> tuple[Window, ...]:
+    """Return windows from the first area that occurs, each reaching 16 times further, until nothing is left beyond.
+
+    One is enough unless sizes are spread so widely that what resolves the smallest does not reach the largest.
+    ``above_two`` leaves out what two junctions and fewer contribute.
+    """
+    start, top = tails.lower(NOTHING), tails.upper(NOTHING)
+    cutoff = _cutoff(live, mean_count)
+    most = _FOR_MANY if mean_count > _MANY_JUNCTIONS else _MOST
+    reach = min(top - start, max(pi * most / cutoff, _LEAST_REACH * live.median))
+    found = []
+    while True:
+        # The density is damped by exp(-damping a / period), so that what lies beyond comes back that much smaller.
+        damping = min(max(NOTHING - tails.nats_above(start + 2.0 * reach), _WEAKEST), _STRONGEST)
+        count = most if mean_count > _MANY_JUNCTIONS else _count(reach * cutoff / pi)
+        rates = np.asarray((2j * pi * np.arange(count) - damping) / (2.0 * reach), dtype=np.complex128)
+        exponent = mean_count * _transform_less_one(live, rates, tails.furthest)
+        found.append(_window(exponent, rates, mean_count if above_two else None, start, reach))
+        if reach >= top - start:
+            return tuple(found)
+        reach = min(_WIDENING * reach, top - start)
+
+
+def _count(wanted: float) -> int:
+    """Return the power of 2 that gives so many frequencies, within bounds."""
+    return int(2 ** np.ceil(np.log2(np.clip(wanted, _FEWEST, _MOST))))
+
+
+def _cutoff(live: LiveArea, mean_count: float) -> float:
+    """Return the wavenumber in 1/um^2 beyond which the characteristic function holds nothing of three and more.
+
+    For N live junctions each |phi(th)| <= y = 2 G(1/|th|) in practice, G the distribution function of a live area; with
+    many of them it falls as exp(-N E[1 - cos(th a)]) at once, and 1 - cos(x) >= 2 x^2/pi^2 up to pi.
+    """
+    if mean_count > _MANY_JUNCTIONS:
+        area, probability = live.rule()
+        square = float(np.square(np.minimum(area, live.median)) @ probability)
+        return pi * sqrt(-0.5 * np.log(_LOST) / (mean_count * square))
+    wavenumbers = np.geomspace(1e-2, 1e8, 1000) / live.median
+    y = mean_count * np.minimum(1.0, 2.0 * live.cdf(1.0 / wavenumbers))
+    left = np.exp(y - mean_count) - exp(-mean_count) * _up_to_two(y)
+    return float(wavenumbers[np.argmax(left < _LOST)])
+
+
+def _window(exponent: Complexes, rates: Complexes, above_two_of: float | None, start: float, reach: float) -> Window:
+    """Return a window from the logarithm of the damped characteristic function, its highest frequencies tapered off.
+
+    A Fourier series of period 2 reach. Source: Abate and Whitt (1992), doi:10.1007/BF01158520, section 5.
+    """
+    transform, mass, count, period = np.exp(exponent - rates * start), 1.0, rates.size, 2.0 * reach
+    if above_two_of is not None:
+        transform -= exp(-above_two_of) * _up_to_two(exponent + above_two_of)
+        mass -= exp(-above_two_of) * _up_to_two(above_two_of)
+    transform *= 0.5 * erfc((np.arange(count) / count - _TAPER_CENTRE) / (sqrt(2.0) * _TAPER_WIDTH))
+    damping = -period * float(rates[0].real)
+    # Each earlier period adds the whole mass to the distribution function, damped.
+    cdf = _series(-transform / rates, damping) / period - mass / expm1(damping)
+    density = _series(transform, damping) / period
+    return Window(start=start, reach=reach, step=period / (4 * count), density=density, cdf=cdf)
+
+
+def _up_to_two(y: Any) -> Any:
+    return 1.0 + y + 0.5 * y * y
+
+
+def _transform_less_one(live: LiveArea, rates: Complexes, furthest: float) -> Complexes:
+    """Return E[exp(r a)] - 1 of one live area at evenly spaced complex rates r = i th - q."""
+    highest, damping = float(rates[-1].imag), -float(rates[0].real)
+    area, probability = live.rule(highest, furthest)
+    if rates.size * area.size > _FEW_TERMS:
+        near = area < NOTHING / damping
+        places = area[near] * (float(rates[1].imag) / (2.0 * pi))
+        return point_transform(places, probability[near] * np.exp(-damping * area[near]), rates.size) - 1.0
+    # A large mean count multiplies rounding errors: expm1 keeps the digits where the exponent is small.
+    parts = np.array_split(rates, 1 + rates.size * area.size // _AT_ONCE)
+    return np.concatenate([np.expm1(np.multiply.outer(part, area)) @ probability for part in parts])
+
+
+def _series(transform: Complexes, damping: float) -> Doubles:
+    """Return period times the function with this transform over half a period, the damping undone."""
+    size = 4 * transform.size
+    rows = np.arange(-_PADDING, size // 2 + _PADDING)
+    return size * np.fft.irfft(np.conj(transform), size)[rows] * np.exp(damping / size * rows)

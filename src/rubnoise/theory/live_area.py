@@ -1,0 +1,119 @@
+"""The area of one junction found alive at a random place: its law, as smooth pieces."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.sizes import SizeLaw
+from rubnoise.theory.piecewise import NODES, Piecewise, series
+from rubnoise.theory.quadrature import panels, size_edges
+from rubnoise.theory.unit_area import UnitDensity, unit_density
+
+Doubles = NDArray[np.float64]
+
+_PEAK = 0.25 * np.pi
+_PANELS_TO_ZERO = 20
+_RADIANS, _RULE_NODES = 32.0, 24
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiveArea:
+    """The law of the area a of one live junction, in t = a^(1/3), where both pulses are smooth at birth.
+
+    ``rise`` is dG/dt and ``level`` the distribution function G; ``breaks`` are areas in um^2 between which both are
+    smooth, the peak areas pi d^2/4 of the law's sizes; the last is the largest area there is.
+    """
+
+    rise: Piecewise
+    level: Piecewise
+    breaks: Doubles
+
+    @property
+    def largest(self) -> float:
+        """The largest area in um^2."""
+        return float(self.breaks[-1])
+
+    @property
+    def median(self) -> float:
+        """An area in um^2 about which half of the live junctions have; for scale."""
+        return float(np.interp(0.5, self.level(self.level.edges), self.level.edges)) ** 3
+
+    def cdf(self, area: ArrayLike) -> Doubles:
+        """Return G(a) = P(area <= a) at areas in um^2, of any shape."""
+        a = np.asarray(area, dtype=np.float64)
+        return np.where(a < self.largest, self.level(np.cbrt(np.maximum(a, 0.0))), 1.0)
+
+    def density(self, area: ArrayLike) -> Doubles:
+        """Return G'(a) in 1/um^2, which grows as a^(-1/3) towards 0 for the lens; 0 for a <= 0 and far out."""
+        a = np.asarray(area, dtype=np.float64)
+        inside = (a > 0.0) & (a <= self.largest)
+        t = np.cbrt(np.where(inside, a, self.largest))
+        return np.where(inside, self.rise(t) / (3.0 * t * t), 0.0)
+
+    def rule(self, wavenumber: float = 0.0, reach: float = np.inf) -> tuple[Doubles, Doubles]:
+        """Return areas in um^2 and probabilities, so that E[g(a)] = sum of probability times g(area).
+
+        Exact to rounding for smooth g, and for exp(i th a) up to |th| = ``wavenumber`` in 1/um^2; areas beyond
+        ``reach`` may be left out.
+        """
+        edges = self.rise.edges[: 1 + np.searchsorted(self.rise.edges, np.cbrt(min(reach, self.largest)))]
+        pieces = 1 + np.floor(wavenumber * np.diff(edges**3) / _RADIANS).astype(np.int64)
+        t, weights = panels(np.interp(_split(pieces), np.arange(edges.size), edges), _RULE_NODES)
+        return t**3, weights * np.maximum(self.rise(t), 0.0)
+
+
+def _split(pieces: NDArray[np.int64]) -> Doubles:
+    """Return panel numbers and fractions of them: 0, 1/2, 1, 4/3, 5/3, 2 for pieces 2, 3."""
+    ends = np.cumsum(pieces)
+    within = np.arange(ends[-1]) - np.repeat(ends - pieces, pieces)
+    places = np.repeat(np.arange(pieces.size), pieces) + within / np.repeat(pieces, pieces)
+    return np.append(places, float(pieces.size))
+
+
+def live_area(sizes: SizeLaw, pulse: Pulse) -> LiveArea:
+    """Return the law of the area of a junction found alive: diameter of density d f(d) / m_1, age uniform on its life.
+
+    G'(a) = E[g(a/d^2) / d] / m_1 over diameters whose peak is above a, g the density of the area of a live junction of
+    unit diameter. Source: length-biased sampling (Cox 1962, Renewal Theory, section 5.4), for the pulse of Eq. (2).
+    """
+    cuts, edges = _cuts_and_edges(sizes)
+    t, _ = panels(edges, NODES)
+    unit = unit_density(pulse)
+    rise = 3.0 * t * t * (_of_one_size if cuts.size == 1 else _of_many)(unit, t**3, sizes, cuts)
+    pieces = Piecewise(edges=edges, coefficients=series(rise.reshape(edges.size - 1, NODES)))
+    # The density of a law of little spread has few digits; its shape has them all, so the mass is made 1.
+    pieces = pieces.scaled(1.0 / float(pieces.integral()(edges[-1:])[0]))
+    return LiveArea(rise=pieces, level=pieces.integral(), breaks=_PEAK * np.square(cuts))
+
+
+def _cuts_and_edges(sizes: SizeLaw) -> tuple[Doubles, Doubles]:
+    """Return diameters in um between which the law is smooth, and edges in t that hold their peak areas.
+
+    Both come closer to 0 by sqrt(2) in t, far below the mean diameter.
+    """
+    cuts = _halved(*size_edges(sizes))
+    top, mean = np.cbrt(_PEAK * np.array([cuts[-1], min(sizes.moment(1), cuts[-1])]) ** 2)
+    falling = top * 2.0 ** (-0.5 * np.arange(_PANELS_TO_ZERO + 2.0 * np.log2(top / mean)))
+    diameters = np.sqrt(falling**3 / _PEAK)
+    cuts = np.union1d(cuts, diameters[(diameters > cuts[0]) & (diameters < cuts[-1])])
+    edges = np.union1d(np.cbrt(_PEAK * cuts**2), falling[diameters < cuts[0]])
+    return cuts, np.append(0.0, edges)
+
+
+def _halved(edges: Doubles, logarithmic: bool) -> Doubles:  # noqa: FBT001  (the pair that size_edges returns)
+    """Return edges with the middles between them: what is smooth enough to integrate is not yet to interpolate."""
+    middles = np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])
+    return np.union1d(edges, middles)
+
+
+def _of_one_size(unit: UnitDensity, area: Doubles, sizes: SizeLaw, cuts: Doubles) -> Doubles:
+    del sizes
+    return unit(area / cuts**2) / cuts**2
+
+
+def _of_many(unit: UnitDensity, area: Doubles, sizes: SizeLaw, cuts: Doubles) -> Doubles:
+    """Return m_1 G'(a), each integral over diameters from the one whose peak area is a."""
+    diameters, weights = panels(np.clip(np.sqrt(area / _PEAK)[:, None], cuts, cuts[-1]), NODES)
+    return np.sum(weights * sizes.density(diameters) / diameters * unit(area[:, None] / diameters**2), axis=-1)
