@@ -32,6 +32,12 @@ class ExtraMissing(Refused):
     """An optional library that something asked for needs and that is not installed."""
 
 
+class RunOutside(RubnoiseError):  # noqa: N818  (nothing failed: the run is not what theory says it is)
+    """A run of which something is outside of what theory allows it; exit code 3."""
+
+    exit_code = 3
+
+
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
     """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it."""
 

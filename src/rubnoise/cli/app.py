@@ -7,7 +7,7 @@ from io import TextIOWrapper
 import typer
 from typer import Typer
 
-from rubnoise.cli import check, claims, export, figures, info, junction, junctions, new, plot, run, schema, theory
+from rubnoise.cli import check, claims, compare, export, figures, info, junction, junctions, new, plot, run, schema, theory
 from rubnoise.errors import RubnoiseError
 
 app = Typer(
@@ -22,6 +22,7 @@ app.command("info")(info.command)
 # Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others.
 app.command("junction", context_settings={"ignore_unknown_options": True})(junction.command)
 app.command("junctions")(junctions.command)
+app.command("compare")(compare.command)
 app.command("plot")(plot.command)
 app.command("theory")(theory.command)
 app.command("figures")(figures.command)

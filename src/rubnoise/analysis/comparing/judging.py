@@ -46,8 +46,8 @@ def judged(
 
 def too_short(name: str, needed: float) -> LeftOut:
     """Return that a run is too short for a figure, and how long it should be in um."""
-    told = f"it needs about {needed:.3g} um of sliding" if isfinite(needed) else "no length would do"
-    return LeftOut(name=name, reason=f"the run is too short for it; {told}")
+    told = f"it needs about {needed:.3g} um" if isfinite(needed) else "no length would do"
+    return LeftOut(name=name, reason=f"the run is too short; {told}")
 
 
 def poisson_figure(name: str, observed: int, mean: float) -> Agreement:

@@ -1,0 +1,95 @@
+"""A comparison of a run with the theory, as lines to print."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, Agreement
+from rubnoise.analysis.comparing.findings import Comparison, Identity
+from rubnoise.cli.layout import number, printable, remark
+
+UNITS = {
+    "birth_gap": "um",
+    "start_": "",
+    "diameter": "um",
+    "shear_strength": "MPa",
+    "area_from_rows": "um^2",
+    "life_": "",
+    "life": "um",
+    "death": "um",
+    "real_contact_area_autocovariance": "um^4",
+    "real_contact_area": "um^2",
+    "friction_force": "uN",
+    "spectrum": "um^4",
+    "displacement": "um",
+    "velocity": "um/s",
+}
+PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
+"""Ends of names of figures without a unit."""
+
+SHORTER = {
+    "real_contact_area_autocovariance_": "area autocovariance ",
+    "real_contact_area": "area",
+    "junction_count": "count",
+    "friction_force": "force",
+    "spectrum_": "power, k ",
+    "kolmogorov": "Kolmogorov D",
+}
+
+
+def described(found: Comparison, file: Path) -> Iterator[str]:
+    """Yield a table a part, what holds to rounding, what was left out, and the verdict."""
+    yield f"{printable(str(file))}: beside the theory of its scenario"
+    for part in found.parts:
+        if part.figures:
+            yield f"\n{part.heading:<34}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
+            yield from (_figure(figure, found) for figure in part.figures)
+    if found.identities:
+        yield f"\n{'exact but for rounding':<34}{'off by':>13}{'allowed':>14}"
+        yield from map(_identity, found.identities)
+    if found.left_out:
+        yield "\nleft out"
+        yield from (remark(f"{label(each.name)}: {each.reason}") for each in found.left_out)
+    yield ""
+    yield from verdict(found)
+
+
+def verdict(found: Comparison) -> list[str]:
+    """Return how many figures keep which bound, and how many identities hold."""
+    scored = sum(figure.z is not None for figure in found.figures)
+    whence = f", which all keep in {1.0 - FAMILY_WISE_ERROR:.1%} of right runs" if found.by_family else ""
+    broken = sum(not each.holds for each in found.identities)
+    beyond = len(found.outside) - broken
+    return [
+        remark(f"{scored - beyond} of {scored} figures are within |z| <= {found.bound:.2f}{whence}"),
+        remark(f"{len(found.identities) - broken} of {len(found.identities)} identities hold"),
+    ]
+
+
+def label(name: str) -> str:
+    """Return a name as words, shortened where it is long."""
+    for long, short in SHORTER.items():
+        name = name.replace(long, short)
+    return name.replace("_", " ")
+
+
+def _figure(figure: Agreement, found: Comparison) -> str:
+    unit = "" if figure.name.endswith(PLAIN) else _unit(figure.name)
+    row = f"  {label(figure.name) + (f' ({unit})' if unit else ''):<32}{number(figure.observed):>13}"
+    expected = "" if figure.expected is None else number(figure.expected)
+    error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
+    z = "" if figure.z is None else _score(figure.z)
+    return f"{row}{expected:>14}{error:>11}{z:>7}{'*' if figure.name in found.outside else ''}"
+
+
+def _score(z: float) -> str:
+    """Return a score in six places at most."""
+    return f"{z:+.2f}" if abs(z) < 99.995 else f"{z:+.0f}" if abs(z) < 99_999.5 else f"{z:+.0e}"
+
+
+def _identity(each: Identity) -> str:
+    name = label(each.name) + (f" ({each.units})" if each.units else "")
+    return f"  {name:<32}{each.deviation:>13.3g}{each.allowed:>14.3g}{'' if each.holds else ' *'}"
+
+
+def _unit(name: str) -> str:
+    return next((unit for quantity, unit in UNITS.items() if name.startswith(quantity)), "")

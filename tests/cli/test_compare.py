@@ -1,0 +1,145 @@
+"""`rubnoise compare`: a result beside its theory, as a table and as JSON, and what becomes of one that is not right."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.cli.terminal import call, spawn
+
+SLIDER = "../given/slider.toml"
+LONG = ("--set", "sliding.distance=1 mm")
+
+
+@pytest.fixture
+def result(here: Path) -> Path:
+    assert call("run", SLIDER, "--seed", "4", *LONG, "-q", "-o", "x.h5").code == 0
+    return here / "x.h5"
+
+
+def change(path: Path, column: str, by: Callable[[Any], Any]) -> None:
+    with h5py.File(path, "r+") as file:
+        file[column][:] = by(file[column][:])
+
+
+def rewrite(path: Path, by: Callable[[dict[str, Any]], object]) -> None:
+    with h5py.File(path, "r+") as file:
+        resolved = json.loads(file["provenance"].attrs["scenario_resolved"])
+        by(resolved)
+        file["provenance"].attrs["scenario_resolved"] = np.bytes_(json.dumps(resolved))
+
+
+def test_a_right_run_agrees(result: Path) -> None:
+    answer = call("compare", "x.h5")
+    assert (answer.code, answer.err) == (0, "")
+    lines = answer.out.splitlines()
+    assert lines[0] == "x.h5: beside the theory of its scenario"
+    for heading in ("births ", "junctions ", "contact ", "exact but for rounding ", "left out"):
+        assert sum(line.startswith(heading) for line in lines) == 1
+    assert any(line.startswith("  area mean (um^2)  ") for line in lines)
+    assert any(line.startswith("  power, k ") for line in lines)
+    assert "  6 of 6 identities hold" in lines
+    assert "which all keep in 99.9% of right runs" in answer.out
+    assert max(map(len, lines)) <= 80
+    assert "*" not in answer.out
+
+
+def test_what_is_left_out_says_how_long_a_run_it_needs(result: Path) -> None:
+    out = " ".join(call("compare", "x.h5").out.split())
+    assert "displacement: the run is too short; it needs about 3.38e+03 um" in out
+    assert "area excess kurtosis: the run is too short; it needs about 1.76e+04 um" in out
+
+
+def test_json_is_one_object_and_nothing_else(result: Path) -> None:
+    answer = call("compare", "x.h5", "--json")
+    assert (answer.code, answer.err) == (0, "")
+    told = answer.json()
+    assert told["agrees"]
+    assert told["outside"] == []
+    assert told["family_wise_error"] == 1e-3
+    assert told["figures"]["real_contact_area_mean"]["expected"] == pytest.approx(204.6736, rel=1e-6)
+    assert told["identities"]["count_from_rows"] == {"deviation": 0.0, "allowed": 0.0, "holds": True}
+    assert "displacement" in told["left_out"]
+
+
+def test_a_run_outside_has_its_own_exit_code_and_a_line_that_names_what(result: Path) -> None:
+    change(result, "trace/real_contact_area", lambda area: 1.02 * area)
+    answer = call("compare", "x.h5")
+    assert answer.code == 3
+    assert answer.err.startswith("x.h5: outside: life_mean_area, ")
+    assert answer.err.count("\n") == 1
+    assert {"area_from_rows", "friction_force"} <= set(answer.err.strip().split(": ")[-1].split(", "))
+    starred = [line for line in answer.out.splitlines() if line.endswith("*")]
+    assert len(starred) == len(answer.err.split(", "))
+    assert max(map(len, answer.out.splitlines())) <= 80
+
+
+def test_an_answer_in_json_tells_the_same(result: Path) -> None:
+    change(result, "junctions/diameter", lambda diameter: 1.01 * diameter)
+    answer = call("compare", "x.h5", "--json")
+    assert answer.code == 3
+    assert not answer.json()["agrees"]
+    assert "life" in answer.json()["outside"]
+    assert answer.err == f"x.h5: outside: {', '.join(answer.json()['outside'])}\n"
+
+
+def test_the_theory_is_that_of_the_scenario_in_the_file(result: Path) -> None:
+    def fewer(resolved: dict[str, Any]) -> None:
+        resolved["interface"]["mean_junction_count"] = 30
+
+    rewrite(result, fewer)
+    answer = call("compare", "x.h5", "--json")
+    assert answer.code == 3
+    assert {"birth_count", "diameter_mean", "junction_count_mean"} <= set(answer.json()["outside"])
+
+
+def test_a_summary_is_not_believed(result: Path) -> None:
+    with h5py.File(result, "r+") as file:
+        file["summary"].attrs["real_contact_area_mean"] = 1e9
+    assert call("compare", "x.h5").code == 0
+
+
+def test_another_bound_may_be_asked_for(result: Path) -> None:
+    answer = call("compare", "x.h5", "--bound", "0.01", "--json")
+    assert answer.code == 3
+    assert answer.json()["bound"] == 0.01
+    assert answer.json()["family_wise_error"] is None
+    assert "right runs" not in call("compare", "x.h5", "--bound", "6").out
+
+
+@pytest.mark.parametrize("bound", ["0", "-1", "nan", "inf", "many"])
+def test_a_bound_that_is_none_is_refused(result: Path, bound: str) -> None:
+    answer = call("compare", "x.h5", "--bound", bound)
+    assert (answer.code, answer.out) == (2, "")
+    assert "--bound" in answer.err
+
+
+def test_a_run_too_short_for_anything_is_refused_with_what_it_needs(here: Path) -> None:
+    assert call("run", SLIDER, "-q", "-o", "x.h5").code == 0
+    answer = call("compare", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == (
+        "x.h5: a comparison with the theory: 300.1 um of sliding are too short for it; it needs about 553 um\n"
+    )
+
+
+def test_a_file_without_a_scenario_is_refused(result: Path) -> None:
+    rewrite(result, lambda resolved: resolved.clear())
+    answer = call("compare", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "x.h5: the scenario in the file is none that can be run, so theory is silent\n"
+
+
+def test_a_scenario_is_no_result(here: Path) -> None:
+    answer = call("compare", SLIDER)
+    assert answer.code == 2
+    assert "is not an HDF5 file" in answer.err
+
+
+def test_exit_codes_reach_the_shell(result: Path) -> None:
+    assert spawn("compare", "x.h5", "-h").code in {0, 2}
+    assert spawn("compare", "x.h5", "--bound", "0.01").code == 3
