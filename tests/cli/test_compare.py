@@ -134,6 +134,26 @@ def test_a_file_without_a_scenario_is_refused(result: Path) -> None:
     assert answer.err == "x.h5: the scenario in the file is none that can be run, so theory is silent\n"
 
 
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("trace/real_contact_area", float("nan")),
+        ("junctions/diameter", 0.0),
+        ("junctions/birth_distance", float("inf")),
+    ],
+)
+def test_rows_that_are_damaged_are_refused(result: Path, column: str, value: float) -> None:
+    def spoil(values: Any) -> Any:
+        values[17] = value
+        return values
+
+    change(result, column, spoil)
+    answer = call("compare", "x.h5", "--json")
+    group, name = column.split("/")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == f"x.h5: /{group} is damaged: row 17 has the {name} {value:g}\n"
+
+
 def test_a_scenario_is_no_result(here: Path) -> None:
     answer = call("compare", SLIDER)
     assert answer.code == 2

@@ -16,6 +16,7 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.calibration import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from tests.models import bare, model, recorded
 from tests.verification.fabricated import Held, held
@@ -208,6 +209,16 @@ def test_a_wrong_sum_at_a_sampled_tick_breaks_an_identity() -> None:
     for name, identity in (("real_contact_area", "area_from_rows"), ("junction_count", "count_from_rows")):
         found = compare(RIGHT["figure 5"], changed(run("figure 5").groups, "trace", name, change))
         assert identity in found.outside
+
+
+@pytest.mark.parametrize("column", ["trace/junction_count", "slider/velocity", "junctions/life_distance"])
+def test_damaged_rows_are_refused(column: str) -> None:
+    group, name = column.split("/")
+    columns = dict(run("figure 5").groups[group])
+    columns[name] = columns[name].astype(np.float64)
+    columns[name][-3] = np.nan
+    with pytest.raises(RunFileRefused, match=f"/{group} is damaged: row .* has the {name} nan"):
+        compare(RIGHT["figure 5"], Held(dict(run("figure 5").groups) | {group: columns}))
 
 
 def test_scores_of_many_right_runs_are_unit_normals() -> None:

@@ -13,7 +13,7 @@ from rubnoise.analysis.comparing.sizes import Marks, mark_findings
 from rubnoise.analysis.comparing.start import Start, start_findings
 from rubnoise.analysis.comparing.trace import TraceSums, read_trace
 from rubnoise.analysis.records import RecordTooShort
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
 
 COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "shear_strength", "state")
@@ -23,7 +23,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     """Return everything that a run can be held against, with scores; ``bound`` replaces the family-wise bound on |z|.
 
     The run is read twice, /trace and /junctions once each (and /slider), in panels. Raises RecordTooShort, carrying the
-    mean area, for a run from which not even that can be judged.
+    mean area, for a run from which not even that can be judged, RunFileRefused for damaged rows.
     """
     trace = read_trace(model, rows)
     missing = missing_length(model, trace)
@@ -58,11 +58,16 @@ def _trace_part(model: Model, trace: TraceSums) -> Findings:
 
 
 def _part(heading: str, **parts: Callable[[], list[Finding]]) -> Findings:
-    """Return what the parts find; of one that the theory refuses, its name and the reason are kept."""
+    """Return what the parts find; of one that the theory refuses, its name and the reason are kept.
+
+    Raises RunFileRefused for damaged rows.
+    """
     found: list[Finding] = []
     for name, find in parts.items():
         try:
             found += find()
+        except RunFileRefused:
+            raise
         except Refused as refusal:
             found.append(LeftOut(name=name, reason=str(refusal)))
     return Findings(heading=heading, found=tuple(found))

@@ -7,7 +7,21 @@ from io import TextIOWrapper
 import typer
 from typer import Typer
 
-from rubnoise.cli import check, claims, compare, export, figures, info, junction, junctions, new, plot, run, schema, theory
+from rubnoise.cli import (
+    check,
+    claims,
+    compare,
+    export,
+    figures,
+    info,
+    junction,
+    junctions,
+    new,
+    plot,
+    run,
+    schema,
+    theory,
+)
 from rubnoise.errors import RubnoiseError
 
 app = Typer(
