@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from rubnoise.analysis import comparing
 from rubnoise.analysis.comparing import rows, trace
 from rubnoise.analysis.comparing.findings import Comparison
 from rubnoise.analysis.comparison import compare
@@ -18,6 +19,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
+from rubnoise.theory.campbell import Cumulants
 from tests.models import bare, model, recorded
 from tests.verification.fabricated import Held, held
 from tests.verification.seeds import seed_of
@@ -121,6 +123,26 @@ def test_regular_births_are_told_from_random_ones() -> None:
     assert "known for Poisson births alone" in reason(found, "spectrum")
     random = replace(RIGHT["regular"], births=bare().births)
     assert {"birth_gap_kolmogorov", "birth_place_kolmogorov"} <= set(compare(random, run("regular")).outside)
+
+
+def test_an_area_that_regular_births_keep_constant_is_an_identity(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Triangles of one size at an even mean count: Rabinowicz's contact."""
+    contact = bare(spread=Spread(absolute=0.0), distance=1000.0, tick=0.13)
+    constant = replace(contact, births=RegularBirths(mean_spacing=contact.mean_birth_spacing), pulse=TRIANGLE)
+    mean = constant.stationary_mean_area
+    monkeypatch.setattr(comparing.contact, "area_cumulants", lambda model: Cumulants(values=(mean, *(0.0,) * 5)))
+    record = held(recorded(constant, seed_of("comparison/constant")))
+    found = {identity.name: identity for identity in compare(constant, record).identities}
+    assert found["real_contact_area"].holds
+    assert compare(constant, record).figures == []
+    ripple = replace(constant, pulse=bare().pulse)
+    assert "real_contact_area" in compare(ripple, held(recorded(ripple, 1))).outside
+
+
+def test_a_slider_under_regular_births_is_left_out() -> None:
+    regular = replace(RIGHT["at rest"], births=RegularBirths(mean_spacing=0.55))
+    trace_alone = {name: group for name, group in run("at rest").groups.items() if name != "slider"}
+    assert "known for Poisson births alone" in reason(compare(regular, Held(trace_alone)), "displacement")
 
 
 def test_what_is_too_short_for_a_figure_says_how_long_it_should_be() -> None:

@@ -59,10 +59,9 @@ def verdict(found: Comparison) -> list[str]:
     whence = f", which all keep in {1.0 - FAMILY_WISE_ERROR:.1%} of right runs" if found.by_family else ""
     broken = sum(not each.holds for each in found.identities)
     beyond = len(found.outside) - broken
-    return [
-        remark(f"{scored - beyond} of {scored} figures are within |z| <= {found.bound:.2f}{whence}"),
-        remark(f"{len(found.identities) - broken} of {len(found.identities)} identities hold"),
-    ]
+    figures = remark(f"{scored - beyond} of {scored} figures are within |z| <= {found.bound:.2f}{whence}")
+    identities = remark(f"{len(found.identities) - broken} of {len(found.identities)} identities hold")
+    return [figures, identities] if scored else [identities]
 
 
 def label(name: str) -> str:

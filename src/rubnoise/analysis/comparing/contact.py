@@ -18,6 +18,7 @@ from rubnoise.theory.random_births import need_random_births
 from rubnoise.theory.sampling import standard_errors
 
 _ROUNDING = 2.0**-50
+_CONSTANT = 1e-9
 
 
 def settled_length(model: Model, trace: TraceSums) -> float:
@@ -32,9 +33,15 @@ def missing_length(model: Model, trace: TraceSums) -> float | None:
 
 
 def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
-    """Return the four moments of real contact area; raises Refused where theory has no errors for its births."""
-    need_random_births(model, "the standard error of a mean area")
+    """Return the four moments of real contact area, or, where regular births keep it constant, that it is.
+
+    Raises Refused where theory has no errors for its births.
+    """
     expected, seen, length = area_cumulants(model), trace.area, settled_length(model, trace)
+    if expected.variance == 0.0:
+        away, allowed = max(abs(seen.mean - expected.mean), seen.std), _CONSTANT * expected.mean
+        return [Identity(name="real_contact_area", deviation=away, allowed=allowed, units="um^2")]
+    need_random_births(model, "the standard error of a mean area")
     errors = standard_errors(over_ticks(model, trace.settled_ticks, model.tick))
     mean = Agreement(
         name="real_contact_area_mean", observed=seen.mean, expected=expected.mean, standard_error=errors.mean

@@ -15,6 +15,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.record.tally import Moments
 from rubnoise.theory.drive import drive_of
 from rubnoise.theory.motion_errors import motion_errors
+from rubnoise.theory.random_births import need_random_births
 from rubnoise.theory.response import Response, response
 
 Doubles = NDArray[np.float64]
@@ -36,10 +37,11 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     """Return mean and std of displacement and std of velocity; nothing without a slider.
 
     The record begins where the start has fallen to a thousandth of the spread, and the contact is stationary.
-    Raises Refused where theory has no response for the model.
+    Raises Refused where theory has no response for the model, or no errors.
     """
     if model.slider is None:
         return []
+    need_random_births(model, "the standard error of a slider's motion")
     drive, exact = drive_of(model), response(model)
     if model.slider.damping == 0.0:
         return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
