@@ -3,6 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.errors import Refused
 from rubnoise.model import Slider
 from rubnoise.theory.quadrature import panels
@@ -54,3 +56,13 @@ def test_no_spectrum_without_damping_or_slider() -> None:
         displacement_spectrum(undamped, 10.0)
     with pytest.raises(Refused, match="needs \\[slider\\]"):
         velocity_spectrum(one_size(), 10.0)
+
+
+def test_unequal_strengths_count_by_their_mean_square() -> None:
+    unequal = replace(paper_model(), strengths=LognormalStrength(mean=250.0, std=75.0))
+    w = np.array([0.0, 100.0, 245.0])
+    ratio = displacement_spectrum(unequal, w) / displacement_spectrum(paper_model(), w)
+    np.testing.assert_allclose(ratio, unequal.strengths.moment(2) / 250.0**2, rtol=1e-12)
+    regular = replace(unequal, births=RegularBirths(mean_spacing=0.5))
+    with pytest.raises(Refused, match="unequal strengths is known for Poisson births alone"):
+        displacement_spectrum(regular, w)
