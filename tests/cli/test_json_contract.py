@@ -25,9 +25,6 @@ TYPES: dict[str, Any] = {
     "string or null": lambda value: value is None or TYPES["string"](value),
     "list of integers": lambda value: isinstance(value, list) and all(TYPES["integer"](item) for item in value),
     "list of numbers": lambda value: isinstance(value, list) and all(TYPES["number"](item) for item in value),
-    "list of numbers and nulls": lambda value: (
-        isinstance(value, list) and all(TYPES["number or null"](item) for item in value)
-    ),
     "list of objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
     "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }

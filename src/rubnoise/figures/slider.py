@@ -79,14 +79,23 @@ def _draw_spectrum(axes: "Axes", stretch: Stretch, slider: Slider, seen: Spectru
     axes.plot(seen.wavenumber[1:][shown] / (2.0 * pi), 2.0 * seen.density[1:][shown], color=BLUE, lw=1.0, label=label)
     frequency = np.sort(np.append(np.geomspace(lowest, highest, POINTS), np.linspace(0.8, 1.2, POINTS) * natural))
     frequency = frequency[(lowest <= frequency) & (frequency <= highest)]
-    exact = displacement_spectrum_per_hertz(stretch.model, frequency)
-    axes.plot(frequency, exact, color=VERMILION, lw=1.0, label="exact")
+    _draw_exact(axes, stretch, frequency)
     for axis in (axes.xaxis, axes.yaxis):
         logarithmic(axis)
     axes.set_xlim(lowest, highest)
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel("spectral density\nof displacement (µm²/Hz)")
     legend_above(axes)
+
+
+def _draw_exact(axes: "Axes", stretch: Stretch, frequency: Doubles) -> None:
+    """Draw the exact density where theory knows one, and regular births leave one."""
+    try:
+        exact = displacement_spectrum_per_hertz(stretch.model, frequency)
+    except Refused:
+        return
+    if exact.any():
+        axes.plot(frequency, exact, color=VERMILION, lw=1.0, label="exact")
 
 
 def _spectrum(stretch: Stretch) -> Spectrum | None:

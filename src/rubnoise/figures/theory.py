@@ -148,10 +148,18 @@ def _draw_tail(axes: "Axes", model: Model, wavenumber: Doubles, density: Doubles
 
 
 def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
-    natural = slider.natural_frequency
-    frequency = np.unique(np.concatenate([np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)])) * natural
     axes.set_title(f"One-way displacement, std {response(model).displacement_std:.4g} µm")
-    axes.plot(frequency, displacement_spectrum_per_hertz(model, frequency), color=VERMILION, lw=1.6)
+    frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
+    frequency *= slider.natural_frequency
+    try:
+        density = displacement_spectrum_per_hertz(model, frequency)
+    except Refused:
+        _say(axes, "its spectrum is known for births at random")
+        return
+    if not density.any():
+        _say(axes, "regular births of one size leave lines alone")
+        return
+    axes.plot(frequency, density, color=VERMILION, lw=1.6)
     for axis in (axes.xaxis, axes.yaxis):
         logarithmic(axis)
     axes.set_xlim(frequency[0], frequency[-1])
