@@ -33,9 +33,9 @@ _ANGLES_AT_ONCE = 2**20
 class Distribution:
     """The law of A_r: an atom at 0, where no junction is alive, and a density beside it.
 
-    ``area`` are places in um^2, evenly spaced over all of the law but 1e-10, for a curve. The distribution function is
-    right to 1e-10 wherever it is asked for. The density is right to 1e-9 of 1/std, but within 5 % of pi d^2/4 of 0, and
-    of pi d^2/4 and its double where sizes are equal, to 1e-5 of it.
+    ``area`` are places in um^2, evenly spaced over all of the law but 1e-10 (but for very long tails), for a curve. The
+    distribution function is right to 1e-10 wherever it is asked for. The density is right to 1e-9 of 1/std, but within
+    5 % of pi d^2/4 of 0, and of pi d^2/4 and its double where sizes are equal, to 1e-5 of it.
     """
 
     area: Doubles
@@ -73,7 +73,8 @@ class Distribution:
         """Return a function at areas of any shape, between its bounds; few at a time, for memory's sake."""
         areas = np.asarray(area, dtype=np.float64)
         parts = np.array_split(areas.ravel(), 1 + areas.size // _AT_ONCE)
-        return np.clip(np.concatenate([function(part) for part in parts]), 0.0, most).reshape(areas.shape)
+        values = np.concatenate([function(part) for part in parts]).reshape(areas.shape)
+        return np.where(np.isnan(areas), np.nan, np.clip(values, 0.0, most))
 
     def _cdf(self, area: Doubles) -> Doubles:
         known = np.zeros_like(area) if self.few is None else self.few.cdf(area)
@@ -91,9 +92,7 @@ class Distribution:
     def _shares(self, area: Doubles) -> list[tuple[Window, NDArray[np.bool_]]]:
         """Return each window with the rows of the areas that it is the first to hold."""
         before = [self.windows[0].start, *(window.end for window in self.windows)]
-        return [
-            (window, (area > low) & (area <= window.end)) for low, window in zip(before, self.windows, strict=False)
-        ]
+        return [(w, (area > low) & (area <= w.end)) for low, w in zip(before, self.windows, strict=False)]
 
 
 def distribution(model: Model) -> Distribution:
@@ -124,5 +123,5 @@ def _distribution(sizes: Any, pulse: Any, count: float) -> Distribution:
     tails = area_tails(live, count)
     few = few_live(live, count) if tails.lower(NOTHING) == 0.0 else None
     found = windows(live, count, tails, above_two=few is not None)
-    area = np.linspace(tails.lower(_HIDDEN), min(tails.upper(_HIDDEN), found[0].end), _POINTS)
+    area = np.linspace(tails.lower(_HIDDEN), min(tails.upper(_HIDDEN), found[:2][-1].end), _POINTS)
     return Distribution(area=area, atom_at_zero=exp(-count), few=few, windows=found)

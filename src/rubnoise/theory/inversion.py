@@ -124,12 +124,12 @@ def _up_to_two(y: Any) -> Any:
 def _transform_less_one(live: LiveArea, rates: Complexes, furthest: float) -> Complexes:
     """Return E[exp(r a)] - 1 of one live area at evenly spaced complex rates r = i th - q."""
     highest, damping = float(rates[-1].imag), -float(rates[0].real)
-    area, probability = live.rule(highest, furthest)
-    if rates.size * area.size > _FEW_TERMS:
-        near = area < NOTHING / damping
-        places = area[near] * (float(rates[1].imag) / (2.0 * pi))
-        return point_transform(places, probability[near] * np.exp(-damping * area[near]), rates.size) - 1.0
+    if rates.size * highest * furthest > _FEW_TERMS:
+        area, probability = live.rule(highest, min(furthest, NOTHING / damping))
+        places = area * (float(rates[1].imag) / (2.0 * pi))
+        return point_transform(places, probability * np.exp(-damping * area), rates.size) - 1.0
     # A large mean count multiplies rounding errors: expm1 keeps the digits where the exponent is small.
+    area, probability = live.rule(highest, furthest)
     parts = np.array_split(rates, 1 + rates.size * area.size // _AT_ONCE)
     return np.concatenate([np.expm1(np.multiply.outer(part, area)) @ probability for part in parts])
 

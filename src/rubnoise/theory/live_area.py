@@ -81,7 +81,7 @@ def live_area(sizes: SizeLaw, pulse: Pulse) -> LiveArea:
     cuts, edges = _cuts_and_edges(sizes)
     t, _ = panels(edges, NODES)
     unit = unit_density(pulse)
-    rise = 3.0 * t * t * (_of_one_size if cuts.size == 1 else _of_many)(unit, t**3, sizes, cuts)
+    rise = 3.0 * t * t * _density(unit, t**3, sizes, cuts)
     pieces = Piecewise(edges=edges, coefficients=series(rise.reshape(edges.size - 1, NODES)))
     # The density of a law of little spread has few digits; its shape has them all, so the mass is made 1.
     pieces = pieces.scaled(1.0 / float(pieces.integral()(edges[-1:])[0]))
@@ -108,12 +108,9 @@ def _halved(edges: Doubles, logarithmic: bool) -> Doubles:  # noqa: FBT001  (the
     return np.union1d(edges, middles)
 
 
-def _of_one_size(unit: UnitDensity, area: Doubles, sizes: SizeLaw, cuts: Doubles) -> Doubles:
-    del sizes
-    return unit(area / cuts**2) / cuts**2
-
-
-def _of_many(unit: UnitDensity, area: Doubles, sizes: SizeLaw, cuts: Doubles) -> Doubles:
-    """Return m_1 G'(a), each integral over diameters from the one whose peak area is a."""
+def _density(unit: UnitDensity, area: Doubles, sizes: SizeLaw, cuts: Doubles) -> Doubles:
+    """Return m_1 G'(a), each integral over diameters from the one whose peak area is a; G'(a) itself for one size."""
+    if cuts.size == 1:
+        return unit(area / cuts**2) / cuts**2
     diameters, weights = panels(np.clip(np.sqrt(area / _PEAK)[:, None], cuts, cuts[-1]), NODES)
     return np.sum(weights * sizes.density(diameters) / diameters * unit(area[:, None] / diameters**2), axis=-1)

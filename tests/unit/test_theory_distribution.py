@@ -1,0 +1,350 @@
+"""The distribution of real contact area against what is known of it by other routes.
+
+Cumulants by Campbell's theorem, closed forms for triangles, the slow routes of the oracle, expansions for very many
+junctions, and itself at twice the resolution.
+"""
+
+import subprocess
+import sys
+from dataclasses import replace
+from math import exp, factorial, floor, inf, nan, pi, sqrt
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.special import ndtr
+
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.calibration import Spread, sizes_for
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
+from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
+from rubnoise.contact.sizes_lognormal import LognormalSizes
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.theory import distribution as module
+from rubnoise.theory import inversion
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.distribution import Distribution, characteristic_function, distribution
+from rubnoise.theory.occupancy import mean_count
+from rubnoise.theory.quadrature import panels
+from tests.oracle.slow_distribution import brackets, davies
+from tests.unit.theory_models import model_of
+
+Doubles = NDArray[np.float64]
+
+MEAN = 5.53
+PEAK = 0.25 * pi * MEAN**2
+COUNTS = [0.01, 0.5, 1.0, 5.0, 20.0, 500.0, 5000.0]
+SPREADS = {
+    "none": Spread(),
+    "0.2 um": Spread(absolute=0.2),
+    "20 %": Spread(relative=0.2),
+    "150 %": Spread(relative=1.5),
+}
+
+
+def contact(count: float, spread: str = "none", pulse: Pulse = LENS) -> Model:
+    return model_of(sizes_for(MEAN, SPREADS[spread]), MEAN, count, pulse=pulse)
+
+
+def with_law(law: SizeLaw, count: float) -> Model:
+    return model_of(law, law.moment(1), count)
+
+
+def rule(law: Distribution, peak: float = PEAK) -> tuple[Doubles, Doubles]:
+    """Return areas and weights for integrals over all of the law, close where it is singular."""
+    start, end = law.windows[0].start, law.windows[-1].end
+    edges = np.concatenate(
+        [
+            np.linspace(start, min(law.windows[0].end, end), 700),
+            np.geomspace(start + 1e-3 * peak, end, 300),
+            2.0 ** -np.arange(0.0, 90.0) * peak if start == 0.0 else [],
+            (1.0 + np.multiply.outer([-1.0, 1.0], 2.0 ** -np.arange(1.0, 40.0))).ravel() * peak,
+            peak * np.array([1.0, 2.0, 3.0]),
+        ]
+    )
+    return panels(np.unique(np.append(start, edges[(edges > start) & (edges <= end)])), 12)
+
+
+def cumulants_of(moments: list[float]) -> list[float]:
+    """Return mean, variance and the next two cumulants from the mean and three central moments."""
+    mean, second, third, fourth = moments
+    return [mean, second, third, fourth - 3.0 * second**2]
+
+
+# Mass and moments.
+
+
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
+@pytest.mark.parametrize("spread", SPREADS)
+@pytest.mark.parametrize("count", COUNTS)
+def test_mass_and_four_cumulants_by_the_density(count: float, spread: str, pulse: Pulse) -> None:
+    model = contact(count, spread, pulse)
+    law, exact = distribution(model), area_cumulants(model)
+    area, weights = rule(law)
+    mass = weights * law.density(area)
+    assert law.atom_at_zero == pytest.approx(exp(-mean_count(model)), rel=1e-14)
+    assert law.atom_at_zero + mass.sum() == pytest.approx(1.0, abs=1e-9)
+    mean = float(mass @ area)
+    central = [float(mass @ (area - exact.mean) ** n + law.atom_at_zero * (-exact.mean) ** n) for n in (2, 3, 4)]
+    rel = 1e-7 if count >= 5.0 else 1e-5
+    assert cumulants_of([mean, *central]) == pytest.approx(exact.values[:4], rel=rel)
+
+
+@pytest.mark.parametrize("spread", SPREADS)
+@pytest.mark.parametrize("count", COUNTS)
+def test_four_moments_by_the_distribution_function(count: float, spread: str) -> None:
+    """E[A^n] = int_0^inf n a^(n-1) P(A > a) da."""
+    model = contact(count, spread)
+    law, (mean, second, third, fourth) = distribution(model), area_cumulants(model).values[:4]
+    area, weights = rule(law)
+    above, start = 1.0 - law.cdf(area), law.windows[0].start
+    found = [n * float((weights * above) @ area ** (n - 1)) + start**n for n in (1, 2, 3, 4)]
+    moments = [
+        mean,
+        second + mean**2,
+        third + 3.0 * second * mean + mean**3,
+        fourth + 4.0 * third * mean + 3.0 * second**2 + 6.0 * second * mean**2 + mean**4,
+    ]
+    assert found == pytest.approx(moments, rel=1e-7 if count >= 5.0 else 1e-5)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        LognormalSizes(mean=MEAN, std=0.3 * MEAN),
+        GammaSizes(mean=MEAN, std=0.5 * MEAN),
+        ExponentialSizes(mean=MEAN),
+        LognormalSizes(mean=MEAN, std=MEAN),
+    ],
+    ids=["lognormal", "gamma", "exponential", "wide lognormal"],
+)
+@pytest.mark.parametrize("count", [0.5, 20.0, 300.0])
+def test_laws_with_a_long_tail(law: SizeLaw, count: float) -> None:
+    """Only the mean, where the tail that doubles can hold is the moment's: the fourth needs probabilities of 1e-20."""
+    model = with_law(law, count)
+    found = distribution(model)
+    area, weights = rule(found)
+    mass = weights * found.density(area)
+    assert found.atom_at_zero + mass.sum() == pytest.approx(1.0, abs=1e-7)
+    assert float(mass @ area) == pytest.approx(area_cumulants(model).mean, rel=1e-5)
+    for window in found.windows[:-1]:
+        about = window.end * (1.0 + np.array([-1e-9, 1e-9]))
+        assert np.diff(found.cdf(about))[0] == pytest.approx(0.0, abs=1e-8)
+
+
+# Against other routes.
+
+
+def triangles(count: float, x: float) -> tuple[float, float]:
+    """Return P(A_r <= x peak) and the density times peak for triangles of one size, at 60 digits.
+
+    One is uniform on [0, peak], n are Irwin and Hall's: sum over k <= x of (-1)^k C(n, k) (x - k)^n / n!.
+    """
+    with mpmath.workdps(60):
+        cdf, density = mpmath.exp(-count), mpmath.mpf(0)
+        for n in range(1, int(count + 14.0 * sqrt(count) + 25.0)):
+            chance = mpmath.exp(-count) * mpmath.mpf(count) ** n / factorial(n)
+            if x >= n:
+                cdf += chance
+                continue
+            signs = [(-1) ** k * mpmath.binomial(n, k) for k in range(floor(x) + 1)]
+            cdf += chance * sum(c * (mpmath.mpf(x) - k) ** n for k, c in enumerate(signs)) / factorial(n)
+            density += chance * sum(c * (mpmath.mpf(x) - k) ** (n - 1) for k, c in enumerate(signs)) / factorial(n - 1)
+        return float(cdf), float(density)
+
+
+@pytest.mark.parametrize("count", [0.01, 0.5, 1.0, 3.0, 20.0, 90.0])
+def test_triangles_of_one_size_in_closed_form(count: float) -> None:
+    law = distribution(contact(count, pulse=TRIANGLE))
+    spread = sqrt(count / 3.0)
+    singular = [1e-6, 1e-3, 0.999, 1.001, 1.0, 2.001]
+    smooth = [0.1, 0.4, 0.7, 1.3, 1.7, 2.5, 4.2, 0.5 * count + 1.3, 0.5 * count + 2.0 * spread]
+    for x in singular + smooth:
+        cdf, density = triangles(count, x)
+        assert float(law.cdf(x * PEAK)) == pytest.approx(cdf, abs=1e-10)
+        if x != 1.0:  # where the density jumps, one side of it is as good as the other
+            error = spread * abs(float(law.density(x * PEAK)) * PEAK - density)
+            assert error < (1e-5 if x in singular else 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("count", "spread", "step"),
+    [(0.5, "none", 1 / 64), (5.0, "none", 1 / 64), (1.0, "20 %", 1 / 24), (0.5, "150 %", 1 / 8)],
+)
+def test_lenses_lie_between_areas_rounded_up_and_down(count: float, spread: str, step: float) -> None:
+    model = contact(count, spread)
+    places = step * PEAK * np.arange(int((200.0 if spread == "150 %" else 8.0) / step))
+    below, above = brackets(alive(model.sizes, 400), mean_count(model), step * PEAK, places.size)
+    found = distribution(model).cdf(places)
+    assert np.all(below < found + 1e-10)
+    assert np.all(found < above + 1e-10)
+    assert np.max(above - below) < 0.05
+    assert np.min(above - below - 0.02 * np.max(above - below)) < 0.0  # at some places the bounds all but meet
+
+
+@pytest.mark.parametrize(
+    ("count", "spread", "sizes"), [(20.0, "none", 1), (60.0, "20 %", 64), (60.0, "150 %", 100), (500.0, "none", 1)]
+)
+def test_many_lenses_by_davies_sum(count: float, spread: str, sizes: int) -> None:
+    model = contact(count, spread)
+    mean = area_cumulants(model).mean
+    area = mean * np.linspace(0.3, 2.5, 23)
+    expected = davies(alive(model.sizes, sizes), mean_count(model), area, 6.0 * mean + 400.0, 600)
+    np.testing.assert_allclose(distribution(model).cdf(area), expected, atol=1e-10)
+
+
+def alive(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
+    """Return diameters found alive and their shares, by one Gauss-Legendre rule over the support."""
+    if isinstance(law, FixedSizes):
+        return np.array([law.diameter]), np.ones(1)
+    low, high = law.support
+    x, w = np.polynomial.legendre.leggauss(count)
+    diameters = low + 0.5 * (high - low) * (1.0 + x)
+    shares = w * diameters * law.density(diameters)
+    return diameters, shares / shares.sum()
+
+
+@pytest.mark.parametrize(("count", "spread"), [(3.0, "none"), (3.0, "20 %"), (1.0, "150 %")])
+def test_twice_the_resolution_changes_nothing(count: float, spread: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """These are the hardest: most is left to three and more, which begin as a^2 at 0."""
+    model = contact(count, spread)
+    area = PEAK * np.concatenate(
+        [np.geomspace(1e-8, 1.0, 400), np.linspace(0.9, 3.2, 400), np.linspace(3.2, 60.0, 100)]
+    )
+    usual = distribution(model)
+    monkeypatch.setattr(inversion, "_MOST", 2 * inversion._MOST)
+    monkeypatch.setattr(inversion, "_LOST", 1e-14)
+    better = module._distribution.__wrapped__(model.sizes, model.pulse, mean_count(model))
+    np.testing.assert_allclose(usual.cdf(area), better.cdf(area), atol=1e-10)
+    errors = area_cumulants(model).std * np.abs(usual.density(area) - better.density(area))
+    far = (area > 0.05 * PEAK) & (np.abs(area / PEAK - 1.0) > 0.05) & (np.abs(area / PEAK - 2.0) > 0.05)
+    assert errors.max() < 1e-5
+    assert errors[far].max() < 1e-9
+
+
+@pytest.mark.parametrize("count", [1e4, 1e6])
+def test_a_million_junctions_are_all_but_normal(count: float) -> None:
+    """Edgeworth's series to second order; what it leaves out is of the order count^-1.5."""
+    model = contact(count, "0.2 um")
+    exact = area_cumulants(model)
+    z = np.linspace(-4.0, 4.0, 33)
+    skewness, kurtosis = exact.skewness, exact.excess_kurtosis
+    first = skewness / 6.0 * (z**2 - 1.0)
+    second = kurtosis / 24.0 * (z**3 - 3.0 * z) + skewness**2 / 72.0 * (z**5 - 10.0 * z**3 + 15.0 * z)
+    expected = ndtr(z) - np.exp(-0.5 * z**2) / sqrt(2.0 * pi) * (first + second)
+    found = distribution(model).cdf(exact.mean + z * exact.std)
+    assert np.max(np.abs(found - expected)) < count**-1.5
+    assert np.max(np.abs(found - ndtr(z))) > 0.01 / sqrt(count)
+
+
+# Singular places, and everywhere else that may be asked for.
+
+
+def test_few_lenses_of_one_size_at_birth_and_at_their_peak() -> None:
+    """Near 0 a lens of diameter d is as u = (3 a / (2 sqrt(2) d^2))^(2/3); at pi d^2/4 its density 1/d^2 ends."""
+    law = distribution(contact(0.5))
+    area = PEAK * np.array([1e-12, 1e-9])
+    one = exp(-0.5) * 0.5 * (3.0 * area / (2.0 * sqrt(2.0) * MEAN**2)) ** (2.0 / 3.0)
+    np.testing.assert_allclose(law.cdf(area) - exp(-0.5), one, rtol=1e-3)
+    np.testing.assert_allclose(law.density(area) * area, 2.0 / 3.0 * one, rtol=1e-3)
+    below, above = law.density(PEAK * np.array([1.0 - 1e-9, 1.0 + 1e-9]))
+    assert below - above == pytest.approx(exp(-0.5) * 0.5 / MEAN**2, rel=1e-5)
+    assert np.diff(law.cdf(PEAK * np.array([1.0 - 1e-9, 1.0 + 1e-9])))[0] < 1e-8
+
+
+@pytest.mark.parametrize(("count", "spread"), [(0.01, "none"), (0.5, "none"), (5.0, "150 %"), (5000.0, "20 %")])
+def test_any_area_may_be_asked_for(count: float, spread: str) -> None:
+    law = distribution(contact(count, spread))
+    out = [-inf, -1e300, -1.0, -5e-324, 0.0, 1e12, 1e300, inf, nan]
+    atom = law.atom_at_zero
+    np.testing.assert_allclose(law.cdf(out), [0.0, 0.0, 0.0, 0.0, atom, 1.0, 1.0, 1.0, nan], atol=1e-12)
+    np.testing.assert_array_equal(law.density(out), [0.0] * 8 + [nan])
+    assert law.cdf(PEAK).shape == ()
+    assert law.density(np.full((2, 3), PEAK)).shape == (2, 3)
+    assert law.cdf([]).shape == (0,)
+
+
+@pytest.mark.parametrize("spread", SPREADS)
+@pytest.mark.parametrize("count", [0.01, 3.0, 20.0, 80.0, 5000.0])
+def test_the_distribution_function_rises_by_the_density(count: float, spread: str) -> None:
+    law = distribution(contact(count, spread))
+    assert law.area[0] >= 0.0
+    np.testing.assert_allclose(np.diff(law.area), law.area[1] - law.area[0], rtol=1e-9)
+    cdf = law.cdf(law.area)
+    assert np.all(np.diff(cdf) > -1e-12)
+    assert cdf[-1] == pytest.approx(1.0, abs=1e-10)
+    assert cdf[0] == pytest.approx(law.atom_at_zero, abs=1e-10)
+    middle = law.area[200:1800:100]
+    edges = np.stack([middle, middle + 0.37 * (law.area[1] - law.area[0])], axis=-1)
+    area, weights = panels(edges, 24)
+    rise = np.diff(law.cdf(edges))[:, 0]
+    np.testing.assert_allclose(np.sum(weights * law.density(area), axis=-1), rise, atol=2e-8)
+
+
+def test_more_areas_than_are_taken_at_once() -> None:
+    law = distribution(contact(3.0))
+    area = np.linspace(-1.0, 300.0, 150_001)
+    some = area[[0, 1, 70_000, 99_999, 150_000]]
+    np.testing.assert_array_equal(law.cdf(area)[[0, 1, 70_000, 99_999, 150_000]], law.cdf(some))
+
+
+@pytest.mark.parametrize(("count", "spread"), [(0.5, "none"), (20.0, "0.2 um"), (5000.0, "20 %")])
+def test_quantiles_are_where_the_distribution_function_gets_there(count: float, spread: str) -> None:
+    law = distribution(contact(count, spread))
+    p = np.array([[0.61, 0.7, 0.9], [0.99, 0.999999, 1.0 - 1e-9]])
+    np.testing.assert_allclose(law.cdf(law.quantile(p)), p, atol=1e-11)
+    assert law.quantile([0.0, 1.0]).tolist() == [0.0, inf]
+    assert float(law.quantile(0.6)) == 0.0 if count == 0.5 else float(law.quantile(0.6)) > 0.0
+
+
+@pytest.mark.parametrize("p", [-0.1, 1.1, nan, [0.5, 2.0]])
+def test_no_quantile_at_what_is_no_probability(p: float) -> None:
+    with pytest.raises(Refused, match="from 0 to 1"):
+        distribution(contact(20.0)).quantile(p)
+
+
+# The characteristic function, and what is refused.
+
+
+@pytest.mark.parametrize("spread", ["none", "20 %"])
+def test_characteristic_function_is_that_of_the_distribution(spread: str) -> None:
+    model = contact(2.0, spread)
+    law = distribution(model)
+    area, weights = rule(law)
+    theta = np.array([[-0.3, 0.0], [0.02, 0.7]])
+    waves = np.exp(1j * np.multiply.outer(theta, area))
+    np.testing.assert_allclose(
+        characteristic_function(model, theta), waves @ (weights * law.density(area)) + law.atom_at_zero, atol=1e-9
+    )
+
+
+def test_characteristic_function_by_its_integral() -> None:
+    model = contact(3.0)
+    with mpmath.workdps(20):
+        inner = mpmath.quad(
+            lambda y: (mpmath.exp(0.04j * MEAN**2 * (y - mpmath.sin(y) * mpmath.cos(y))) - 1) * mpmath.sin(y),
+            [0, pi / 4, pi / 2],
+        )
+    assert complex(characteristic_function(model, 0.08)) == pytest.approx(complex(mpmath.exp(3 * inner)), rel=1e-13)
+
+
+@pytest.mark.parametrize("asked", [distribution, lambda model: characteristic_function(model, 0.1)])
+def test_regular_births_are_refused(asked) -> None:
+    with pytest.raises(Refused, match="Poisson births"):
+        asked(replace(contact(20.0), births=RegularBirths(mean_spacing=0.5)))
+
+
+def test_strengths_and_ticks_play_no_role_and_equal_models_share_one_answer() -> None:
+    model = contact(20.0, "0.2 um")
+    assert distribution(replace(model, strengths=None, tick=0.1)) is distribution(model)
+    other = model_of(NormalSizes(mean=MEAN, std=0.21), MEAN, 20.0)
+    assert distribution(other) is not distribution(model)
+
+
+@pytest.mark.parametrize("slow", ["scipy.signal", "scipy.stats", "scipy.interpolate", "h5py"])
+def test_the_distribution_imports_nothing_slow_or_foreign(slow: str) -> None:
+    code = f"import sys, rubnoise.theory.distribution; sys.exit({slow!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
