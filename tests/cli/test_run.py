@@ -1,5 +1,6 @@
 """`rubnoise run`: what it writes, what it prints, what it leaves alone."""
 
+import json
 from pathlib import Path
 
 import h5py
@@ -60,7 +61,7 @@ def test_settings_are_numbers_quoted_texts_or_plain_texts(here: Path) -> None:
         ("sliding.distance=2", "a number without a unit"),
         ("interface.mean_junction_count=true", "interface.mean_junction_count: "),
         ("run.engine=evnts", 'did you mean "events"?'),
-        ("run.engine=batch", "available: events"),
+        ("run.engine=batsh", 'did you mean "batch"?'),
         ("nonsense", "KEY=VALUE"),
     ],
 )
@@ -72,8 +73,12 @@ def test_a_wrong_setting_is_refused_by_its_name(here: Path, setting: str, said: 
     assert names(here) == []
 
 
-def test_the_engine_is_events(here: Path) -> None:
-    assert call("run", SHORT, "--engine", "events").code == 0
+def test_the_engine_may_be_chosen_and_is_kept(here: Path) -> None:
+    for engine in ("events", "batch"):
+        assert call("run", SHORT, "--engine", engine, "-o", f"{engine}.h5").code == 0
+        with h5py.File(here / f"{engine}.h5") as file:
+            assert json.loads(file["provenance"].attrs["scenario_resolved"])["run"]["engine"] == engine
+    assert columns(here / "batch.h5") == columns(here / "events.h5")
     answer = call("run", SHORT, "--engine", "evnts", "--force")
     assert answer.code == 2
     assert 'did you mean "events"?' in answer.err
@@ -146,7 +151,10 @@ def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
         (None, "bad.toml: cannot be read: no such file or directory"),
         (b"", "bad.toml:1: error: format: missing"),
         (b'title = "\xff"\n', "bad.toml:1: error: not UTF-8 text"),
-        (CONTACT.encode() + b"[sweep]\nreplicates = 4\n", "bad.toml:10: error: sweep: a sweep is many runs, and one scenario is wanted here"),
+        (
+            CONTACT.encode() + b"[sweep]\nreplicates = 4\n",
+            "bad.toml:10: error: sweep: a sweep is many runs, and one scenario is wanted here",
+        ),
         (CONTACT.encode().replace(b"300 um", b"300 um^2"), "bad.toml:9: error: sliding.distance: "),
     ],
     ids=["missing", "empty", "not UTF-8", "a sweep", "a wrong unit"],

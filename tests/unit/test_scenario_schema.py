@@ -31,7 +31,7 @@ def test_every_key_is_described() -> None:
 def test_the_schema_offers_what_is_available_and_no_more() -> None:
     sections = json_schema()["$defs"]
     assert sections["Diameter"]["properties"]["law"]["enum"] == ["fixed", "normal", "lognormal", "exponential", "gamma"]
-    assert sections["Run"]["properties"]["engine"]["enum"] == ["events"]
+    assert sections["Run"]["properties"]["engine"]["enum"] == ["events", "batch"]
 
 
 def test_needed_keys_are_demanded_unless_another_file_may_have_them() -> None:

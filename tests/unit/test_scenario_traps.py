@@ -113,7 +113,9 @@ def test_a_title_that_is_none(value: str, message: str) -> None:
 
 def test_a_choice_that_is_no_word() -> None:
     head = "run.toml:10: error: diameter.law: needs a word in quotation marks, not a number"
-    assert refusal(whole(law="1")) == shown(head, "law = 1", "1", "available: fixed, normal, lognormal, exponential, gamma")
+    assert refusal(whole(law="1")) == shown(
+        head, "law = 1", "1", "available: fixed, normal, lognormal, exponential, gamma"
+    )
 
 
 @pytest.mark.parametrize(
@@ -247,7 +249,6 @@ def test_matched_without_a_solution() -> None:
         ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma"),
         ("birth", "law", "jittered", "poisson, regular"),
         ("slider", "coupling", "two-way", "one-way"),
-        ("run", "engine", "batch", "events"),
     ],
 )
 def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, value: str, available: str) -> None:

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.run import extent, slider_constants
-from rubnoise.simulation.run import simulate as run_events
+from rubnoise.simulation.run import Engine, extent, slider_constants
+from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
 from rubnoise.storage.provenance import gather
@@ -36,7 +37,7 @@ def simulate(scenario: Scenario, seed: int | None = None) -> Record:
     scenario = _seeded(scenario, seed)
     model, seed = scenario.model(), scenario.run.seed
     record = Record(extent(model, seed), pulse=model.pulse)
-    run_events(model, seed, record)
+    run_model(model, seed, record, engine=_engine(scenario))
     return record
 
 
@@ -63,7 +64,7 @@ def run(
         watch(0.0, 0, 0)
     tally = Tally()
     with RunWriter(path, description, force=force) as writer:
-        run_events(model, scenario.run.seed, Tee((writer, tally)), watch=watch)
+        run_model(model, scenario.run.seed, Tee((writer, tally)), engine=_engine(scenario), watch=watch)
         figures: dict[str, float | int | str] = {}
         for figure in summarise(model, tally):
             figures |= figure.as_attributes()
@@ -74,6 +75,10 @@ def run(
 def exact(scenario: Scenario) -> Exact:
     """Return what theory says about a scenario: moments of area, count and force, the slider's response."""
     return exact_of_model(scenario.model())
+
+
+def _engine(scenario: Scenario) -> Engine:
+    return cast(Engine, scenario.run.engine)
 
 
 def _seeded(scenario: Scenario, seed: int | None) -> Scenario:

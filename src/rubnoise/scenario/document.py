@@ -172,7 +172,11 @@ class Run(Section):
     seed: Annotated[
         int, Number(Range(0, SEED_LIMIT - 1), whole=True), About(description="Seed of all random numbers.")
     ] = 1
-    engine: Annotated[str, Choice(("events",), later=("batch",)), About(description="events: SimPy.")] = "events"
+    engine: Annotated[
+        str,
+        Choice(("events", "batch")),
+        About(description="events: junctions as SimPy processes; batch: the same result, faster, without events."),
+    ] = "events"
 
 
 class Document(Section):

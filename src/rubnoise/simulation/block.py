@@ -1,7 +1,8 @@
 """One block of a run: the step of the fold, and the only place from which rows are written."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from rubnoise.record.rows import junction_columns, junction_states, natural_deat
 from rubnoise.record.sink import Columns, Sink
 from rubnoise.simulation.area import sample
 from rubnoise.simulation.draws import BlockBirths, draw_block
-from rubnoise.simulation.junctions import Intervention, play_block
 from rubnoise.simulation.panels import Panel, panels
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
@@ -18,6 +18,27 @@ from rubnoise.simulation.state import LiveRows, State
 
 Watch = Callable[[float, int, int], None]
 """Told after each panel: distance reached (um), junctions born so far, live count. It may raise to stop the run."""
+
+
+class Play(Protocol):
+    """An engine: lets one block happen, panel by panel, and so decides which rows each panel is computed from."""
+
+    def __call__(
+        self,
+        *,
+        state: State,
+        births_of_block: BlockBirths,
+        born: LiveRows,
+        panels: Sequence[Panel],
+        run_end: float,
+        sample: Callable[[Panel, LiveRows], Columns],
+        move: Callable[[Panel, LiveRows, Columns], None] | None,
+    ) -> tuple[LiveRows, int]:
+        """Sample every panel, then move the slider through it; return all rows and how many events it took.
+
+        The rows are the carried ones and then those born, each with its departure where its life has ended.
+        """
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +49,7 @@ class Run:
     seed: int
     constants: Propagator | None
     sink: Sink
-    intervene: Intervention | None = None
+    play: Play
     watch: Watch | None = None
 
 
@@ -39,7 +60,7 @@ def next_state(run: Run, state: State) -> State:
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     block_panels = list(panels(run.model, state, births, cells))
     motion = _motion(run, state)
-    rows, events = play_block(
+    rows, events = run.play(
         state=state,
         births_of_block=births,
         born=born,
@@ -47,7 +68,6 @@ def next_state(run: Run, state: State) -> State:
         run_end=run.model.distance,
         sample=lambda panel, rows: _write_trace(run, panel, rows),
         move=None if motion is None else lambda panel, rows, trace: _write_slider(run, motion, panel, rows, trace),
-        intervene=run.intervene,
     )
     _write_junctions(run, state, rows)
     ticks = block_panels[-1].end if block_panels else state.ticks

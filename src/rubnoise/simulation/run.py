@@ -1,15 +1,22 @@
 """A run from its first block to its last: the fold that everything else is folded into."""
 
 from collections.abc import Callable
+from functools import partial
+from typing import Literal
 
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
-from rubnoise.simulation.block import Run, Watch, next_state
+from rubnoise.simulation.batch import play_at_once
+from rubnoise.simulation.block import Play, Run, Watch, next_state
 from rubnoise.simulation.cells import cells_per_tick, narrow
 from rubnoise.simulation.draws import count_births, start
-from rubnoise.simulation.junctions import Intervention
+from rubnoise.simulation.junctions import Intervention, play_block
 from rubnoise.simulation.propagator import Propagator, propagator
 from rubnoise.simulation.state import State
+
+Engine = Literal["events", "batch"]
+"""How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
 
 
 def extent(model: Model, seed: int) -> Extent:
@@ -35,21 +42,33 @@ def simulate(
     seed: int,
     sink: Sink,
     *,
+    engine: Engine = "events",
     state: State | None = None,
     intervene: Intervention | None = None,
     watch: Watch | None = None,
     commit: Callable[[State], None] | None = None,
 ) -> State:
-    """Run a model event by event, hand its rows to a sink as they come to be, and return the last state.
+    """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
 
-    The same model and seed give the same rows, bit for bit. ``state``: go on from here instead of from the start;
+    The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
+    between two blocks. ``state``: go on from here instead of from the start;
     ``intervene``: a SimPy process of the caller's beside those of the contact, made anew in every block; ``watch``: is
     told after each panel; ``commit``: is handed the state after each block, from which the run could go on.
+    Raises Refused for an intervention without events.
     """
-    run = Run(model=model, seed=seed, constants=slider_constants(model), sink=sink, intervene=intervene, watch=watch)
+    play = _play(engine, intervene)
+    run = Run(model=model, seed=seed, constants=slider_constants(model), sink=sink, play=play, watch=watch)
     state = start(model, seed) if state is None else state
     while not finished(model, state):
         state = next_state(run, state)
         if commit is not None:
             commit(state)
     return state
+
+
+def _play(engine: Engine, intervene: Intervention | None) -> Play:
+    if engine == "events":
+        return partial(play_block, intervene=intervene)
+    if intervene is not None:
+        raise Refused('an intervention is a process among events: it needs the engine "events", not "batch"')
+    return play_at_once

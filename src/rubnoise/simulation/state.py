@@ -46,6 +46,10 @@ class LiveRows:
         """Return the rows to keep."""
         return LiveRows(**{f.name: getattr(self, f.name)[keep] for f in fields(self)})
 
+    def first(self, count: int) -> "LiveRows":
+        """Return the first so many rows, without a copy."""
+        return LiveRows(**{f.name: getattr(self, f.name)[:count] for f in fields(self)})
+
     def then(self, other: "LiveRows") -> "LiveRows":
         """Return these rows followed by others that were born later."""
         return LiveRows(
@@ -58,8 +62,8 @@ class State:
     """The state of a run between two blocks.
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
-    far; ticks: ticks finished so far; events: events that the queue has seen; live: the rows that are carried;
-    displacement (um) and velocity (um/s) of the slider at the last finished tick.
+    far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
+    carried;    displacement (um) and velocity (um/s) of the slider at the last finished tick.
     """
 
     block: int

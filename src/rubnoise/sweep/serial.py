@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
 from rubnoise.scenario.points import Point
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.run import Engine, extent, simulate
 
 Kept = TypeVar("Kept", bound=Sink)
 Result = TypeVar("Result")
@@ -34,5 +34,5 @@ def measured(point: Point, measure: Measure[Kept, Result]) -> Result:
     """Run one point and return its result, which is the same wherever and whenever it is run."""
     model = point.scenario.model()
     sink = measure.sink(extent(model, point.seed))
-    simulate(model, point.seed, sink)
+    simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine))
     return measure.read(model, sink)

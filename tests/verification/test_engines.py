@@ -1,0 +1,167 @@
+"""Two engines, one result: with processes or without, every column has the same bits."""
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import rubnoise
+from rubnoise.errors import Refused
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.load import build
+from rubnoise.simulation import panels
+from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.state import LiveRows, State
+from tests.models import UNEQUAL, contents, model, recorded, run_to_end
+
+MANY = settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
+FEW = settings(MANY, max_examples=5)
+
+DIAMETERS = st.one_of(
+    st.just({"law": "fixed"}),
+    st.just({"law": "exponential"}),
+    st.builds(
+        lambda law, spread: {"law": law, "spread": spread},
+        st.sampled_from(["normal", "lognormal", "gamma"]),
+        st.sampled_from(["20 %", "0.2 um", "150 %"]),
+    ),
+)
+STRENGTHS = st.one_of(
+    st.just({"mean": "250 MPa"}),
+    st.builds(
+        lambda law, spread: {"mean": "250 MPa", "law": law, "spread": spread},
+        st.sampled_from(["normal", "lognormal", "weibull"]),
+        st.sampled_from(["20 %", "300 MPa"]),
+    ),
+)
+SLIDER = {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"}
+
+
+@st.composite
+def scenarios(draw: st.DrawFn) -> Scenario:
+    """Return a scenario of at most some thousand births and 20 000 ticks, of any laws, thin to dense."""
+    count = float(f"{10.0 ** draw(st.floats(-2.0, 3.7)):.3g}")
+    life = 2.0 * (600.0 / count) ** 0.5
+    lives = min(draw(st.floats(0.5, 2500.0)) / count, 4000.0)
+    distance, tick = life * lives, life * max(draw(st.floats(0.003, 0.7)), lives / 20_000.0)
+    pulse = draw(st.sampled_from(["lens", "triangle"]))
+    values: dict[str, Any] = {
+        "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": count},
+        "diameter": draw(DIAMETERS),
+        "birth": {"law": draw(st.sampled_from(["poisson", "regular"]))},
+        "pulse": {"shape": pulse},
+        "sliding": {"distance": f"{distance:.6f} um", "start": draw(st.sampled_from(["stationary", "empty"]))},
+        "output": {"tick": f"{min(tick, distance):.6f} um"},
+        "run": {"seed": draw(st.integers(0, 2**53 - 1))},
+    }
+    if pulse == "lens":
+        values["interface"]["calibration"] = draw(st.sampled_from(["paper", "exact"]))
+    if draw(st.booleans()):
+        values["strength"] = draw(STRENGTHS)
+        values["sliding"]["speed"] = draw(st.sampled_from(["10 mm/s", "1 m/s"]))
+        if draw(st.booleans()):
+            values["slider"] = SLIDER | {"start": draw(st.sampled_from(["equilibrium", "rest"]))}
+    return build(values)
+
+
+def by(scenario: Scenario, engine: str) -> Scenario:
+    """Return the scenario with an engine."""
+    return build(scenario.resolved() | {"run": {"seed": scenario.run.seed, "engine": engine}})
+
+
+@MANY
+@given(scenario=scenarios())
+def test_both_engines_give_every_bit(scenario: Scenario) -> None:
+    one, other = (outcome(by(scenario, engine)) for engine in ("events", "batch"))
+    assert one == other
+
+
+def outcome(scenario: Scenario) -> dict[tuple[str, str], bytes] | str:
+    """Return the columns of a run, or why it is refused: its slider may move too fast within a tick."""
+    try:
+        return contents(rubnoise.simulate(scenario))
+    except Refused as refused:
+        return str(refused)
+
+
+@FEW
+@given(scenario=scenarios())
+def test_both_engines_write_the_same_datasets(tmp_path_factory: pytest.TempPathFactory, scenario: Scenario) -> None:
+    folder = tmp_path_factory.mktemp("engines")
+    written = {engine: folder / f"{engine}.h5" for engine in ("events", "batch")}
+    for engine, path in written.items():
+        rubnoise.run(by(scenario, engine), path).close()
+    assert datasets(written["batch"]) == datasets(written["events"])
+
+
+def datasets(path: Path) -> dict[str, tuple[bytes, bytes]]:
+    """Return every dataset of a file, and its hash."""
+    found: dict[str, tuple[bytes, bytes]] = {}
+    with h5py.File(path, "r") as file:
+        for group in ("junctions", "trace", "slider"):
+            for name, dataset in file.get(group, {}).items():
+                found[f"{group}/{name}"] = dataset[:].tobytes(), dataset.attrs["xxh3_128"]
+    return found
+
+
+@pytest.mark.parametrize("births", ["poisson", "regular"])
+@pytest.mark.parametrize("count", [0.01, 0.5, 20.0, 5000.0])
+def test_thin_and_dense_contacts_over_several_blocks(count: float, births: str) -> None:
+    life = 2.0 * (600.0 / count) ** 0.5
+    run = model(
+        count=count, distance=float(f"{2800 / min(count, 200.0) * life:.6g}"), tick=life / 7.0, births=births,
+        strength=UNEQUAL, speed=1e6,
+    )  # fmt: skip
+    (one, last), (other, end) = (run_to_end(run, 3, engine=engine) for engine in ("events", "batch"))
+    assert last.block == end.block >= 2
+    assert last.events > 2 * 2500 > end.events == 0
+    assert contents(one) == contents(other)
+
+
+def test_one_engine_goes_on_where_the_other_stopped() -> None:
+    run = model(distance=2000.0, tick=0.5)
+    expected = contents(recorded(run, 4))
+    states: list[State] = []
+    record = MemoryRecord(extent(run, 4))
+    simulate(run, 4, record, engine="batch", commit=states.append)
+    for cut in states[:-1]:
+        for group, columns in record.groups.items():
+            for values in columns.values():
+                values[cut.junctions if group == "junctions" else cut.ticks :] = 0
+        simulate(run, 4, record, engine="events", state=cut)
+        assert contents(record) == expected
+
+
+def test_both_tell_of_their_progress_in_the_same_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(panels, "LARGEST_PANEL", 400)
+    run = model(distance=600.0, tick=0.1)
+    told: dict[str, list[tuple[float, int, int]]] = {"events": [], "batch": []}
+    for engine, words in told.items():
+        recorded(run, 6, engine=engine, watch=lambda *what, words=words: words.append(what))
+    assert len(told["events"]) > 12
+    for (distance, born, live), (near, seen, alive) in zip(*told.values(), strict=True):
+        assert (distance, live) == (near, alive)
+        assert 0 <= born - seen <= 3
+
+
+def test_an_intervention_needs_events() -> None:
+    with pytest.raises(Refused, match='an intervention is a process among events: it needs the engine "events"'):
+        recorded(model(), engine="batch", intervene=lambda env, live: iter(()))
+
+
+def test_a_diameter_less_by_one_bit_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = model(distance=300.0)
+    expected = contents(recorded(run, engine="events"))
+    born = LiveRows.then
+
+    def shrunk(self: LiveRows, other: LiveRows) -> LiveRows:
+        rows = born(self, other)
+        rows.diameter[-1] = rows.diameter[-1] * (1.0 - 2.0**-53)
+        return rows
+
+    monkeypatch.setattr(LiveRows, "then", shrunk)
+    assert contents(recorded(run, engine="batch")) != expected
