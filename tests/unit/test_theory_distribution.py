@@ -6,6 +6,7 @@ junctions, and itself at twice the resolution.
 
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from math import exp, factorial, floor, inf, nan, pi, sqrt
 
@@ -332,7 +333,7 @@ def test_characteristic_function_by_its_integral() -> None:
 
 
 @pytest.mark.parametrize("asked", [distribution, lambda model: characteristic_function(model, 0.1)])
-def test_regular_births_are_refused(asked) -> None:
+def test_regular_births_are_refused(asked: Callable[[Model], object]) -> None:
     with pytest.raises(Refused, match="Poisson births"):
         asked(replace(contact(20.0), births=RegularBirths(mean_spacing=0.5)))
 
