@@ -7,7 +7,7 @@ import typer
 if TYPE_CHECKING:
     from rubnoise.claims.claim import Claim, Quantity
 
-_LABEL = 43
+_LABEL = 38
 
 
 def command(
@@ -67,7 +67,7 @@ def described(claims: tuple["Claim", ...]) -> list[str]:
     lines = []
     for claim in claims:
         lines += [f"{claim.where}: {claim.verdict.value}", remark(claim.says)]
-        lines += [f"  {'':<{_LABEL}}{'printed':>7}{'simulated (95 %)':>19}{'exact':>9}"]
+        lines += [f"  {'':<{_LABEL}}{'printed':>8} {'simulated (95 %)':>20} {'exact':>9}"]
         lines += [line for quantity in claim.quantities for line in _lines(quantity)]
         lines += [remark(claim.because), ""]
     return lines[:-1]
@@ -76,7 +76,7 @@ def described(claims: tuple["Claim", ...]) -> list[str]:
 def _lines(quantity: "Quantity") -> list[str]:
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
-    numbers = f"{printed:>7}{_with_interval(quantity):>19}{quantity.exact:>9.4g}"
+    numbers = f"{printed:>8} {_with_interval(quantity):>20} {quantity.exact:>9.4g}"
     if len(label) < _LABEL:
         return [f"  {label:<{_LABEL}}{numbers}"]
     return [f"  {label}", f"  {'':<{_LABEL}}{numbers}"]
@@ -84,4 +84,4 @@ def _lines(quantity: "Quantity") -> list[str]:
 
 def _with_interval(quantity: "Quantity") -> str:
     low, high = quantity.simulated.interval
-    return f"{quantity.simulated.value:.4g} +- {0.5 * (high - low):.2g}"
+    return f"{quantity.simulated.value:.4g} +- {0.5 * (high - low):.1g}"
