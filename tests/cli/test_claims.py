@@ -23,7 +23,7 @@ def test_a_claim_is_told_with_its_numbers_and_verdict(settled: list[Verdict]) ->
     done = call("claims")
     assert done.out.splitlines()[0] == "Eq. (1): holds"
     assert "mean (um)" in done.out
-    assert "1 +- 0.24" in done.out
+    assert "1 +- 0.2" in done.out
     assert max(map(len, done.out.splitlines())) <= 80
     assert done.err == ""
 
