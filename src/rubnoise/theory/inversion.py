@@ -25,7 +25,7 @@ _WEAKEST, _STRONGEST = 1.0, 20.0
 _TAPER_CENTRE, _TAPER_WIDTH = 0.65, 0.042
 _STENCIL = np.arange(-4.0, 6.0)
 _PADDING = 8
-_FEW_TERMS, _AT_ONCE = 2**23, 2**20
+_FEW_TERMS, _AT_ONCE = 2**21, 2**20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
