@@ -114,8 +114,8 @@ def test_averaging_over_the_swing_keeps_the_integral_and_takes_the_swing(pulse: 
     z, transform = np.linspace(1e-3, 2000.0, 400_001), transform_of(pulse)
     window = np.exp(-0.5 * np.square((z - 700.0) / 60.0)) * z**4
     assert np.sum(window * transform.mean_square(z)) == pytest.approx(np.sum(window * transform.square(z)), rel=1e-13)
-    amplitudes = np.sum(window * transform.amplitude(z))
-    assert np.sum(window * transform.mean_amplitude(z)) == pytest.approx(amplitudes, rel=1e-13)
+    born = np.sum(window * transform.from_birth(z))
+    assert np.sum(window * transform.mean_from_birth(z)) == pytest.approx(born, rel=1e-12)
     far = (z > 300.0) & (z < 400.0)
     assert np.max(np.abs(np.diff(z[far] ** 4 * transform.mean_square(z[far])))) < 1e-5
     assert np.max(np.abs(np.diff(z[far] ** 4 * transform.square(z[far])))) > 1e-3

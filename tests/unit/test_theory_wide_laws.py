@@ -12,10 +12,11 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.lags import lag_edges, longest_life
 from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
+from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import standard_errors, variance_of_time_mean
-from rubnoise.theory.spectrum import density_at_zero, largest_swinging_wavenumber, spectral_density
+from rubnoise.theory.spectrum import density_at_zero, spectral_density
 from rubnoise.theory.transform import transform_of
 from rubnoise.theory.transient import area_from_empty
 from tests.unit.size_laws import Gamma, LogNormal

@@ -1,10 +1,14 @@
 """Campbell's theorem: the exact cumulants of real contact area and friction force."""
 
 from dataclasses import dataclass
-from math import sqrt
+from functools import lru_cache
+from math import nan, sqrt
 
+from rubnoise.contact.strengths import StrengthLaw
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import ORDERS, regular_cumulants
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,34 +34,49 @@ class Cumulants:
 
     @property
     def skewness(self) -> float:
-        """kappa_3 / kappa_2^1.5."""
-        return self.values[2] / self.std**3
+        """kappa_3 / kappa_2^1.5; nan of a constant, which has no shape."""
+        return self.values[2] / self.std**3 if self.variance > 0.0 else nan
 
     @property
     def excess_kurtosis(self) -> float:
-        """kappa_4 / kappa_2^2."""
-        return self.values[3] / self.variance**2
+        """kappa_4 / kappa_2^2; nan of a constant."""
+        return self.values[3] / self.variance**2 if self.variance > 0.0 else nan
 
 
 def area_cumulants(model: Model) -> Cumulants:
-    """Return the cumulants of stationary real contact area, kappa_n = lam c_n m_(2n+1) in um^(2n), n = 1 ... 6.
+    """Return the cumulants of stationary real contact area in um^(2n), n = 1 ... 6.
 
-    lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life, m_n = E[d^n]. Source: Campbell's theorem
-    (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse, paper Eq. (2) or a triangle.
+    kappa_n = lam c_n m_(2n+1) for Poisson births: lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life,
+    m_n = E[d^n]. Regular births have the same mean, and the rest from the law of total cumulance over their phase.
+    Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse,
+    paper Eq. (2) or a triangle.
     """
-    return Cumulants(values=tuple(_area_cumulant(model, order) for order in range(1, 7)))
+    return _cumulants(model, (1.0,) * (ORDERS + 1))
 
 
 def force_cumulants(model: Model) -> Cumulants:
-    """Return the cumulants of stationary friction force, kappa_n = lam c_n m_(2n+1) E[psi^n] in uN^n, n = 1 ... 6.
+    """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6.
 
-    Strengths psi (MPa) are independent of sizes. Raises Refused without a strength. Source: as `area_cumulants`, for
-    the pulse psi A of paper Eq. (1).
+    kappa_n = lam c_n m_(2n+1) E[psi^n] for Poisson births; strengths psi (MPa) are independent of sizes. Raises Refused
+    without a strength. Source: as `area_cumulants`, for the pulse psi A of paper Eq. (1).
     """
+    psi = strengths_of(model)
+    return _cumulants(model, tuple(psi.moment(n) for n in range(ORDERS + 1)))
+
+
+def strengths_of(model: Model) -> StrengthLaw:
+    """Return the law of shear strengths; raises Refused without one."""
     if model.strengths is None:
         raise Refused("the friction force needs a shear strength ([strength])")
-    strengths = model.strengths
-    return Cumulants(values=tuple(_area_cumulant(model, n) * strengths.moment(n) for n in range(1, 7)))
+    return model.strengths
+
+
+@lru_cache(maxsize=16)
+def _cumulants(model: Model, strength_moments: tuple[float, ...]) -> Cumulants:
+    if not are_at_random(model):
+        return Cumulants(values=regular_cumulants(model, strength_moments))
+    orders = range(1, ORDERS + 1)
+    return Cumulants(values=tuple(strength_moments[n] * _area_cumulant(model, n) for n in orders))
 
 
 def _area_cumulant(model: Model, order: int) -> float:

@@ -4,8 +4,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.strengths import StrengthLaw
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import cut_size_rule, panels
+from rubnoise.theory.lines import line_covariance, spectral_lines
+from rubnoise.theory.mean_life import mean_life_overlap
+from rubnoise.theory.quadrature import cut_size_rule, panels, size_range
+from rubnoise.theory.random_births import are_at_random
 
 Doubles = NDArray[np.float64]
 Powers = tuple[int, int]
@@ -16,12 +20,42 @@ _AT_ONCE = 32
 
 
 def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
-    """Return R(tau) = Cov[A_r(s), A_r(s + tau)] in um^4 for lags in um (any shape); zero beyond the longest life.
+    """Return R(tau) = Cov[A_r(s), A_r(s + tau)] in um^4 for lags in um (any shape).
 
-    R(tau) = lam E[int A(s) A(s + |tau|) ds]; R(0) is the variance, and the integral of R over all tau is S(0).
-    Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
+    Poisson births: R(tau) = lam E[int A(s) A(s + |tau|) ds], zero beyond the longest life; R(0) is the variance, and
+    the integral of R over all tau is S(0). Regular births: less lam int E[A(s)] E[A(s + |tau|)] ds, which leaves what
+    their phase does not tell, and with what it does: 2 sum of power cos(k_n tau) over `spectral_lines`.
+    Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x), for regular births given the phase.
     """
-    return joint_cumulants(model, lag, ((1, 1),))[1, 1]
+    return _covariance(model, lag, 1.0, 1.0)
+
+
+def force_autocovariance(model: Model, strengths: StrengthLaw, lag: ArrayLike) -> Doubles:
+    """Return the autocovariance of friction force in uN^2 for lags in um (any shape), as `autocovariance`.
+
+    Strengths psi (MPa) are independent of sizes: E[psi^2] goes with E[A A], E[psi]^2 with E[A] E[A] and the lines.
+    """
+    return _covariance(model, lag, strengths.moment(2), strengths.mean**2)
+
+
+def unphased_covariance(model: Model, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
+    """Return the covariance of sum psi A at a lag in um (any shape) but for the lines: given the phase of the births.
+
+    E[psi^2] and E[psi]^2 are given; zero beyond the longest life. Of Poisson births it is all there is.
+    """
+    lags = np.abs(np.asarray(lag, dtype=np.float64))
+    shot = joint_cumulants(model, lags, ((1, 1),))[1, 1]
+    if are_at_random(model):
+        return square * shot
+    if np.ptp(size_range(model.sizes)) == 0.0:
+        return (square - squared_mean) * shot
+    return square * shot - squared_mean * model.birth_rate * mean_life_overlap(model.sizes, model.pulse, lags)
+
+
+def _covariance(model: Model, lag: ArrayLike, square: float, squared_mean: float) -> Doubles:
+    lags = np.abs(np.asarray(lag, dtype=np.float64))
+    unphased = unphased_covariance(model, lags, square, squared_mean)
+    return unphased if are_at_random(model) else unphased + squared_mean * line_covariance(spectral_lines(model), lags)
 
 
 def joint_cumulants(
@@ -30,7 +64,8 @@ def joint_cumulants(
     """Return kappa_ij(tau), the joint cumulant of i times A_r(s) and j times A_r(s + tau), in um^(2i + 2j).
 
     kappa_ij = lam E[int A(s)^i A(s + |tau|)^j ds] = lam E[d^(2i + 2j + 1) q_ij(|tau| / d)], for each (i, j) asked for
-    and lags tau in um (any shape), by so many diameters on each panel of the size law.
+    and lags tau in um (any shape), by so many diameters on each panel of the size law. Of Poisson births; of others it
+    is what single junctions bring, whatever comes before and after them.
     Source: Campbell's theorem for two places at once (Rice 1944, as above).
     """
     lags = np.abs(np.asarray(lag, dtype=np.float64))

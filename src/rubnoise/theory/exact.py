@@ -11,6 +11,7 @@ from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.occupancy import (
+    count_variance,
     expected_births,
     expected_junction_rows,
     length_biased_mean_diameter,
@@ -40,6 +41,8 @@ class Exact:
     model: Model = field(repr=False)
     area: Cumulants
     count_mean: float
+    count_variance: float
+    mean_diameter: float
     length_biased_mean_diameter: float
     expected_births: float
     expected_junction_rows: float
@@ -48,13 +51,8 @@ class Exact:
 
     @property
     def count_std(self) -> float:
-        """Standard deviation of the Poisson number of live junctions."""
-        return sqrt(self.count_mean)
-
-    @property
-    def count_variance(self) -> float:
-        """Variance of the Poisson number of live junctions: its mean."""
-        return self.count_mean
+        """Standard deviation of the number of live junctions."""
+        return sqrt(self.count_variance)
 
     def spectral_density(self, wavenumber: ArrayLike) -> Doubles:
         """Return the two-sided S(k) of the area in um^4 per rad/um at wavenumbers in rad/um, of any shape."""
@@ -74,12 +72,15 @@ class Exact:
 def exact(model: Model) -> Exact:
     """Return the exact results for a model: cumulants of area and force, the live count, the one-way slider's response.
 
-    Equations and sources are those of `area_cumulants`, `mean_count`, `length_biased_mean_diameter` and `response`.
+    Diameters in um are the means of a junction as it is born and as it is found alive. Equations and sources are those
+    of `area_cumulants`, `mean_count`, `count_variance`, `length_biased_mean_diameter` and `response`.
     """
     return Exact(
         model=model,
         area=area_cumulants(model),
         count_mean=mean_count(model),
+        count_variance=count_variance(model),
+        mean_diameter=model.sizes.moment(1),
         length_biased_mean_diameter=length_biased_mean_diameter(model),
         expected_births=expected_births(model),
         expected_junction_rows=expected_junction_rows(model),

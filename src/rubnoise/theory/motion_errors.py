@@ -1,20 +1,22 @@
-"""Standard errors of the mean force and of the slider's motion over a finite one-way run."""
+"""Standard errors of the slider's motion over a finite one-way run."""
 
 from cmath import exp as complex_exp
 from cmath import sqrt as complex_sqrt
 from dataclasses import dataclass
-from math import hypot, inf, pi, sqrt
+from math import hypot, inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
+from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.lines import resolved_error
 from rubnoise.theory.quadrature import size_rule
+from rubnoise.theory.random_births import need_random_births
 from rubnoise.theory.resonance import Rule, response_rules
-from rubnoise.theory.response import Response, mean_displacement, response
-from rubnoise.theory.sampling import variance_of_time_mean
+from rubnoise.theory.response import mean_displacement, response
+from rubnoise.theory.sampling import variance_of_mean_force
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
 
@@ -35,12 +37,10 @@ class MotionErrors:
 def mean_force_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
 
-    Over ``distance`` um or the model's ticks: Var = E[psi^2] times that of the mean area (Campbell's theorem with the
-    pulse psi A). Raises Refused without a strength.
+    Over ``distance`` um or the model's ticks; 0 below 1e-12 of the mean, where rounding decides. Raises Refused without
+    a strength. Source: as `rubnoise.theory.sampling.variance_of_time_mean`, for the pulse psi A.
     """
-    if model.strengths is None:
-        raise Refused("the friction force needs a shear strength ([strength])")
-    return sqrt(model.strengths.moment(2) * variance_of_time_mean(model, distance))
+    return resolved_error(variance_of_mean_force(model, distance), force_cumulants(model).mean)
 
 
 def expected_mean_displacement(model: Model, distance: float) -> float:
@@ -59,34 +59,40 @@ def expected_mean_displacement(model: Model, distance: float) -> float:
     return still * (1.0 - missing)
 
 
+def mean_displacement_error(model: Model, distance: float) -> float:
+    """Return an upper bound in um of the standard error of the mean of x over ``distance`` um, the contact stationary.
+
+    It holds for every length and is exact for long runs: k mean x = mean F - (m dv + c dx)/T, where dv and dx, the
+    changes over the run, spread by no more than their stationary std plus that of the decaying start (whose energy
+    only falls). Raises Refused without slider, strength or speed; inf without damping.
+    """
+    drive, motion = drive_of(model), response(model)
+    slider, natural = drive.slider, drive.slider.natural_angular_frequency
+    start = hypot(motion.displacement_std, motion.velocity_std / natural)
+    change = slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
+    return (mean_force_error(model, distance) + change * drive.speed / distance) / slider.stiffness
+
+
 def motion_errors(model: Model, distance: float) -> MotionErrors:
     """Return standard errors of the slider's motion over a run of ``distance`` um from a stationary contact.
 
-    The mean's is an upper bound for every length and exact for long runs: k mean x = mean F - (m dv + c dx)/T, where
-    dv and dx, the changes over the run, spread by no more than their stationary std plus that of the decaying start
-    (whose energy only falls). The stds' are for runs of many lives and decay times:
+    The mean's is that of `mean_displacement_error`. The stds' are for runs of many lives and decay times:
     Var[mean of x^2] = (1/T) int Cov[x^2(0), x^2(t)] dt = (2/pi T) int_0^inf S_x^2 dw
     + (lam V/T) E[psi^4] E[(int y^2 dt)^2], y the response to one junction of unit strength; the error of the std is the
-    root of it over 2 std. Raises Refused without slider, strength or speed; inf without damping.
+    root of it over 2 std. Raises Refused without slider, strength or speed, and unless births are a Poisson process;
+    inf without damping.
     Source: cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     drive, motion = drive_of(model), response(model)
+    need_random_births(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
     displacement, velocity = np.sqrt(_mean_square_variances(model, drive) * drive.speed / distance)
     return MotionErrors(
-        mean_displacement=_mean_displacement_bound(model, drive, motion, distance),
+        mean_displacement=mean_displacement_error(model, distance),
         displacement_std=float(displacement) / (2.0 * motion.displacement_std),
         velocity_std=float(velocity) / (2.0 * motion.velocity_std),
     )
-
-
-def _mean_displacement_bound(model: Model, drive: Drive, motion: Response, distance: float) -> float:
-    slider = drive.slider
-    natural = slider.natural_angular_frequency
-    start = hypot(motion.displacement_std, motion.velocity_std / natural)
-    change = slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
-    return (mean_force_error(model, distance) + change * drive.speed / distance) / slider.stiffness
 
 
 def _mean_square_variances(model: Model, drive: Drive) -> Doubles:

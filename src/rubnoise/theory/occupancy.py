@@ -1,4 +1,4 @@
-"""How many junctions are alive: an M/G/infinity queue in sliding distance."""
+"""How many junctions are alive: a queue with infinitely many servers in sliding distance."""
 
 from math import sqrt
 
@@ -7,7 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.model import Model
 from rubnoise.theory.lags import lag_rule
+from rubnoise.theory.lines import count_lines, resolved_error, variance_of_line_mean
 from rubnoise.theory.quadrature import cut_size_rule
+from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_count import phased_count_covariance, unphased_count_covariance
 
 Doubles = NDArray[np.float64]
 
@@ -15,7 +18,7 @@ _NODES = 24
 
 
 def mean_count(model: Model) -> float:
-    """Return E[N] = Var[N] = lam 2 m_1: the stationary number alive is Poisson (M/G/infinity queue, Little's law)."""
+    """Return E[N] = lam 2 m_1 (Little's law); Poisson births have a Poisson number alive (M/G/infinity queue)."""
     return model.birth_rate * 2.0 * model.sizes.moment(1)
 
 
@@ -25,10 +28,20 @@ def length_biased_mean_diameter(model: Model) -> float:
 
 
 def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
-    """Return Cov[N(s), N(s + tau)] = lam E[(2d - |tau|)+] for lags tau in um (any shape)."""
-    reach = np.abs(np.asarray(lag, dtype=np.float64))[..., None]
-    diameters, probabilities = cut_size_rule(model.sizes, 0.5 * reach, _NODES)
-    return model.birth_rate * np.sum(probabilities * np.maximum(2.0 * diameters - reach, 0.0), axis=-1)
+    """Return Cov[N(s), N(s + tau)] for lags tau in um (any shape): lam E[(2d - |tau|)+] for Poisson births.
+
+    Regular births: less what the phase tells of each junction, and with what it tells of them all; see
+    `rubnoise.theory.regular_count`.
+    """
+    reach = np.abs(np.asarray(lag, dtype=np.float64))
+    if are_at_random(model):
+        return _lives_left(model, reach)
+    return unphased_count_covariance(model, reach) + phased_count_covariance(model, reach)
+
+
+def count_variance(model: Model) -> float:
+    """Return Var[N]: the mean for Poisson births; x (1 - x), x the fraction in the count of equal regular ones."""
+    return mean_count(model) if are_at_random(model) else float(count_covariance(model, 0.0))
 
 
 def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
@@ -50,9 +63,21 @@ def expected_junction_rows(model: Model) -> float:
 
 
 def mean_count_error(model: Model, distance: float | None = None) -> float:
-    """Return the standard error of the mean of N over a stationary record.
+    """Return the standard error of the mean of N over a stationary record; 0 below 1e-12 of the mean, by rounding.
 
-    Over ``distance`` um, or over the model's ticks: Var = (2/T^2) int_0^T (T - tau) Cov[N(0), N(tau)] dtau.
+    Over ``distance`` um, or over the model's ticks: Var = (2/T^2) int_0^T (T - tau) Cov[N(0), N(tau)] dtau, and what
+    the record leaves of the lines of regular births (to 1e-4 where ticks keep meeting the same phases: a count jumps).
     """
     lags, weights = lag_rule(model, distance)
-    return sqrt(float(weights @ count_covariance(model, lags)))
+    if are_at_random(model):
+        return sqrt(float(weights @ _lives_left(model, lags)))
+    variance = float(weights @ unphased_count_covariance(model, lags))
+    variance += variance_of_line_mean(model, count_lines(model), distance)
+    return resolved_error(variance, mean_count(model))
+
+
+def _lives_left(model: Model, lag: Doubles) -> Doubles:
+    """Return lam E[(2d - tau)+]."""
+    reach = lag[..., None]
+    diameters, probabilities = cut_size_rule(model.sizes, 0.5 * reach, _NODES)
+    return model.birth_rate * np.sum(probabilities * np.maximum(2.0 * diameters - reach, 0.0), axis=-1)

@@ -27,13 +27,21 @@ def _rule(count: int) -> tuple[Doubles, Doubles]:
     return np.polynomial.legendre.leggauss(count)
 
 
-def panels(edges: ArrayLike, count: int) -> tuple[Doubles, Doubles]:
+@cache
+def _rooted_rule(count: int) -> tuple[Doubles, Doubles]:
+    """Return the rule in t for x = -cos(pi t), which turns roots of 1 - x^2 into whole powers."""
+    t, w = _rule(count)
+    return np.sin(0.5 * np.pi * t), 0.5 * np.pi * w * np.cos(0.5 * np.pi * t)
+
+
+def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
     """Return nodes and weights of a ``count``-point rule on each panel between consecutive edges.
 
     Edges may have leading axes, one set of panels each; nodes and weights gain a last axis of all panels in order.
+    ``rooted``, the rule is for functions that may end like roots at the edges, as a life does at birth and death.
     """
     edge = np.asarray(edges, dtype=np.float64)
-    x, w = _rule(count)
+    x, w = _rooted_rule(count) if rooted else _rule(count)
     half = 0.5 * np.diff(edge, axis=-1)[..., None]
     middle = 0.5 * (edge[..., 1:] + edge[..., :-1])[..., None]
     shape = (*edge.shape[:-1], count * (edge.shape[-1] - 1))
@@ -73,12 +81,13 @@ def size_rule(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
     return cut_size_rule(law, np.empty(0), count // 4)
 
 
-def cut_size_rule(law: SizeLaw, cuts: Doubles, count: int) -> tuple[Doubles, Doubles]:
+def cut_size_rule(law: SizeLaw, cuts: Doubles, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
     """Return diameters in um and their probabilities as `size_rule`, for g that is smooth between cuts only.
 
     Cuts (um) lie along the last axis, in any order; leading axes have a rule each. There are ``count`` diameters on
     each panel between cuts and edges of the law, so also on the empty ones of cuts outside it. The probabilities are
-    scaled to give E[d] exactly, which a law of little spread, with few digits in its density, needs.
+    scaled to give E[d] exactly, which a law of little spread, with few digits in its density, needs. ``rooted``, g may
+    end like a root at a cut.
     """
     edges, logarithmic = size_edges(law)
     if edges.size == 1:
@@ -86,11 +95,11 @@ def cut_size_rule(law: SizeLaw, cuts: Doubles, count: int) -> tuple[Doubles, Dou
     whole = np.broadcast_to(edges, (*cuts.shape[:-1], edges.size))
     ends = np.sort(np.concatenate([whole, np.clip(cuts, edges[0], edges[-1])], axis=-1), axis=-1)
     if logarithmic:
-        places, weights = panels(np.log(ends), count)
+        places, weights = panels(np.log(ends), count, rooted=rooted)
         diameters = np.exp(places)
         weights = weights * diameters
     else:
-        diameters, weights = panels(ends, count)
+        diameters, weights = panels(ends, count, rooted=rooted)
     shares = weights * law.density(diameters)
     return diameters, shares * (law.moment(1) / np.sum(shares * diameters, axis=-1, keepdims=True))
 

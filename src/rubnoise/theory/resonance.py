@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from rubnoise.model import Model
 from rubnoise.theory.drive import Drive
+from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
 from rubnoise.theory.quadrature import panels, size_range
-from rubnoise.theory.spectrum import largest_swinging_wavenumber
 
 Doubles = NDArray[np.float64]
 Rule = tuple[Doubles, Doubles]

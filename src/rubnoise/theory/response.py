@@ -5,12 +5,16 @@ from functools import lru_cache
 from math import inf, pi, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.model import Model
 from rubnoise.theory.campbell import force_cumulants
-from rubnoise.theory.drive import drive_of
+from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.resonance import response_rules
-from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
+from rubnoise.theory.spectrum import force_spectral_density
+
+Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,15 +41,16 @@ def mean_displacement(model: Model) -> float:
 def response(model: Model) -> Response:
     """Return the exact stationary mean and spread of the one-way slider's displacement, and the spread of its velocity.
 
-    S_x(w) = E[psi^2] S(w/V)/V / |k - m w^2 + i c w|^2, Var x = (1/pi) int_0^inf S_x dw,
-    Var x' = (1/pi) int_0^inf w^2 S_x dw, mean x = E[psi] mean A_r / k; inf without damping. Relative error below 1e-8,
-    1e-12 in ordinary cases. Raises Refused without slider, strength or speed.
+    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F the spectrum of the force, E[psi^2] S for Poisson births;
+    Var x = (1/pi) int_0^inf S_x dw, Var x' = (1/pi) int_0^inf w^2 S_x dw, mean x = E[psi] mean A_r / k; inf without
+    damping. The lines of regular births add 2 E[psi]^2 power / |k - m w^2 + i c w|^2 each at w = V k_n. Relative error
+    below 1e-8, 1e-12 in ordinary cases. Raises Refused without slider, strength or speed.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     drive = drive_of(model)
     displacement, velocity = inf, inf
     if drive.slider.damping > 0.0:
-        displacement, velocity = (sqrt(drive.strengths.moment(2) * v) for v in _variances(model))
+        displacement, velocity = (sqrt(variance) for variance in _variances(model, drive))
     return Response(
         mean_displacement=mean_displacement(model),
         displacement_std=displacement,
@@ -54,13 +59,18 @@ def response(model: Model) -> Response:
     )
 
 
-def _variances(model: Model) -> tuple[float, float]:
-    """Return Var x and Var x' for unit strength."""
-    drive = drive_of(model)
+def _variances(model: Model, drive: Drive) -> tuple[float, float]:
+    """Return Var x in um^2 and Var x' in (um/s)^2."""
     variances = np.zeros(2)
-    for (k, weights), density in zip(
-        response_rules(model, drive), (spectral_density, mean_spectral_density), strict=True
-    ):
-        spectrum = weights * density(model, k) * drive.gain(k) / pi
-        variances += spectrum.sum(), float(spectrum @ np.square(drive.speed * k))
+    for (k, weights), exact in zip(response_rules(model, drive), (True, False), strict=True):
+        density = force_spectral_density(model, drive.strengths, k, exact=exact)
+        variances += _moved(drive, k, weights * density / pi)
+    k, power = spectral_lines(model)
+    variances += _moved(drive, k, 2.0 * drive.strengths.mean**2 * power)
     return float(variances[0]), float(variances[1])
+
+
+def _moved(drive: Drive, wavenumber: Doubles, force: Doubles) -> Doubles:
+    """Return the variances of displacement and velocity that variances of the force at wavenumbers bring."""
+    displacement = force * drive.gain(wavenumber)
+    return np.array([displacement.sum(), displacement @ np.square(drive.speed * wavenumber)])

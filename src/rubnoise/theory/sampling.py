@@ -1,4 +1,4 @@
-"""Standard errors of what a finite record of real contact area shows, from the theory alone."""
+"""Standard errors of what a finite record of real contact area or friction force shows, from the theory alone."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.theory.campbell import Cumulants, area_cumulants
-from rubnoise.theory.correlation import Powers, autocovariance, joint_cumulants
+from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants, strengths_of
+from rubnoise.theory.correlation import Powers, joint_cumulants, unphased_covariance
 from rubnoise.theory.lags import lag_rule
+from rubnoise.theory.lines import resolved_error, spectral_lines, variance_of_line_mean
+from rubnoise.theory.random_births import need_random_births
 
 Doubles = NDArray[np.float64]
 
@@ -32,10 +34,28 @@ def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
     """Return the variance in um^4 of the mean of A_r over a stationary record of T um, exact for every length.
 
     Over ``distance`` um, Var = (2/T^2) int_0^T (T - tau) R(tau) dtau, which tends to S(0)/T; without a distance, over
-    the model's ticks. Source: Papoulis, Probability, Random Variables and Stochastic Processes, section 12-1.
+    the model's ticks. The lines of regular births leave what `rubnoise.theory.lines.variance_of_line_mean` says.
+    Source: Papoulis, Probability, Random Variables and Stochastic Processes, section 12-1.
     """
-    lags, weights = lag_rule(model, distance)
-    return float(weights @ autocovariance(model, lags))
+    return _variance_of_mean(model, distance, 1.0, 1.0)
+
+
+def mean_area_error(model: Model, distance: float | None = None) -> float:
+    """Return the standard error in um^2 of the mean of A_r over a stationary record, exact for every length.
+
+    The root of `variance_of_time_mean`, and 0 below 1e-12 of the mean, where rounding decides.
+    """
+    return resolved_error(variance_of_time_mean(model, distance), area_cumulants(model).mean)
+
+
+def variance_of_mean_force(model: Model, distance: float | None = None) -> float:
+    """Return the variance in uN^2 of the mean friction force over a stationary record, exact for every length.
+
+    Over ``distance`` um or the model's ticks, for strengths psi independent of sizes: E[psi^2] goes with what each
+    junction brings, E[psi]^2 with what they bring on average. Raises Refused without a strength.
+    """
+    psi = strengths_of(model)
+    return _variance_of_mean(model, distance, psi.moment(2), psi.mean**2)
 
 
 def standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
@@ -46,12 +66,35 @@ def standard_errors(model: Model, distance: float | None = None) -> StandardErro
     out. Each estimate moves with the mean over the record of a polynomial f in z = (A_r - mean)/std, its influence
     function: (z^2 - 1)/2 times std; z^3 - g - 3z - (3/2) g (z^2 - 1); z^4 - b - 4 g z - 2 b (z^2 - 1), g the skewness
     and b the kurtosis; and Var = sum over lags of weight times Cov[f(0), f(tau)], from the joint cumulants of A_r(s)
-    and A_r(s + tau). Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
+    and A_r(s + tau). Raises Refused unless births are a Poisson process.
+    Source: Hampel (1974), doi:10.1080/01621459.1974.10482962, with shot-noise cumulants.
     """
-    cumulants = area_cumulants(model)
+    return _standard_errors(model, distance, area_cumulants(model), (1.0,) * (2 * _ORDER + 1))
+
+
+def force_standard_errors(model: Model, distance: float | None = None) -> StandardErrors:
+    """Return the standard errors of mean, std, skewness and excess kurtosis of friction force, as `standard_errors`.
+
+    The joint cumulants of psi A gain E[psi^(i + j)]. Raises Refused without a strength and for births not at random.
+    """
+    cumulants, psi = force_cumulants(model), strengths_of(model)
+    return _standard_errors(model, distance, cumulants, tuple(psi.moment(n) for n in range(2 * _ORDER + 1)))
+
+
+def _variance_of_mean(model: Model, distance: float | None, square: float, squared_mean: float) -> float:
+    lags, weights = lag_rule(model, distance)
+    variance = float(weights @ unphased_covariance(model, lags, square, squared_mean))
+    return variance + squared_mean * variance_of_line_mean(model, spectral_lines(model), distance)
+
+
+def _standard_errors(
+    model: Model, distance: float | None, cumulants: Cumulants, strength_moments: tuple[float, ...]
+) -> StandardErrors:
+    need_random_births(model, "the standard error of a moment")
     lags, weights = lag_rule(model, distance)
     powers: tuple[Powers, ...] = tuple((i, j) for i in range(1, _ORDER + 1) for j in range(i, _ORDER + 1))
     joint = joint_cumulants(model, lags, powers, sizes=_SIZES)
+    joint = {(i, j): strength_moments[i + j] * values for (i, j), values in joint.items()}
     covariances = np.tensordot(_moment_covariances(cumulants, joint), weights, axes=1)
     mean, std, skewness, kurtosis = (sqrt(float(f @ covariances @ f)) for f in _influence(cumulants))
     return StandardErrors(

@@ -11,6 +11,7 @@ from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory import transform_lens, transform_triangle
 
 Doubles = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 _STEP_FROM = 32.0
 # The step from the transform itself to its mean over a swing: an error function of width 8.5 about phase 90. It holds
@@ -24,29 +25,38 @@ STEP_END = 160.0
 class PulseTransform:
     """The transform a^(z) of a pulse of unit diameter about its middle, z = k d >= 0; A^(k) = d^3 a^(k d) in um^3.
 
-    Far out a^(z) is a level, which falls as 1/z^2, and a swing about it; ``level`` and ``swing`` (its mean square) are
-    asked for z >= 32 alone. Everything takes z of any shape.
+    Far out a^(z) is a level, which falls as 1/z^2, and a swing about it; about the birth, exp(i z) a^(z), only what
+    begins at birth does not swing. ``level``, ``swing`` (its mean square) and ``birth_level`` are asked for z >= 32
+    alone. Everything takes z of any shape.
     """
 
     amplitude: Callable[[ArrayLike], Doubles]
     level: Callable[[Doubles], Doubles]
     swing: Callable[[Doubles], Doubles]
+    birth_level: Callable[[Doubles], Complexes]
 
     def square(self, phase: ArrayLike) -> Doubles:
         """Return a^(z)^2, the energy spectrum of the pulse of unit diameter."""
         return np.square(self.amplitude(phase))
 
-    def mean_amplitude(self, phase: ArrayLike) -> Doubles:
-        """Return a^(z) with its swing averaged out for large z: a^(z) below 32, the level above 160, blended between.
+    def from_birth(self, phase: ArrayLike) -> Complexes:
+        """Return exp(i z) a^(z), the transform about the birth, where junctions of all sizes begin."""
+        z = np.asarray(phase, dtype=np.float64)
+        return np.asarray(np.exp(1j * z) * self.amplitude(z), dtype=np.complex128)
 
-        Its integral against anything smooth on the scale z = 10 is that of a^(z) to 1e-15.
+    def mean_from_birth(self, phase: ArrayLike) -> Complexes:
+        """Return exp(i z) a^(z) with its swing averaged out for large z, as averages over sizes need it.
+
+        It is the transform below z = 32, what begins at birth above 160, and a smooth blend between. Its integral
+        against anything smooth on the scale z = 10 is that of exp(i z) a^(z) to 1e-15.
         """
-        z, result, upper, kept = self._blended(phase)
-        result[upper] = kept * result[upper] + (1.0 - kept) * self.level(z[upper])
+        z, amplitude, upper, kept = self._blended(phase)
+        result = np.asarray(np.exp(1j * np.minimum(z, STEP_END)) * amplitude, dtype=np.complex128)
+        result[upper] = kept * result[upper] + (1.0 - kept) * self.birth_level(z[upper])
         return result
 
     def mean_square(self, phase: ArrayLike) -> Doubles:
-        """Return a^(z)^2 with its swing averaged out for large z, as integrals over z need it; as `mean_amplitude`."""
+        """Return a^(z)^2 with its swing averaged out for large z, as integrals over z need it; as `mean_from_birth`."""
         z, result, upper, kept = self._blended(phase)
         beyond = z[upper]
         settled = np.square(self.level(beyond)) + self.swing(beyond)
@@ -58,14 +68,21 @@ class PulseTransform:
         """Return z, a^(min(z, 160)), where z is beyond the beginning of the step, and what it leaves of a^ there."""
         z = np.asarray(phase, dtype=np.float64)
         upper = z > _STEP_FROM
-        kept = 0.5 * erfc((z[upper] - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
-        return z, self.amplitude(np.minimum(z, STEP_END)), upper, kept
+        return z, self.amplitude(np.minimum(z, STEP_END)), upper, _step(z[upper])
 
 
 _TRANSFORMS: dict[Shape, PulseTransform] = {
-    "lens": PulseTransform(amplitude=transform_lens.amplitude, level=transform_lens.level, swing=transform_lens.swing),
+    "lens": PulseTransform(
+        amplitude=transform_lens.amplitude,
+        level=transform_lens.level,
+        swing=transform_lens.swing,
+        birth_level=transform_lens.birth_level,
+    ),
     "triangle": PulseTransform(
-        amplitude=transform_triangle.amplitude, level=transform_triangle.level, swing=transform_triangle.swing
+        amplitude=transform_triangle.amplitude,
+        level=transform_triangle.level,
+        swing=transform_triangle.swing,
+        birth_level=transform_triangle.birth_level,
     ),
 }
 
@@ -73,3 +90,23 @@ _TRANSFORMS: dict[Shape, PulseTransform] = {
 def transform_of(pulse: Pulse) -> PulseTransform:
     """Return the transform of a pulse shape."""
     return _TRANSFORMS[pulse.shape]
+
+
+def life_from_birth(phase: ArrayLike) -> Complexes:
+    """Return (exp(2iz) - 1)/(iz), the transform about the birth of a count of 1 over the life of unit diameter."""
+    z = np.asarray(phase, dtype=np.float64)
+    return np.exp(1j * z) * 2.0 * np.sinc(z / np.pi)
+
+
+def mean_life_from_birth(phase: ArrayLike) -> Complexes:
+    """Return `life_from_birth` with the swing of the end of the life averaged out for large z, leaving i/z."""
+    z = np.asarray(phase, dtype=np.float64)
+    result = life_from_birth(np.minimum(z, STEP_END))
+    upper = z > _STEP_FROM
+    beyond = z[upper]
+    result[upper] = (_step(beyond) * np.exp(2j * beyond) - 1.0) / (1j * beyond)
+    return result
+
+
+def _step(phase: Doubles) -> Doubles:
+    return np.asarray(0.5 * erfc((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH)), dtype=np.float64)

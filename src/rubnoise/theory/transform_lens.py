@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import j1, y1
 
 Doubles = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 _SERIES_FROM = 32.0
 _SEGMENTS = ((0.0, 10.0), (10.0, 20.0), (20.0, _SERIES_FROM))
@@ -67,3 +68,11 @@ def swing(phase: Doubles) -> Doubles:
     """Return the mean square of the swing of a^(z) about its level, (pi / z^2)^2 (J_1^2 + Y_1^2) / 2, for z >= 32."""
     modulus = np.square(j1(phase)) + np.square(y1(phase))
     return 0.5 * modulus * np.square(np.pi / (phase * phase))
+
+
+def birth_level(phase: Doubles) -> Complexes:
+    """Return what is left of exp(i z) a^(z) without its swing, (pi / z^2) exp(i z) (Y_1 + i J_1) / 2, for z >= 32.
+
+    It is the transform of what begins at birth, where A grows as s^1.5: the half of Y_1 that turns with exp(-i z).
+    """
+    return 0.5 * np.pi / (phase * phase) * np.exp(1j * phase) * (y1(phase) + 1j * j1(phase))

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Doubles = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 
 def amplitude(phase: ArrayLike) -> Doubles:
@@ -23,3 +24,8 @@ def level(phase: Doubles) -> Doubles:
 def swing(phase: Doubles) -> Doubles:
     """Return the mean square of the swing of a^(z) about its level, half the level's square, for z > 0."""
     return 0.5 * np.square(level(phase))
+
+
+def birth_level(phase: Doubles) -> Complexes:
+    """Return what is left of exp(i z) a^(z) without its swing, -(pi/4) / z^2: the bend at birth alone, for z > 0."""
+    return (-0.25 * np.pi / (phase * phase)).astype(np.complex128)

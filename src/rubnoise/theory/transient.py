@@ -26,7 +26,7 @@ def area_from_empty(model: Model, distance: ArrayLike) -> Doubles:
     """
     s = np.asarray(distance, dtype=np.float64)[..., None]
     # Cut where a junction ends (d = s/2) and where it is at mid-life (d = s), so that each part is smooth in d.
-    diameters, probabilities = cut_size_rule(model.sizes, s * (0.5, 1.0), _NODES)
+    diameters, probabilities = cut_size_rule(model.sizes, s * (0.5, 1.0), _NODES, rooted=True)
     grown = diameters**3 * _area_so_far(model.pulse, s / diameters)
     return model.birth_rate * np.sum(probabilities * grown, axis=-1)
 
