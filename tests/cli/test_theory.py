@@ -216,3 +216,23 @@ def test_without_matplotlib_nothing_is_written(here: Path, monkeypatch: pytest.M
     assert (answer.code, answer.out) == (2, "")
     assert 'pip install "rubnoise[plot]"' in answer.err
     assert names(here) == []
+
+
+def test_regular_births_have_lines_and_no_distribution(here: Path) -> None:
+    triangles = ("--set", "pulse.shape=triangle", "--set", "birth.law=regular")
+    odd = told(CONTACT, *triangles, "--set", "interface.mean_junction_count=5", "--at-lag", "0", "--at-wavenumber", "1")
+    assert "distribution" not in odd
+    lines = odd["spectral_lines"]
+    assert len(lines["wavenumber"]) == 64
+    assert 2.0 * sum(lines["power"]) == pytest.approx(odd["autocovariance"]["value"][0], rel=1e-6)
+    assert odd["area"]["std"] == pytest.approx(odd["area"]["mean"] / (3**0.5 * 25.0), rel=1e-9)
+    assert odd["spectrum"]["density"] == [0.0]
+    even = told(CONTACT, *triangles, "--set", "interface.mean_junction_count=6")
+    assert even["area"]["std"] == 0.0
+    assert even["area"]["skewness"] is even["area"]["excess_kurtosis"] is None
+    assert "spectral_lines" not in even
+    text = call("theory", CONTACT, *triangles, "--set", "interface.mean_junction_count=5").out
+    assert "and the first of its lines" in text
+    assert "distribution" not in text
+    table = call("theory", CONTACT, *triangles, "--csv").out
+    assert "area.skewness,,,,1\n" in table

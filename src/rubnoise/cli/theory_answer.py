@@ -38,7 +38,7 @@ def answered(model: Model, points: Points) -> dict[str, Any]:
     answer |= _motion(theory)
     answer["diameter"] = {
         "calibrated": model.calibrated_diameter,
-        "mean": model.sizes.moment(1),
+        "mean": theory.mean_diameter,
         "length_biased_mean": theory.length_biased_mean_diameter,
     }
     # A point may lie further out than squares can be told: what is left there is 0.

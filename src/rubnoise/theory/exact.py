@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.occupancy import (
     count_variance,
     expected_births,
@@ -19,9 +19,6 @@ from rubnoise.theory.occupancy import (
 )
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import spectral_density
-
-if TYPE_CHECKING:
-    from rubnoise.theory.distribution import Distribution
 
 Doubles = NDArray[np.float64]
 
@@ -62,10 +59,11 @@ class Exact:
         """Return R(tau) of the area in um^4 at lags in um, of any shape."""
         return autocovariance(self.model, lag)
 
-    def distribution(self) -> "Distribution":
-        """Return the distribution of the area: its ``cdf`` and ``density`` at any areas, its ``atom_at_zero``."""
-        from rubnoise.theory.distribution import distribution
+    def distribution(self) -> Distribution:
+        """Return the distribution of the area: its ``cdf`` and ``density`` at any areas, its ``atom_at_zero``.
 
+        Raises Refused for births that are not Poisson.
+        """
         return distribution(self.model)
 
 
