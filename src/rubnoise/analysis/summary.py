@@ -1,16 +1,28 @@
 """The figures of a finished run beside the exact ones."""
 
-from dataclasses import replace
-from math import sqrt
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from math import isnan
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.theory.campbell import Cumulants
 from rubnoise.theory.exact import Exact, exact
-from rubnoise.theory.motion_errors import expected_mean_displacement, motion_errors
+from rubnoise.theory.motion_errors import (
+    expected_mean_displacement,
+    mean_displacement_error,
+    mean_force_error,
+    motion_errors,
+)
 from rubnoise.theory.occupancy import mean_count_error
-from rubnoise.theory.sampling import StandardErrors, standard_errors
+from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
+
+Errors = tuple[float | None, ...]
+
+_UNKNOWN: Errors = (None, None, None, None)
 
 FEWEST_LIVES = 50
 """Shorter runs, in mean lives, get no standard errors of higher moments: these are of first order in life/run."""
@@ -19,62 +31,82 @@ FEWEST_DECAYS = 10
 """Runs shorter than so many decay times of the slider get no standard errors of its motion."""
 
 
-def summarise(model: Model, tally: Tally) -> list[Agreement]:
-    """Return every figure of a run with its exact value, and its standard error where one can be defended.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Theory:
+    """What is expected of the runs of a model, and how far they may be from it, where that can be defended."""
 
-    A run that starts empty gets no standard errors: its record is not stationary from the beginning.
+    exact: Exact
+    area_errors: Errors
+    force_errors: Errors
+    count_error: float | None
+    mean_displacement: float | None
+    motion_errors: Errors
+
+
+@lru_cache(maxsize=8)
+def theory_of(model: Model) -> Theory:
+    """Return what a model's runs are held to; kept, since the runs of a sweep often differ by their seed alone.
+
+    A run that starts empty gets no standard errors: its record is not stationary from the beginning. Births that are
+    not a Poisson process have them for means alone.
     """
-    expected, seen = exact(model), tally.moments
-    errors = standard_errors(model) if model.start == "stationary" else None
-    area = seen["real_contact_area"]
-    figures = _mean_and_std(model, "real_contact_area", area, expected.area, errors, 1.0)
-    figures += _shape(model, area, expected.area, errors)
-    figures += _count(seen["junction_count"], expected, None if errors is None else mean_count_error(model))
-    if "friction_force" in seen and expected.force is not None and model.strengths is not None:
-        scale = sqrt(model.strengths.moment(2))
-        figures += _mean_and_std(model, "friction_force", seen["friction_force"], expected.force, errors, scale)
+    expected, stationary = exact(model), model.start == "stationary"
+    moves = expected.slider is not None
+    return Theory(
+        exact=expected,
+        area_errors=_errors(model, mean_area_error, standard_errors) if stationary else _UNKNOWN,
+        force_errors=_errors(model, mean_force_error, force_standard_errors)
+        if stationary and expected.force
+        else _UNKNOWN,
+        count_error=mean_count_error(model) if stationary else None,
+        mean_displacement=expected_mean_displacement(model, model.distance) if moves else None,
+        motion_errors=_motion_errors(model) if moves and stationary and _many_decays(model) else _UNKNOWN[:3],
+    )
+
+
+def summarise(model: Model, tally: Tally) -> list[Agreement]:
+    """Return every figure of a run with its exact value, and its standard error where one can be defended."""
+    theory, seen = theory_of(model), tally.moments
+    figures = _moments("real_contact_area", seen["real_contact_area"], theory.exact.area, theory.area_errors)
+    figures += _count(seen["junction_count"], theory.exact, theory.count_error)
+    if "friction_force" in seen and theory.exact.force is not None:
+        figures += _moments("friction_force", seen["friction_force"], theory.exact.force, theory.force_errors)[:2]
     if "displacement" in seen:
-        figures += _motion(model, seen["displacement"], seen["velocity"], expected)
+        figures += _motion(seen["displacement"], seen["velocity"], theory)
     return figures
 
 
-def _mean_and_std(
-    model: Model, name: str, seen: Moments, exact_values: Cumulants, errors: StandardErrors | None, scale: float
-) -> list[Agreement]:
-    """Return mean and std of the area, or of a force that is ``scale`` times it."""
-    higher = errors if _many_lives(model) else None
-    return [
-        Agreement(
-            name=f"{name}_mean",
-            observed=seen.mean,
-            expected=exact_values.mean,
-            standard_error=None if errors is None else scale * errors.mean,
-        ),
-        Agreement(
-            name=f"{name}_std",
-            observed=seen.std,
-            expected=exact_values.std,
-            standard_error=None if higher is None else scale * higher.std,
-        ),
-    ]
+def _errors(
+    model: Model, mean_error: Callable[[Model], float], all_errors: Callable[[Model], StandardErrors]
+) -> Errors:
+    """Return the errors of mean, std, skewness and kurtosis; for short runs and regular births of the mean alone."""
+    if not (_many_lives(model) and are_at_random(model)):
+        return mean_error(model), None, None, None
+    errors = all_errors(model)
+    return errors.mean, errors.std, errors.skewness, errors.excess_kurtosis
 
 
-def _shape(model: Model, seen: Moments, exact_values: Cumulants, errors: StandardErrors | None) -> list[Agreement]:
-    higher = errors if _many_lives(model) else None
-    return [
-        Agreement(
-            name="real_contact_area_skewness",
-            observed=seen.skewness,
-            expected=exact_values.skewness,
-            standard_error=None if higher is None else higher.skewness,
-        ),
-        Agreement(
-            name="real_contact_area_excess_kurtosis",
-            observed=seen.excess_kurtosis,
-            expected=exact_values.excess_kurtosis,
-            standard_error=None if higher is None else higher.excess_kurtosis,
-        ),
-    ]
+def _motion_errors(model: Model) -> Errors:
+    if not are_at_random(model):
+        return mean_displacement_error(model, model.distance), None, None
+    errors = motion_errors(model, model.distance)
+    return errors.mean_displacement, errors.displacement_std, errors.velocity_std
+
+
+def _moments(name: str, seen: Moments, exact_values: Cumulants, errors: Errors) -> list[Agreement]:
+    """Return mean, std, skewness and kurtosis; a constant has no shape to expect."""
+    figures = []
+    for part, error in zip(("mean", "std", "skewness", "excess_kurtosis"), errors, strict=True):
+        expected = getattr(exact_values, part)
+        figures.append(
+            Agreement(
+                name=f"{name}_{part}",
+                observed=getattr(seen, part),
+                expected=None if isnan(expected) else expected,
+                standard_error=error,
+            )
+        )
+    return figures
 
 
 def _count(seen: Moments, expected: Exact, error: float | None) -> list[Agreement]:
@@ -83,24 +115,20 @@ def _count(seen: Moments, expected: Exact, error: float | None) -> list[Agreemen
     return [mean, std]
 
 
-def _motion(model: Model, place: Moments, speed: Moments, expected: Exact) -> list[Agreement]:
-    if expected.slider is None:
+def _motion(place: Moments, speed: Moments, theory: Theory) -> list[Agreement]:
+    slider = theory.exact.slider
+    if slider is None:
         return []
-    observed = {"displacement_mean": place.mean, "displacement_std": place.std, "velocity_std": speed.std}
-    exact_values = {
-        "displacement_mean": expected_mean_displacement(model, model.distance),
-        "displacement_std": expected.slider.displacement_std,
-        "velocity_std": expected.slider.velocity_std,
-    }
+    known = (
+        ("displacement_mean", place.mean, theory.mean_displacement),
+        ("displacement_std", place.std, slider.displacement_std),
+        ("velocity_std", speed.std, slider.velocity_std),
+    )
     figures = [
-        Agreement(name=name, observed=value, expected=exact_values[name], standard_error=None)
-        for name, value in observed.items()
+        Agreement(name=name, observed=observed, expected=expected, standard_error=error)
+        for (name, observed, expected), error in zip(known, theory.motion_errors, strict=True)
     ]
-    if model.start == "stationary" and _many_decays(model):
-        errors = motion_errors(model, model.distance)
-        known = (errors.mean_displacement, errors.displacement_std, errors.velocity_std)
-        figures = [replace(figure, standard_error=error) for figure, error in zip(figures, known, strict=True)]
-    return [*figures, _validity(figures[-1], expected.slider.sliding_speed)]
+    return [*figures, _validity(figures[-1], slider.sliding_speed)]
 
 
 def _validity(velocity: Agreement, speed: float) -> Agreement:
