@@ -1,7 +1,7 @@
 """Hashes of every column of a run of some 10 000 rows: the bits that a stream version stands for.
 
-`python -m tests.golden.hashes` prints them, in the environment it is called in; with --write it makes them the golden
-ones of the present stream version.
+`python -m tests.golden.hashes` prints them, in the environment it is called in, or those of the runs that it is given;
+with --write it makes them the golden ones of the present stream version.
 """
 
 import json
@@ -39,9 +39,9 @@ RUNS: dict[str, Model] = {
 }
 
 
-def hashes() -> dict[str, dict[str, str]]:
-    """Return the xxh3_128 of each column, little-endian, by run and by group/column."""
-    return {name: columns_of(run) for name, run in RUNS.items()}
+def hashes(*names: str) -> dict[str, dict[str, str]]:
+    """Return the xxh3_128 of each column, little-endian, by run and by group/column; of all runs, or of some."""
+    return {name: columns_of(RUNS[name]) for name in names or RUNS}
 
 
 def columns_of(run: Model) -> dict[str, str]:
@@ -58,8 +58,8 @@ def little_endian(values: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    text = json.dumps(hashes(), indent=1) + "\n"
-    if "--write" in sys.argv:
-        GOLDEN.write_text(text, encoding="utf-8")
+    chosen = sys.argv[1:]
+    if "--write" in chosen:
+        GOLDEN.write_text(json.dumps(hashes(), indent=1) + "\n", encoding="utf-8")
     else:
-        sys.stdout.write(text)
+        sys.stdout.write(json.dumps(hashes(*chosen), indent=1) + "\n")

@@ -1,6 +1,10 @@
 """A seed stands for the same bits on every processor and with every version of the libraries."""
 
 import json
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -9,6 +13,8 @@ from tests.golden.hashes import GOLDEN, RUNS, SEED, columns_of
 from tests.models import contents, recorded
 
 EXPECTED = json.loads(GOLDEN.read_text(encoding="utf-8"))
+BRIEF = "matched, relative spread, few"
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -31,3 +37,11 @@ def test_one_bit_changes_a_hash() -> None:
     record["trace"]["real_contact_area"].view("u8")[77] ^= 1
     changed = [column for column, data in contents(record).items() if data != before[column]]
     assert changed == [("trace", "real_contact_area")]
+
+
+def test_kernels_for_a_plain_processor_give_the_same_bits(tmp_path: Path) -> None:
+    """Compiled without vectors of eight and without an instruction that multiplies and adds at once."""
+    plain = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-m", "tests.golden.hashes", BRIEF]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=os.environ | plain)
+    assert json.loads(done.stdout) == {BRIEF: EXPECTED[BRIEF]}
