@@ -1,4 +1,4 @@
-"""Make `.venv` what the locks beside this file ask for: what tools/dev.py does before anything else.
+"""Make an environment what the locks beside this file ask for: what tools/dev.py does before anything else.
 
 Standard library only; it parses with Python 3.7, so that an old Python gets a sentence and not a traceback.
 """
@@ -17,16 +17,38 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 ROOT = Path(__file__).resolve().parent.parent
-VENV = ROOT / ".venv"
-STAMP = VENV / "rubnoise-setup.json"
-PYTHON = VENV / "bin" / "python"
-PROGRAM = VENV / "bin" / "rubnoise"
+
+
+class VirtualEnvironment(NamedTuple):
+    """A virtual environment of the project's, by its folder."""
+
+    folder: Path
+
+    @property
+    def stamp(self) -> Path:
+        """The file that says what has been installed here."""
+        return self.folder / "rubnoise-setup.json"
+
+    @property
+    def python(self) -> Path:
+        """The interpreter."""
+        return self.folder / "bin" / "python"
+
+    @property
+    def program(self) -> Path:
+        """The command `rubnoise`."""
+        return self.folder / "bin" / "rubnoise"
+
+
+WORK = VirtualEnvironment(ROOT / ".venv")
+BENCH = VirtualEnvironment(ROOT / ".venv-bench")
+"""The benchmark's peers bring packages of their own, which the environment of run and tests stays free of."""
 
 # How an index is reached is the user's business, and the hashes make any index as good as another. Everything else in
 # pip's configuration (a target folder, --user, constraints, building from source) would change what is installed, or
@@ -54,20 +76,20 @@ class SetupFailed(Exception):  # noqa: N818  (a message for a person, printed as
     """Set-up cannot go on; the message says why and what to do."""
 
 
-def set_up(locks: tuple[str, ...]) -> None:
-    """Bring `.venv` to what the locks ask for; do nothing where its stamp says that it is so."""
+def set_up(locks: tuple[str, ...], target: VirtualEnvironment = WORK) -> None:
+    """Bring an environment to what the locks ask for; do nothing where its stamp says that it is so."""
     refuse_what_cannot_work()
     wanted = wanted_stamp(locks)
-    if is_current(read_stamp(), wanted):
+    if is_current(target, read_stamp(target), wanted):
         return
     with only_one_at_a_time() as lock_file:
-        stamp = read_stamp()
-        if is_current(stamp, wanted):
+        stamp = read_stamp(target)
+        if is_current(target, stamp, wanted):
             return
-        if has_to_be_made(stamp, wanted):
-            make_environment(lock_file)
-        install(locks, lock_file)
-        write_stamp(wanted)
+        if has_to_be_made(target, stamp, wanted):
+            make_environment(target, lock_file)
+        install(target, locks, lock_file)
+        write_stamp(target, wanted)
 
 
 def refuse_what_cannot_work() -> None:
@@ -83,7 +105,7 @@ def refuse_what_cannot_work() -> None:
 
 
 def wanted_stamp(locks: tuple[str, ...]) -> dict[str, str]:
-    """Return what `.venv` depends on: the interpreter, its folder, the project's metadata, the locks."""
+    """Return what an environment depends on: the interpreter, its folder, the project's metadata, the locks."""
     stamp = {
         "python": f"{sys.version} at {os.path.realpath(sys.executable)}",
         "folder": str(ROOT),
@@ -96,10 +118,10 @@ def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def read_stamp() -> dict[str, str] | None:
-    """Return what was installed here: empty where that was stopped half-way, None where something else made `.venv`."""
+def read_stamp(target: VirtualEnvironment) -> dict[str, str] | None:
+    """Return what was installed here: empty where that was stopped half-way, None where something else made it."""
     try:
-        stamp = json.loads(STAMP.read_text(encoding="utf-8"))
+        stamp = json.loads(target.stamp.read_text(encoding="utf-8"))
     except OSError:
         return None
     except ValueError:
@@ -107,26 +129,26 @@ def read_stamp() -> dict[str, str] | None:
     return stamp if isinstance(stamp, dict) else {}
 
 
-def write_stamp(stamp: Mapping[str, str]) -> None:
+def write_stamp(target: VirtualEnvironment, stamp: Mapping[str, str]) -> None:
     """Write the stamp in one step, so that it is the old one or the new one whenever the machine stops."""
-    partial = STAMP.with_suffix(".part")
+    partial = target.stamp.with_suffix(".part")
     partial.write_text(json.dumps(stamp, indent=1), encoding="utf-8")
-    partial.replace(STAMP)
+    partial.replace(target.stamp)
 
 
-def is_current(stamp: Mapping[str, str] | None, wanted: Mapping[str, str]) -> bool:
+def is_current(target: VirtualEnvironment, stamp: Mapping[str, str] | None, wanted: Mapping[str, str]) -> bool:
     """Return whether everything wanted is installed; more than that (the tests' lock too) will do."""
-    if not (stamp and PYTHON.exists() and PROGRAM.exists()):
+    if not (stamp and target.python.exists() and target.program.exists()):
         return False
     return all(stamp.get(key) == value for key, value in wanted.items())
 
 
-def has_to_be_made(stamp: Mapping[str, str] | None, wanted: Mapping[str, str]) -> bool:
+def has_to_be_made(target: VirtualEnvironment, stamp: Mapping[str, str] | None, wanted: Mapping[str, str]) -> bool:
     """Return whether to start from nothing: half-made, moved, of another Python, or no environment at all."""
-    version = environment_version()
+    version = version_of(target)
     if stamp is None and version not in (None, sys.version):
         raise SetupFailed(
-            f"{VENV} was made by something else, with Python {str(version).split()[0]}."
+            f"{target.folder} was made by something else, with Python {str(version).split()[0]}."
             " Move it away, then call this again."
         )
     if stamp is None:
@@ -134,10 +156,10 @@ def has_to_be_made(stamp: Mapping[str, str] | None, wanted: Mapping[str, str]) -
     return version is None or any(stamp.get(key) != wanted[key] for key in ("python", "folder"))
 
 
-def environment_version() -> str | None:
-    """Return the version of the Python in `.venv`, or None where none starts."""
+def version_of(target: VirtualEnvironment) -> str | None:
+    """Return the version of the Python in an environment, or None where none starts."""
     try:
-        asked = [str(PYTHON), "-c", "import sys; sys.stdout.write(sys.version)"]
+        asked = [str(target.python), "-c", "import sys; sys.stdout.write(sys.version)"]
         return subprocess.run(asked, env=environment({}), capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
         return None
@@ -160,21 +182,23 @@ def only_one_at_a_time() -> Iterator[int]:
         os.close(folder)
 
 
-def make_environment(lock_file: int) -> None:
-    """Make `.venv` from nothing, with a pip of its own where this Python can do that."""
+def make_environment(target: VirtualEnvironment, lock_file: int) -> None:
+    """Make an environment from nothing, with a pip of its own where this Python can do that."""
     if not (has_ensurepip() or find_spec("pip")):
         raise SetupFailed(f"{sys.executable} has neither pip nor ensurepip. Debian and Ubuntu: apt install python3-pip")
-    if Path(sys.prefix).resolve() == VENV.resolve():
-        raise SetupFailed(f"{VENV} has to be made anew, and not by its own Python. Call this with another python3.")
-    print(f"dev.py: making {VENV}", file=sys.stderr)
-    if VENV.is_symlink() or VENV.is_file():
-        VENV.unlink()
-    elif VENV.exists():
-        shutil.rmtree(VENV)
-    VENV.mkdir()
-    write_stamp({})
+    if Path(sys.prefix).resolve() == target.folder.resolve():
+        raise SetupFailed(
+            f"{target.folder} has to be made anew, and not by its own Python. Call this with another python3."
+        )
+    print(f"dev.py: making {target.folder}", file=sys.stderr)
+    if target.folder.is_symlink() or target.folder.is_file():
+        target.folder.unlink()
+    elif target.folder.exists():
+        shutil.rmtree(target.folder)
+    target.folder.mkdir()
+    write_stamp(target, {})
     options = [] if has_ensurepip() else ["--without-pip"]
-    if call([sys.executable, "-m", "venv", *options, str(VENV)], {}, lock_file):
+    if call([sys.executable, "-m", "venv", *options, str(target.folder)], {}, lock_file):
         raise SetupFailed("Python could not make a virtual environment (its message is above).")
 
 
@@ -183,11 +207,11 @@ def has_ensurepip() -> bool:
     return find_spec("ensurepip") is not None
 
 
-def install(locks: tuple[str, ...], lock_file: int) -> None:
+def install(target: VirtualEnvironment, locks: tuple[str, ...], lock_file: int) -> None:
     """Install the locked packages, then the project itself as a link to src."""
-    pip = pip_command()
+    pip = pip_command(target)
     settings = connection_settings(pip)
-    write_stamp({})
+    write_stamp(target, {})
     files = [f"tools/{lock}.lock" for lock in locks]
     print(f"dev.py: installing {' and '.join(files)} (the first time fetches some hundred MB)", file=sys.stderr)
     options = ["install", "--quiet", "--no-deps", "--no-compile"]
@@ -200,11 +224,11 @@ def install(locks: tuple[str, ...], lock_file: int) -> None:
         )
 
 
-def pip_command() -> list[str]:
-    """Return how pip is called for `.venv`: its own, or this Python's."""
-    if (VENV / "bin" / "pip").exists():
-        return [str(PYTHON), "-m", "pip"]
-    return [sys.executable, "-m", "pip", "--python", str(PYTHON)]
+def pip_command(target: VirtualEnvironment) -> list[str]:
+    """Return how pip is called for an environment: its own, or this Python's."""
+    if (target.folder / "bin" / "pip").exists():
+        return [str(target.python), "-m", "pip"]
+    return [sys.executable, "-m", "pip", "--python", str(target.python)]
 
 
 def connection_settings(pip: list[str]) -> dict[str, str]:

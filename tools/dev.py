@@ -1,7 +1,8 @@
-"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint` or `sync`.
+"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `sync` or `bench`.
 
-The first call makes `.venv` and installs what the command needs; later calls find it there (tools/bootstrap.py).
-Nothing but Python 3.11 or newer and its pip, or venv with ensurepip, is needed; nothing is written outside `.venv`.
+The first call makes `.venv` (`.venv-bench` for the benchmark, whose peers stay out of the other) and installs what
+the command needs; later calls find it there (tools/bootstrap.py). Nothing but Python 3.11 or newer and its pip, or venv
+with ensurepip, is needed; set-up writes nothing outside these folders.
 """
 
 from __future__ import annotations
@@ -15,18 +16,25 @@ from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # PYTHONSAFEPATH and -P leave it out
 
-from bootstrap import PROGRAM, PYTHON, ROOT, SetupFailed, set_up
+from bootstrap import BENCH, ROOT, WORK, SetupFailed, set_up
 
 if TYPE_CHECKING:
     from typing import NoReturn
 
-LOCKS = {"run": ("run",), "test": ("run", "test"), "lint": ("run", "test"), "sync": ("run", "test")}
+LOCKS = {
+    "run": ("run",),
+    "test": ("run", "test"),
+    "lint": ("run", "test"),
+    "sync": ("run", "test"),
+    "bench": ("run", "bench"),
+}
 USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 
   run [ARGUMENTS]    rubnoise run, with every argument passed on (try: run --help)
   test [ARGUMENTS]   the tests, with every argument passed on to pytest
   lint               ruff and mypy
   sync               only install, what tests, pictures and tables need too
+  bench [ARGUMENTS]  speed and errors beside everything else a user could pick; bench --quick takes a minute or two
 """
 
 
@@ -39,8 +47,8 @@ def main(arguments: list[str]) -> int:
         return 0 if asked else 2
     signal.signal(signal.SIGTERM, _terminated)
     try:
-        set_up(LOCKS[command])
-        return {"run": run, "test": test, "lint": lint, "sync": sync}[command](rest)
+        set_up(LOCKS[command], BENCH if command == "bench" else WORK)
+        return {"run": run, "test": test, "lint": lint, "sync": sync, "bench": bench}[command](rest)
     except SetupFailed as problem:
         print(f"dev.py: {problem}", file=sys.stderr)
         return 1
@@ -58,13 +66,13 @@ def _terminated(number: int, _frame: object) -> NoReturn:
 
 def run(arguments: list[str]) -> NoReturn:
     """Become `rubnoise run`, so that signals and the exit code are its own."""
-    os.execv(PROGRAM, [str(PROGRAM), "run", *arguments])
+    os.execv(WORK.program, [str(WORK.program), "run", *arguments])
 
 
 def test(arguments: list[str]) -> NoReturn:
     """Become pytest in the project's folder, with one worker process for each core."""
     os.chdir(ROOT)
-    os.execv(PYTHON, [str(PYTHON), "-m", "pytest", "--numprocesses=auto", "--dist=worksteal", *arguments])
+    os.execv(WORK.python, [str(WORK.python), "-m", "pytest", "--numprocesses=auto", "--dist=worksteal", *arguments])
 
 
 def lint(arguments: list[str]) -> int:
@@ -73,7 +81,7 @@ def lint(arguments: list[str]) -> int:
         print("dev.py: lint takes no arguments", file=sys.stderr)
         return 2
     checks = (["ruff", "check"], ["ruff", "format", "--check"], ["mypy"])
-    return max([min(1, subprocess.call([str(PYTHON), "-m", *check], cwd=ROOT)) for check in checks])
+    return max([min(1, subprocess.call([str(WORK.python), "-m", *check], cwd=ROOT)) for check in checks])
 
 
 def sync(arguments: list[str]) -> int:
@@ -82,6 +90,13 @@ def sync(arguments: list[str]) -> int:
         print("dev.py: sync takes no arguments", file=sys.stderr)
         return 2
     return 0
+
+
+def bench(arguments: list[str]) -> NoReturn:
+    """Become the benchmark, which finds itself in tools and the references it is judged by in tests."""
+    path = os.pathsep.join((str(ROOT / "tools"), str(ROOT)))
+    variables = {**os.environ, "PYTHONPATH": path}
+    os.execve(BENCH.python, [str(BENCH.python), "-m", "bench", *arguments], variables)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Resolve the dependencies of pyproject.toml anew into tools/run.lock and tools/test.lock.
+"""Resolve the dependencies of pyproject.toml anew into tools/run.lock, tools/test.lock and tools/bench.lock.
 
-`python3 tools/relock.py [--upgrade]`, with uv on the PATH. The locks hold for every supported Python and platform,
-name neither an index nor a path, and carry the hashes of the files on the public index. The tests' lock holds only what
-tests and lint need on top of a run.
+`python3 tools/relock.py [run|test|bench ...] [--upgrade]`, with uv on the PATH; all three where none is named. They
+hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files on the
+public index. The tests' lock and the benchmark's hold only what is needed on top of a run.
 """
 
 import os
@@ -14,18 +14,22 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPILE = ["uv", "pip", "compile", "pyproject.toml", "--no-config", "--default-index=https://pypi.org/simple"]
+LOCKS = ("run", "test", "bench")
 FOR_EVERYONE = ["--universal", "--python-version=3.11", "--generate-hashes", "--quiet"]
 
 
 def main(arguments: list[str]) -> int:
-    """Write both locks, the run's first, because it constrains the tests'."""
+    """Write the locks asked for, the run's first, because it constrains the others."""
     if not shutil.which("uv"):
         print("relock.py: uv is needed on the PATH (https://docs.astral.sh/uv/)", file=sys.stderr)
         return 1
-    if failed := resolve("run", ["--group=build", *arguments]):
+    options = [word for word in arguments if word not in LOCKS]
+    asked = [lock for lock in LOCKS if lock in arguments] or LOCKS
+    if "run" in asked and (failed := resolve("run", ["--group=build", *options])):
         return failed
     shared = [f"--no-emit-package={name}" for name in names(ROOT / "tools" / "run.lock")]
-    return resolve("test", ["--group=test", "--constraints=tools/run.lock", *shared, *arguments])
+    added = ["--constraints=tools/run.lock", *shared, *options]
+    return max([resolve(lock, [f"--group={lock}", *added]) for lock in asked if lock != "run"], default=0)
 
 
 def names(lock: Path) -> list[str]:

@@ -16,7 +16,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background
 sys.path.insert(0, {tools!r})
 import bootstrap, dev
 bootstrap.find_spec = lambda name: name in {found!r} or None
-bootstrap.pip_command = lambda: [sys.executable, {pip!r}]
+bootstrap.pip_command = lambda target: [sys.executable, {pip!r}, str(target.folder)]
 sys.exit(dev.main(sys.argv[1:]))
 """
 
@@ -24,7 +24,7 @@ sys.exit(dev.main(sys.argv[1:]))
 PIP = """
 import json, os, sys, time
 from pathlib import Path
-here = Path(__file__).parent
+here, target = Path(__file__).parent, Path(sys.argv.pop(1))
 if sys.argv[1] == "config":
     print(os.environ.get("FAKE_CONFIG", ""))
     sys.exit()
@@ -39,7 +39,7 @@ if order == "wait":
     (here / "waiting").write_text(str(os.getpid()))
     time.sleep(60)
 if "--require-hashes" not in sys.argv:
-    program = here / ".venv" / "bin" / "rubnoise"
+    program = target / "bin" / "rubnoise"
     program.write_text(PROGRAM)
     program.chmod(0o755)
 """
@@ -70,7 +70,7 @@ class Sandbox:
         (self.folder / "tools").mkdir(parents=True)
         for name in ("dev.py", "bootstrap.py"):
             shutil.copy(TOOLS / name, self.folder / "tools")
-        for name in ("tools/run.lock", "tools/test.lock", "pyproject.toml"):
+        for name in ("tools/run.lock", "tools/test.lock", "tools/bench.lock", "pyproject.toml"):
             (self.folder / name).write_text(f"# {name}\n", encoding="utf-8")
         (self.folder / "pip.py").write_text(f"PROGRAM = {PROGRAM!r}\n{PIP}", encoding="utf-8")
 

@@ -61,10 +61,7 @@ def test_the_stronger_setting_wins_in_any_order(bootstrap: ModuleType, listing: 
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"python": 1'])
-def test_a_spoiled_stamp_counts_as_unfinished(
-    bootstrap: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, text: str
-) -> None:
-    stamp = tmp_path / "stamp.json"
-    stamp.write_text(text, encoding="utf-8")
-    monkeypatch.setattr(bootstrap, "STAMP", stamp)
-    assert bootstrap.read_stamp() == {}
+def test_a_spoiled_stamp_counts_as_unfinished(bootstrap: ModuleType, tmp_path: Path, text: str) -> None:
+    target = bootstrap.VirtualEnvironment(tmp_path)
+    target.stamp.write_text(text, encoding="utf-8")
+    assert bootstrap.read_stamp(target) == {}

@@ -70,6 +70,18 @@ def test_tests_need_both_locks_and_a_run_is_content_with_them(sandbox: Sandbox) 
     assert len(sandbox.pip_calls()) == 2
 
 
+def test_the_benchmark_has_an_environment_of_its_own(sandbox: Sandbox) -> None:
+    bench = sandbox.folder / "tools" / "bench"
+    bench.mkdir()
+    (bench / "__main__.py").write_text("import sys\nprint(*sys.argv[1:], sep='|')\nsys.exit(1)\n", encoding="utf-8")
+    code, output, _ = sandbox.dev("bench", "--quick", "--output", "a b")
+    packages = sandbox.pip_calls()[0]["arguments"]
+    assert [Path(word).name for word in packages if word.startswith("--requirement")] == ["run.lock", "bench.lock"]
+    assert (code, output) == (1, "--quick|--output|a b\n")
+    assert (sandbox.folder / ".venv-bench" / "rubnoise-setup.json").exists()
+    assert not sandbox.venv.exists()
+
+
 @pytest.mark.parametrize("name", ["tools/run.lock", "pyproject.toml"])
 def test_a_changed_lock_is_installed_into_what_is_there(sandbox: Sandbox, name: str) -> None:
     sandbox.dev("run")
