@@ -1,0 +1,145 @@
+"""The benchmark's judge: whoever is right passes, and whoever is a little wrong does not."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bench import checks, kernel, motion, ours
+from bench.case import Case, Drawn, Given, Output
+from bench.checks import Truth, judged, relative_error, whole_run
+from bench.entrants import Entrant, areas, runs
+from bench.peers import c_kernel, naive_numpy, naive_simpy, numba_loops, sliders
+
+ELSEWHERE = {"peers.superposed"}
+"""Their libraries are in the benchmark's environment only."""
+
+HERE = [each for each in (*runs(("events",)), *areas(("events",))) if each.module not in ELSEWHERE]
+
+
+@pytest.fixture(scope="module")
+def known() -> Truth:
+    return checks.truth(Case(junctions=30))
+
+
+@pytest.mark.parametrize("entrant", HERE, ids=lambda each: f"{each.function} {each.name}")
+def test_who_is_right_passes(entrant: Entrant, known: Truth, tmp_path: Path) -> None:
+    whole = entrant.function == "run"
+    given = Given(known.birth, known.diameter)
+    made = whole_run(entrant, known, tmp_path) if whole else entrant.call(known.case, given)
+    verdict = judged(entrant.name, made, known)
+    assert verdict.passed, verdict
+    assert (verdict.motion is not None) == whole
+    assert None not in (verdict.area, verdict.life)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda made: replace(made, area=made.area * (1.0 + 1e-8)),
+        lambda made: replace(made, area=np.roll(made.area, 1)),
+        lambda made: replace(made, area=made.area[:-1]),
+        lambda made: replace(made, area=np.full_like(made.area, np.nan)),
+        lambda made: replace(made, displacement=1.02 * made.displacement),
+        lambda made: replace(made, birth=made.birth[1:], death=made.death[1:]),
+        lambda made: replace(made, death=made.death + 1e-6),
+        lambda _: Output(),
+    ],
+    ids=["scaled", "late", "short", "no number", "another motion", "one less", "longer lives", "nothing"],
+)
+def test_who_is_wrong_does_not(wrong, known: Truth, tmp_path: Path) -> None:
+    made = naive_numpy.run(known.case, Given(known.birth, known.diameter), tmp_path / "run.h5")
+    assert judged("peer", made, known).passed
+    assert not judged("peer", wrong(made), known).passed
+
+
+def test_rubnoise_has_to_move_right_to_nine_digits(known: Truth) -> None:
+    record = ours.output(ours.in_memory(known.case, "events"), slider=True)
+    assert judged("rubnoise, events", record, known).passed
+    other = replace(record, displacement=record.displacement * (1.0 + 1e-8))
+    assert not judged("rubnoise, events", other, known).passed
+    assert judged("peer", other, known).passed
+
+
+def test_a_library_of_queues_tells_of_the_dead_only(known: Truth) -> None:
+    death = known.birth + 2.0 * known.diameter
+    dead = death <= known.case.distance
+    assert 0 < dead.sum() < dead.size
+    assert judged("queue", Output(birth=known.birth[dead], death=death[dead]), known).passed
+    assert not judged("queue", Output(birth=known.birth[~dead], death=death[~dead]), known).passed
+
+
+def test_methods_for_the_slider_err_as_they_should(known: Truth) -> None:
+    errors = {
+        name: relative_error(move(known.case, known.area), known.displacement) for name, move in motion.MOVERS.items()
+    }
+    errors["exact"] = relative_error(sliders.solve_exactly(known.case, known.birth, known.diameter), known.displacement)
+    assert errors.pop("exact") < 1e-5
+    assert all(1e-7 < error < 1e-3 for error in errors.values()), errors
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("way", ["polynomial", "textbook"])
+def test_the_kernels_in_c_are_right(way: str, known: Truth) -> None:
+    total = np.zeros(known.area.size)
+    c_kernel.deposit(way)(known.case, known.case.ticks, known.birth, known.diameter, total)
+    assert relative_error(total, known.area) < checks.AREA_BOUND
+
+
+def test_square_roots_alone_are_no_area(known: Truth) -> None:
+    if not c_kernel.available():
+        pytest.skip("no gcc")
+    total = np.zeros(known.area.size)
+    c_kernel.deposit("roots")(known.case, known.case.ticks, known.birth, known.diameter, total)
+    assert relative_error(total, known.area) > 0.1
+
+
+def test_kernels_are_fed_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel, "CASE", Case(junctions=200))
+    found = kernel.measured(repeats=1)
+    assert found.passed
+    assert {kernel.OURS, "numba loops"} <= set(found.timings)
+    assert kernel.ROOTS not in found.errors
+
+
+def test_given_junctions_are_the_same_one_by_one_and_at_once() -> None:
+    birth, diameter = Drawn(Case(junctions=50), seed=3).rows()
+    given = Given(birth, diameter)
+    singly = [(given.gap(), given.diameter()) for _ in birth]
+    assert np.allclose(np.cumsum([gap for gap, _ in singly]), birth, rtol=1e-14)
+    assert [d for _, d in singly] == diameter.tolist()
+    assert given.gap() > 1e9
+
+
+@pytest.mark.parametrize("mean_count", [10.0, 1000.0])
+def test_drawn_junctions_are_those_of_the_paper(mean_count: float) -> None:
+    case = Case(mean_count=mean_count, junctions=40_000)
+    draws = Drawn(case, seed=5)
+    birth, many = draws.rows()
+    gaps = np.array([draws.gap() for _ in range(40_000)])
+    few = np.array([draws.diameter() for _ in range(40_000)])
+    assert abs(birth.size - case.distance / case.mean_gap) <= 4.0 * np.sqrt(case.junctions)
+    assert abs(gaps.mean() / case.mean_gap - 1.0) <= 4.0 / np.sqrt(gaps.size)
+    for diameters in (many, few):
+        assert abs(diameters.mean() - case.mean_diameter) <= 4.0 * case.diameter_std / np.sqrt(diameters.size)
+        assert abs(diameters.std() / case.diameter_std - 1.0) <= 4.0 / np.sqrt(2.0 * diameters.size)
+
+
+def test_a_case_says_the_same_to_rubnoise() -> None:
+    for case in (Case(), Case(mean_count=1000.0, ticks_per_life=30.0), Case(ticks_per_life=2200.0)):
+        model = ours.scenario(case, "events").model()
+        assert model.tick_count == case.tick_count
+        assert model.calibrated_diameter == pytest.approx(case.mean_diameter, rel=1e-14)
+        assert model.mean_birth_spacing == pytest.approx(case.mean_gap, rel=1e-14)
+        assert model.mean_life_distance / model.tick == pytest.approx(case.ticks_per_life, rel=1e-3)
+
+
+def test_runge_kutta_in_python_and_in_numba_agree(known: Truth) -> None:
+    x, _ = numba_loops.slider(known.case, known.area)
+    assert np.allclose(sliders.rk4_python(known.case, known.area), x, rtol=1e-12, atol=1e-12)
+
+
+def test_the_tutorials_area_is_a_lens() -> None:
+    assert naive_simpy.lens_area(2.0, 2.0) == pytest.approx(np.pi)
+    assert naive_simpy.lens_area(0.0, 2.0) == naive_simpy.lens_area(4.0, 2.0) == 0.0

@@ -1,0 +1,159 @@
+"""What everybody in the benchmark is given: one contact, one slider, ticks, and junctions to draw."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import sqrt
+from random import Random
+from typing import Any, Protocol, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Doubles = NDArray[np.float64]
+
+AREA = 200.0
+LIFE_MEAN = 0.327
+RELATIVE_SPREAD = 0.0362
+"""Of the diameters: 0.2 um at 20 junctions, as the paper has it, and as many percent at any other number."""
+
+STRENGTH = 250.0
+SPEED = 1000.0
+MASS, STIFFNESS, DAMPING = 0.005, 300.0, 0.05
+
+
+@dataclass(frozen=True)
+class Case:
+    """Figure 5 of the paper (um, s, kg) from an empty start and at rest, for a number of junctions born.
+
+    ``mean_count`` is N_jm, ``ticks_per_life`` the ticks in a mean life, ``junctions`` the mean number of births.
+    """
+
+    mean_count: float = 20.0
+    ticks_per_life: float = 221.0
+    junctions: int = 1000
+
+    @cached_property
+    def mean_diameter(self) -> float:
+        """d_m = sqrt(A_rm / (0.327 N_jm)) in um."""
+        return sqrt(AREA / self.mean_count / LIFE_MEAN)
+
+    @property
+    def diameter_std(self) -> float:
+        """Standard deviation of the diameters in um."""
+        return RELATIVE_SPREAD * self.mean_diameter
+
+    @property
+    def mean_gap(self) -> float:
+        """s_jm = 2 d_m / N_jm in um."""
+        return 2.0 * self.mean_diameter / self.mean_count
+
+    @cached_property
+    def tick(self) -> float:
+        """Distance in um from tick to tick, in few digits so that a scenario can say it."""
+        return float(f"{2.0 * self.mean_diameter / self.ticks_per_life:.4g}")
+
+    @cached_property
+    def tick_count(self) -> int:
+        """Number of ticks after the one at 0."""
+        return int(self.junctions * self.mean_gap / self.tick)
+
+    @property
+    def distance(self) -> float:
+        """Sliding distance in um: half a tick beyond the last tick, so that rounding moves no tick out of the run."""
+        return (self.tick_count + 0.5) * self.tick
+
+    @property
+    def ticks(self) -> Doubles:
+        """Distances of all ticks in um."""
+        return np.arange(self.tick_count + 1, dtype=np.float64) * self.tick
+
+    @property
+    def step(self) -> float:
+        """Time in s from tick to tick."""
+        return self.tick / SPEED
+
+    def of(self, junctions: int) -> Self:
+        """Return the same contact for another number of births."""
+        return replace(self, junctions=junctions)
+
+
+class Draws(Protocol):
+    """Where junctions come from: one by one, or all of a run at once."""
+
+    def gap(self) -> float:
+        """Return the distance in um to the next birth."""
+        ...
+
+    def diameter(self) -> float:
+        """Return the diameter in um of the next junction."""
+        ...
+
+    def rows(self) -> tuple[Doubles, Doubles]:
+        """Return births and diameters in um of every junction of the run, in order of birth."""
+        ...
+
+
+class Drawn:
+    """Random junctions: Python's own generator for one, which is the fastest at it, and numpy's for many."""
+
+    def __init__(self, case: Case, seed: int) -> None:
+        """Draw for a case."""
+        self.case, self.single, self.many = case, Random(seed), np.random.default_rng(seed)  # noqa: S311
+
+    def gap(self) -> float:
+        """Return an exponential gap."""
+        return self.single.expovariate(1.0 / self.case.mean_gap)
+
+    def diameter(self) -> float:
+        """Return a normal diameter, redrawn while it is not positive."""
+        while (d := self.single.gauss(self.case.mean_diameter, self.case.diameter_std)) <= 0.0:
+            pass
+        return d
+
+    def rows(self) -> tuple[Doubles, Doubles]:
+        """Return a Poisson process of births up to the end of the run, and normal diameters, redrawn likewise."""
+        case = self.case
+        count = int(case.junctions + 10.0 * sqrt(case.junctions) + 10)
+        birth = np.cumsum(self.many.exponential(case.mean_gap, count))
+        birth = birth[birth <= case.distance]
+        diameter = self.many.normal(case.mean_diameter, case.diameter_std, birth.size)
+        while (wrong := diameter <= 0.0).any():
+            diameter[wrong] = self.many.normal(case.mean_diameter, case.diameter_std, int(wrong.sum()))
+        return birth, diameter
+
+
+class Given:
+    """Junctions that somebody else has drawn, so that everybody can be asked for the same run."""
+
+    def __init__(self, birth: Doubles, diameter: Doubles) -> None:
+        """Hand out these rows (um)."""
+        self.birth, self.sizes = birth, diameter
+        self._gaps = iter([*np.diff(birth, prepend=0.0).tolist(), 1e12])
+        self._diameters = iter([*diameter.tolist(), 1.0])
+
+    def gap(self) -> float:
+        """Return the next gap; after the last row one that leads beyond any run."""
+        return float(next(self._gaps, 1e12))
+
+    def diameter(self) -> float:
+        """Return the next diameter."""
+        return float(next(self._diameters))
+
+    def rows(self) -> tuple[Doubles, Doubles]:
+        """Return all rows."""
+        return self.birth, self.sizes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Output:
+    """What somebody made of a run, as far as it was asked for: at the ticks (um^2, um), and by junction (um)."""
+
+    area: Doubles | None = None
+    displacement: Doubles | None = None
+    birth: Doubles | None = None
+    death: Doubles | None = None
+
+
+def doubles(values: Any) -> Doubles:
+    """Return values as an array of doubles."""
+    return np.asarray(values, dtype=np.float64)

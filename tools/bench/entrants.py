@@ -1,0 +1,69 @@
+"""Who takes part, in what, and how much of it is fair to ask: slow ones run shorter, told per junction all the same."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from bench.case import Case, Draws, Output
+
+OURS = "rubnoise, "
+NAIVE_SIMPY = "naive SimPy, RK4"
+NAIVE_NUMPY = "naive NumPy, lsim"
+SUPERPOSED = "superposed-pulses, lsim"
+SUPERPOSED_AREA = "superposed-pulses"
+NUMBA = "numba loops, RK4"
+CIW = "Ciw"
+SALABIM = "salabim"
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """One way to do it: its name, where it stands, and how many junctions it is given in one repeat, full and quick.
+
+    ``function`` of bench.``module`` takes a case, draws, a path where it makes a whole run, and our engine if ours.
+    """
+
+    name: str
+    module: str
+    function: str
+    junctions: int
+    quick_junctions: int
+    engine: str = ""
+
+    def call(self, case: Case, draws: Draws, *path: Path) -> Output | None:
+        """Make a run, into a file where there is a path; its library is loaded here and not before."""
+        function = getattr(import_module(f"bench.{self.module}"), self.function)
+        return function(case, draws, *path, **({"engine": self.engine} if self.engine else {}))
+
+
+def runs(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
+    """Return everybody who makes a whole run: births, area, force, slider, and a file of it all."""
+    return (
+        *_ours(engines, "run"),
+        Entrant(NUMBA, "peers.numba_loops", "run", 100_000, 20_000),
+        Entrant(SUPERPOSED, "peers.superposed", "run", 10_000, 2_000),
+        Entrant(NAIVE_NUMPY, "peers.naive_numpy", "run", 10_000, 2_000),
+        Entrant(NAIVE_SIMPY, "peers.naive_simpy", "run", 5_000, 1_000),
+    )
+
+
+def areas(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
+    """Return everybody who makes births and the trace of the area, in memory."""
+    return (
+        *_ours(engines, "area_alone"),
+        Entrant("numba loops", "peers.numba_loops", "area_alone", 100_000, 20_000),
+        Entrant(SUPERPOSED_AREA, "peers.superposed", "area_alone", 20_000, 5_000),
+        Entrant("naive NumPy", "peers.naive_numpy", "area_alone", 20_000, 5_000),
+    )
+
+
+def births() -> tuple[Entrant, ...]:
+    """Return those who only tell births and deaths: discrete-event libraries that know no area."""
+    return (
+        Entrant(CIW, "peers.ciw_births", "births", 20_000, 5_000),
+        Entrant(SALABIM, "peers.salabim_births", "births", 2_000, 500),
+    )
+
+
+def _ours(engines: tuple[str, ...], function: str) -> tuple[Entrant, ...]:
+    return tuple(Entrant(f"{OURS}{name}", "ours", function, 100_000, 100_000, name) for name in reversed(engines))

@@ -1,0 +1,81 @@
+"""What was aimed at, as ratios within one call of the benchmark, and what came of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from bench import kernel, motion, startup
+from bench.clock import Timing
+from bench.entrants import CIW, NAIVE_SIMPY, OURS, SUPERPOSED, SUPERPOSED_AREA
+from bench.results import Results
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A number that should be at least ``bound``, or at most where ``least`` is false."""
+
+    what: str
+    value: float
+    bound: float
+    unit: str = ""
+    least: bool = True
+
+    @property
+    def reached(self) -> bool:
+        """Whether it is."""
+        return self.value >= self.bound if self.least else self.value <= self.bound
+
+
+def grouped(number: float) -> str:
+    """Return a whole number with its thousands apart."""
+    return f"{number:,.0f}".replace(",", " ")
+
+
+def goals(found: Results) -> Iterator[Goal]:
+    """Yield every goal that this call could see; without an engine or a compiler some are missing."""
+    yield from _events(found)
+    if "batch" in found.engines:
+        yield from _batch(found)
+    yield from _kernel(found)
+    yield Goal(
+        "slider: error of lsim at equal ticks over ours",
+        found.motion.errors["lsim"] / found.motion.errors[motion.OURS],
+        1e5,
+    )
+    yield Goal("slider: CPU of lsim over ours", _ratio(found.motion.timings, "lsim", motion.OURS), 5.0)
+    yield from _waits(found)
+
+
+def _ratio(timings: dict[str, Timing], slow: str, fast: str) -> float:
+    return timings[slow].each / timings[fast].each
+
+
+def _events(found: Results) -> Iterator[Goal]:
+    name = f"{OURS}events"
+    yield Goal("whole run: naive SimPy over `events`", _ratio(found.runs, NAIVE_SIMPY, name), 25.0)
+    yield Goal("whole run: superposed-pulses and lsim over `events`", _ratio(found.runs, SUPERPOSED, name), 13.0)
+
+
+def _batch(found: Results) -> Iterator[Goal]:
+    name = f"{OURS}batch"
+    yield Goal("whole run: naive SimPy over `batch`", _ratio(found.runs, NAIVE_SIMPY, name), 110.0)
+    yield Goal("whole run: superposed-pulses and lsim over `batch`", _ratio(found.runs, SUPERPOSED, name), 60.0)
+    yield Goal(
+        "Ciw's births and deaths over a whole run of `batch`", found.births[CIW].each / found.runs[name].each, 15.0
+    )
+    yield Goal("area alone: superposed-pulses over `batch`", _ratio(found.areas, SUPERPOSED_AREA, name), 35.0)
+
+
+def _kernel(found: Results) -> Iterator[Goal]:
+    program = "C, the same polynomial"
+    if program in found.kernel.timings:
+        ratio = _ratio(found.kernel.timings, kernel.OURS, program)
+        yield Goal("pulse kernel: ours over C", ratio, 1.15, least=False)
+
+
+def _waits(found: Results) -> Iterator[Goal]:
+    for name, bound in ((startup.HELP, 0.25), (startup.RUN, 1.2), (startup.FIRST, 0.4)):
+        yield Goal(f"wall time: {name}", found.startup[name], bound, " s", least=False)
+    largest = max(found.plan.memory)
+    for engine in found.engines:
+        peak = found.memory[f"{OURS}{engine}"][largest]
+        yield Goal(f"memory: {grouped(largest)} junctions, `{engine}`", peak, 400.0, " MB", least=False)

@@ -1,0 +1,76 @@
+"""The pulse kernel alone: ns for each tick of each junction, beside C, numba and nothing but square roots."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.case import Case, Doubles, Drawn
+from bench.checks import AREA_BOUND, relative_error
+from bench.clock import Task, Timing, interleaved
+from bench.peers import c_kernel, naive_numpy, numba_loops
+from rubnoise.simulation.kernels import deposit_areas
+
+CASE = Case(junctions=20_000)
+REPETITIONS = 3
+"""Rounds in one repeat, so that a repeat is long beside the clock's step."""
+
+C_PREFIX = "C, "
+ROOTS = "C, square roots alone"
+WAYS = {"C, the same polynomial": "polynomial", "C, textbook formula": "textbook", ROOTS: "roots"}
+OURS = "rubnoise"
+Fill = Callable[[Doubles], None]
+
+
+@dataclass(frozen=True)
+class KernelTimings:
+    """Timings by kernel, in units of (junction, tick), and largest errors over the largest area."""
+
+    timings: dict[str, Timing]
+    errors: dict[str, float]
+
+    @property
+    def passed(self) -> bool:
+        """Whether everybody who computes areas computes the same."""
+        return all(error <= AREA_BOUND for error in self.errors.values())
+
+
+def fills(birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
+    """Return everybody's way of adding the areas of junctions to the ticks."""
+    ticks, alive, weight = CASE.ticks, np.full(birth.size, np.inf), diameter * diameter
+    count = np.zeros(ticks.size)
+    found: dict[str, Fill] = {
+        OURS: lambda total: deposit_areas(ticks, birth, diameter, alive, weight, total),
+        "numba loops": lambda total: numba_loops.add_pulses(birth, diameter, CASE.tick, total, count),
+    }
+    if c_kernel.available():
+        for name, way in WAYS.items():
+            found[name] = _of_c(c_kernel.deposit(way), ticks, birth, diameter)
+    return found
+
+
+def _of_c(deposit: c_kernel.Deposit, ticks: Doubles, birth: Doubles, diameter: Doubles) -> Fill:
+    return lambda total: deposit(CASE, ticks, birth, diameter, total)
+
+
+def measured(repeats: int) -> KernelTimings:
+    """Return times and errors of everybody's kernel on the contact of Figure 5."""
+    birth, diameter = Drawn(CASE, seed=1).rows()
+    right, _ = naive_numpy.superpose(CASE, birth, diameter)
+    errors, tasks = {}, {}
+    units = REPETITIONS * 2.0 * float(diameter.sum()) / CASE.tick
+    for name, fill in fills(birth, diameter).items():
+        total = np.zeros(right.size)
+        fill(total)
+        if name != ROOTS:
+            errors[name] = relative_error(total, right) or 0.0
+        tasks[name] = Task(_repeated(fill, total), units)
+    return KernelTimings(interleaved(tasks, repeats), errors)
+
+
+def _repeated(fill: Fill, total: Doubles) -> Callable[[], None]:
+    def call() -> None:
+        for _ in range(REPETITIONS):
+            fill(total)
+
+    return call

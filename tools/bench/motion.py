@@ -1,0 +1,72 @@
+"""The slider alone: error at equal ticks, and CPU time a tick."""
+
+from dataclasses import dataclass
+from functools import partial
+
+from bench import checks, ours
+from bench.case import Case, Drawn, doubles
+from bench.clock import Task, Timing, interleaved
+from bench.peers import naive_numpy, sliders
+
+LENGTHS = {"lsim": 5_000, "RK4, numba": 100_000, "RK4, Python": 5_000, "solve_ivp": 300, "solve_ivp, exact force": 60}
+"""Junctions in one repeat; some eleven ticks each."""
+
+OUR_LENGTH = 100_000
+OURS = "rubnoise"
+EXACT = "solve_ivp, exact force"
+MOVERS = {
+    "lsim": sliders.lsim,
+    "RK4, numba": sliders.rk4_numba,
+    "RK4, Python": sliders.rk4_python,
+    "solve_ivp": sliders.solve_ticks,
+}
+
+
+@dataclass(frozen=True)
+class MotionTimings:
+    """Timings by method, in units of ticks, and largest errors over the largest displacement."""
+
+    timings: dict[str, Timing]
+    errors: dict[str, float]
+
+    @property
+    def passed(self) -> bool:
+        """Whether everybody follows the reference, rubnoise to nine digits."""
+        others = {name: error for name, error in self.errors.items() if name != OURS}
+        return self.errors[OURS] <= checks.OUR_MOTION_BOUND and all(e <= checks.MOTION_BOUND for e in others.values())
+
+
+def errors(known: checks.Truth, engine: str) -> dict[str, float]:
+    """Return everybody's error on a small run; the peers are given the exact areas at the ticks."""
+    made = {name: move(known.case, known.area) for name, move in MOVERS.items()}
+    made[EXACT] = sliders.solve_exactly(known.case, known.birth, known.diameter)
+    made[OURS] = doubles(ours.in_memory(known.case, engine)["slider"]["displacement"])
+    return {name: checks.relative_error(x, known.displacement) or 0.0 for name, x in made.items()}
+
+
+def measured(engine: str, repeats: int) -> MotionTimings:
+    """Return times and errors of everybody's slider.
+
+    Ours is the difference of a run in memory with the slider and one without, which holds the force's integrals too.
+    """
+    found = interleaved(_tasks(engine), repeats)
+    whole, bare = found.pop("with"), found.pop("without")
+    seconds = tuple(a - b for a, b in zip(whole.seconds, bare.seconds, strict=True))
+    return MotionTimings({OURS: Timing(seconds, whole.units), **found}, errors(checks.truth(), engine))
+
+
+def _tasks(engine: str) -> dict[str, Task]:
+    case = Case(junctions=OUR_LENGTH)
+    tasks = {
+        "with": Task(partial(ours.in_memory, case, engine), case.tick_count),
+        "without": Task(partial(ours.in_memory, case, engine, slider=False), case.tick_count),
+    }
+    for name, junctions in LENGTHS.items():
+        short = Case(junctions=junctions)
+        birth, diameter = Drawn(short, seed=1).rows()
+        if name == EXACT:
+            tasks[name] = Task(partial(sliders.solve_exactly, short, birth, diameter), short.tick_count)
+        else:
+            area, _ = naive_numpy.superpose(short, birth, diameter)
+            tasks[name] = Task(partial(MOVERS[name], short, area), short.tick_count)
+    return tasks

@@ -1,0 +1,69 @@
+"""rubnoise on the benchmark's cases: whole runs into a file, the area alone, the kernel alone."""
+
+from pathlib import Path
+from typing import Any
+
+import rubnoise
+from bench.case import AREA, DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Case, Draws, Output, doubles
+
+SEED = 1
+
+
+def scenario(case: Case, engine: str, *, slider: bool = True) -> rubnoise.Scenario:
+    """Return a case as a scenario; raises Refused where this version has no such engine."""
+    values: dict[str, Any] = {
+        "format": 1,
+        "title": "Benchmark",
+        "interface": {
+            "mean_real_contact_area": AREA,
+            "mean_junction_count": case.mean_count,
+            "calibration": "paper",
+        },
+        "diameter": {"law": "normal", "spread": case.diameter_std},
+        "sliding": {"distance": case.distance, "start": "empty"},
+        "output": {"tick": case.tick},
+        "run": {"seed": SEED, "engine": engine},
+    }
+    if slider:
+        values["strength"] = {"law": "constant", "mean": STRENGTH}
+        values["sliding"]["speed"] = SPEED
+        values["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
+    return rubnoise.build(values)
+
+
+def engines() -> tuple[str, ...]:
+    """Return the engines that this version has, the event queue first."""
+    found = []
+    for engine in ("events", "batch"):
+        try:
+            scenario(Case(), engine)
+        except rubnoise.Refused:
+            continue
+        found.append(engine)
+    return tuple(found)
+
+
+def output(record: Any, *, slider: bool) -> Output:
+    """Return what a record or an opened result holds."""
+    junctions, trace = record["junctions"], record["trace"]
+    return Output(
+        area=doubles(trace["real_contact_area"]),
+        displacement=doubles(record["slider"]["displacement"]) if slider else None,
+        birth=doubles(junctions["birth_distance"]),
+        death=doubles(junctions["death_distance"]),
+    )
+
+
+def area_alone(case: Case, draws: Draws, engine: str) -> Output:  # noqa: ARG001  (it draws its own junctions)
+    """Return births and the trace of the area, kept in memory."""
+    return output(rubnoise.simulate(scenario(case, engine, slider=False)), slider=False)
+
+
+def run(case: Case, draws: Draws, path: Path, engine: str) -> None:  # noqa: ARG001  (as above)
+    """Make a whole run: every table, the summary beside theory and the hashes, on disk."""
+    rubnoise.run(scenario(case, engine), path, force=True, command=["bench"]).close()
+
+
+def in_memory(case: Case, engine: str, *, slider: bool = True) -> rubnoise.Record:
+    """Return a run as a record, without a file."""
+    return rubnoise.simulate(scenario(case, engine, slider=slider))

@@ -1,0 +1,196 @@
+"""The page docs/performance.md, written from what was measured."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from datetime import date
+
+from bench import kernel, motion
+from bench.clock import Timing
+from bench.entrants import CIW, SALABIM
+from bench.goals import Goal, goals, grouped
+from bench.results import Results
+from bench.speed import Growth
+
+HEAD = """# Performance
+
+How fast rubnoise is, how right, and how much memory it takes, beside everything else a user could pick. This page is
+written by `python3 tools/dev.py bench`, which takes some ten minutes and an environment of its own; `bench --quick`
+prints a taste of it in a minute or two and writes nothing.
+
+![CPU time for each junction of whole runs, of the area and of births, and its growth](pictures/performance.png)
+"""
+FAIR = """## What is compared, and how
+
+- **The work.** Figure 5's contact and slider (A_rm = 200 um^2, N_jm = 20, some 221 ticks in a mean life), from an
+  empty start. A *whole run* draws births and diameters, sums the area at every tick, moves the slider, and leaves
+  junctions, trace and motion in an HDF5 file. Ours also sets exact theory beside its summary and hashes every
+  column, in the same time.
+- **Correct first.** Everybody is handed the same junctions once, and is held against the slow references of
+  `tests/oracle`, which share no code with anybody here. Who computes something wrong ends the benchmark with exit
+  code 1; time never does.
+- **Written as a user would write it**, each peer in its own file under `tools/bench/peers`. SimPy is used as in its
+  tutorial, with a process for each junction and one that wakes at every tick; NumPy with a loop over junctions;
+  superposed-pulses, the package for shot noise, with the junction's life as its pulse; numba for two plain loops;
+  Ciw and salabim for births and deaths, which is all they know; scipy.signal.lsim, solve_ivp and Runge-Kutta steps
+  for the slider. Where a peer has a faster way of its own (no progress bar, Python's generator for single draws),
+  it goes that way.
+- **CPU time** of the process and its children, warm, in medians of repeats that take turns (A B C A B C), so that a
+  slow minute hits everybody. Ratios are of such medians. Importing and compiling are left out, and told on their
+  own below.
+- **One thread.** Left to themselves, libraries for linear algebra keep idle threads busy, which can double the time
+  of lsim.
+- **Slow peers run shorter**, with the number of junctions beside them. They have no fixed cost that a longer run
+  would spread. Ours has one, for theory and the file's structure, which the growth over run length shows.
+
+What is not compared: other physics, and peers improved beyond what a user would do. Plain numba loops come closest.
+What rubnoise adds to them is a motion that is right to rounding, memory that does not grow, a file that says what
+it is, and each junction as a process that can be watched and ended.
+"""
+
+
+def page(found: Results, today: date) -> str:
+    """Return the whole page."""
+    return "\n".join(_lines(found, today)).rstrip() + "\n"
+
+
+def _lines(found: Results, today: date) -> Iterator[str]:
+    hardware, software = found.machine
+    yield from (HEAD, f"Measured on {today:%d %B %Y}: {hardware}.", f"{software}.", "")
+    yield from ("## Goals", "", *_goals(list(goals(found))), "")
+    yield FAIR
+    yield from ("## Whole runs", "", *_whole(found), "")
+    yield from ("## Parts of it", "", *_parts(found), "")
+    yield from ("## The pulse kernel", "", *_kernel(found), "")
+    yield from ("## The slider", "", *_motion(found), "")
+    yield from ("## Growth", "", *_growth(found), "")
+    yield from ("## Memory", "", *_memory(found), "")
+    yield from ("## Starting", "", *_starting(found), "")
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> Iterator[str]:
+    """Yield a table of Markdown: the first column to the left, numbers to the right."""
+    words = list(head)
+    yield "| " + " | ".join(words) + " |"
+    yield "|---|" + "---:|" * (len(words) - 1)
+    for row in rows:
+        yield "| " + " | ".join(row) + " |"
+
+
+def number(value: float) -> str:
+    """Return a number in three digits, large ones whole."""
+    if value >= 1e4 or 0.0 < value < 1e-3:
+        return f"{value:.1e}"
+    return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
+
+
+def _goals(wanted: list[Goal]) -> Iterator[str]:
+    missed = [goal for goal in wanted if not goal.reached]
+    sentence = "Every goal is reached here." if not missed else f"Not reached here: {len(missed)} of {len(wanted)}."
+    yield sentence
+    yield ""
+    rows = (
+        (
+            goal.what,
+            f"{number(goal.value)}{goal.unit}",
+            f"{'at least' if goal.least else 'at most'} {number(goal.bound)}{goal.unit}",
+            "yes" if goal.reached else "**no**",
+        )
+        for goal in wanted
+    )
+    yield from table(("what", "measured", "goal", "reached"), rows)
+
+
+def _speed_rows(timings: Mapping[str, Timing], errors: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
+    fastest = min(timings.values(), key=lambda timing: timing.each)
+    for name, timing in sorted(timings.items(), key=lambda item: item[1].each):
+        each, spread = f"{1e6 * timing.each:.3g}", f"{100.0 * timing.spread:.0f} %"
+        ratio = f"{timing.each / fastest.each:.3g}"
+        yield name, each, spread, ratio, grouped(timing.units), errors.get(name, "-")
+
+
+def _whole(found: Results) -> Iterator[str]:
+    errors = {each.name: f"{_error(each.area)}, {_error(each.motion)}" for each in found.verdicts if each.motion}
+    head = ("who", "us a junction", "+-", "times the fastest", "junctions", "error of area, motion")
+    yield from table(head, _speed_rows(found.runs, errors))
+    yield ""
+    yield "Errors are the largest at any tick over the largest value; +- is half the range of the repeats."
+
+
+def _parts(found: Results) -> Iterator[str]:
+    yield "Births and the trace of the area, in memory:"
+    yield ""
+    errors = {each.name: _error(each.area) for each in found.verdicts if each.motion is None}
+    head = ("who", "us a junction", "+-", "times the fastest", "junctions", "error")
+    yield from table(head, _speed_rows(found.areas, errors))
+    yield ""
+    yield "Births and deaths alone, with no area and no file:"
+    yield ""
+    errors = {each.name: _error(each.life) for each in found.verdicts if each.name in (CIW, SALABIM)}
+    yield from table(head, _speed_rows(found.births, errors))
+
+
+def _error(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0e}" if value else "0"
+
+
+def _kernel(found: Results) -> Iterator[str]:
+    yield "ns for each tick of each junction; the square roots alone are a bound for any kernel that takes one."
+    if "C, the same polynomial" not in found.kernel.timings:
+        yield "The C program was left out: there is no gcc here."
+    yield ""
+    rows = (
+        (name, f"{1e9 * timing.each:.3g}", f"{100.0 * timing.spread:.0f} %", _error(found.kernel.errors.get(name)))
+        for name, timing in sorted(found.kernel.timings.items(), key=lambda item: item[1].each)
+    )
+    yield from table((f"who ({kernel.OURS} is numba too)", "ns", "+-", "error"), rows)
+
+
+def _motion(found: Results) -> Iterator[str]:
+    yield "Everybody at the same ticks. The error is the largest over the largest displacement, against exact"
+    yield "convolution. Ours is a run in memory with the slider less one without it, the force's integrals included;"
+    yield "the others are handed the force at the ticks, and solve_ivp with the exact force the junctions."
+    yield ""
+    rows = (
+        (
+            name,
+            f"{1e9 * timing.each:.4g}",
+            f"{timing.each / found.motion.timings[motion.OURS].each:.3g}",
+            _error(found.motion.errors[name]),
+        )
+        for name, timing in sorted(found.motion.timings.items(), key=lambda item: item[1].each)
+    )
+    yield from table(("method", "ns a tick", "times ours", "error"), rows)
+
+
+def _growth(found: Results) -> Iterator[str]:
+    yield "us a junction of whole runs, over one number at a time, the others as in Figure 5."
+    words = {"count": "mean number of junctions N_jm", "ticks": "ticks in a mean life", "length": "junctions in a run"}
+    for what, growth in found.growth.items():
+        yield ""
+        yield from _growth_table(words[what], growth)
+
+
+def _growth_table(what: str, growth: Growth) -> Iterator[str]:
+    points = sorted({point for timings in growth.values() for point in timings})
+    rows = (
+        (name, *(f"{1e6 * timings[point].each:.3g}" if point in timings else "-" for point in points))
+        for name, timings in growth.items()
+    )
+    yield from table((what, *map(grouped, points)), rows)
+
+
+def _memory(found: Results) -> Iterator[str]:
+    yield "Peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), 20 ticks in a mean life."
+    yield "With 100 junctions it is what Python and the libraries take."
+    yield ""
+    head = ("junctions", *map(grouped, found.plan.memory))
+    rows = (
+        (name, *(f"{peaks[count]:.0f}" if count in peaks else "-" for count in found.plan.memory))
+        for name, peaks in found.memory.items()
+    )
+    yield from table(head, rows)
+
+
+def _starting(found: Results) -> Iterator[str]:
+    yield f"Wall time, engine `{found.engines[-1]}`, compiled code kept from before except in the last line."
+    yield ""
+    yield from table(("what", "s"), ((name, f"{value:.2f}") for name, value in found.startup.items()))

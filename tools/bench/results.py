@@ -1,0 +1,71 @@
+"""Everything that one call of the benchmark has found out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench import checks, kernel, machine, memory, motion, ours, speed, startup
+from bench.checks import Verdict
+from bench.entrants import areas, births, runs
+from bench.kernel import KernelTimings
+from bench.motion import MotionTimings
+from bench.peers import c_kernel
+from bench.plan import Plan
+from bench.speed import Growth, Timings
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Results:
+    """Verdicts on correctness, timings by entrant, and what else was measured; ``machine`` as two lines of text."""
+
+    plan: Plan
+    machine: tuple[str, str]
+    engines: tuple[str, ...]
+    verdicts: tuple[Verdict, ...]
+    runs: Timings
+    areas: Timings
+    births: Timings
+    kernel: KernelTimings
+    motion: MotionTimings
+    growth: dict[str, Growth]
+    memory: dict[str, dict[int, float]]
+    startup: dict[str, float]
+
+    @property
+    def passed(self) -> bool:
+        """Whether everybody was right; nobody is judged by time."""
+        return all(each.passed for each in self.verdicts) and self.kernel.passed and self.motion.passed
+
+
+def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
+    """Measure everything that is planned, in a folder for the files that are written; tell what comes next."""
+    engines = ours.engines()
+    fastest, path = engines[-1], folder / "run.h5"
+    tell("correctness: everybody makes one small run")
+    verdicts = tuple(checks.verdicts(engines, folder))
+    tell("whole runs")
+    whole = speed.timed(runs(engines), plan, path)
+    tell("the area alone, and births alone")
+    bare, born = speed.timed(areas(engines), plan), speed.timed(births(), plan)
+    tell("the pulse kernel and the slider")
+    pulses, motions = kernel.measured(plan.repeats), motion.measured(fastest, plan.repeats)
+    tell("growth")
+    growth = speed.growths(runs(engines), plan, path)
+    path.unlink()
+    tell("memory and start-up")
+    return Results(
+        plan=plan,
+        machine=machine.described(gcc=c_kernel.available()),
+        engines=engines,
+        verdicts=verdicts,
+        runs=whole,
+        areas=bare,
+        births=born,
+        kernel=pulses,
+        motion=motions,
+        growth=growth,
+        memory=memory.measured(runs(engines), plan.memory, folder),
+        startup=startup.measured(fastest, folder, repeats=plan.repeats),
+    )
