@@ -7,6 +7,8 @@ import pytest
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.summary import FEWEST_LIVES, summarise
+from rubnoise.contact.calibration import Spread
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
@@ -89,6 +91,21 @@ def _promised(run: Model) -> set[str]:
 
 def test_an_empty_start_promises_nothing() -> None:
     assert _promised(model(start="empty", distance=1000.0)) == set()
+
+
+def test_regular_births_promise_their_means_alone() -> None:
+    run = model(distance=1000.0, births="regular")
+    means = {"real_contact_area_mean", "junction_count_mean", "friction_force_mean"}
+    assert means <= _promised(run) <= means | {"displacement_mean"}
+    assert all(abs(_figures(run)[name].z) <= 4.0 for name in means)
+
+
+def test_a_constant_area_has_no_shape_to_expect() -> None:
+    figures = _figures(bare(births="regular", pulse=TRIANGLE, spread=Spread(absolute=0.0)))
+    assert figures["real_contact_area_std"].expected == 0.0
+    assert figures["real_contact_area_std"].observed < 1e-12 * figures["real_contact_area_mean"].observed
+    assert figures["real_contact_area_skewness"].expected is None
+    assert figures["real_contact_area_mean"].z is None
 
 
 def test_short_runs_promise_their_mean_alone() -> None:

@@ -7,6 +7,8 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.errors import Refused
 from rubnoise.model import Slider
+from rubnoise.theory.drive import drive_of
+from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.response import response
 from rubnoise.theory.response_spectrum import (
@@ -63,6 +65,15 @@ def test_unequal_strengths_count_by_their_mean_square() -> None:
     w = np.array([0.0, 100.0, 245.0])
     ratio = displacement_spectrum(unequal, w) / displacement_spectrum(paper_model(), w)
     np.testing.assert_allclose(ratio, unequal.strengths.moment(2) / 250.0**2, rtol=1e-12)
-    regular = replace(unequal, births=RegularBirths(mean_spacing=0.5))
-    with pytest.raises(Refused, match="unequal strengths is known for Poisson births alone"):
-        displacement_spectrum(regular, w)
+
+
+@pytest.mark.parametrize("strengths", [None, LognormalStrength(mean=250.0, std=75.0)], ids=["equal", "unequal"])
+def test_integral_and_lines_of_regular_births_are_the_variance(strengths: LognormalStrength | None) -> None:
+    slider = replace(FIG5_SLIDER, damping=1.0)
+    model = replace(paper_model(slider=slider), births=RegularBirths(mean_spacing=0.5))
+    model = model if strengths is None else replace(model, strengths=strengths)
+    w, weights = panels(np.concatenate([np.linspace(0.0, 600.0, 61), np.geomspace(700.0, 1e5, 80)]), 20)
+    k, power = spectral_lines(model)
+    lines = 2.0 * model.strengths.mean**2 * np.sum(power * drive_of(model).gain(k))
+    found = weights @ displacement_spectrum(model, w) / np.pi + lines
+    assert found == pytest.approx(response(model).displacement_std ** 2, rel=1e-7)

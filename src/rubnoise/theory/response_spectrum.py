@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.drive import Drive, drive_of
-from rubnoise.theory.random_births import need_random_births
-from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.spectrum import force_spectral_density
 
 Doubles = NDArray[np.float64]
 
@@ -17,16 +16,15 @@ Doubles = NDArray[np.float64]
 def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
     """Return the two-sided spectral density S_x(w) of the slider's displacement in um^2 per rad/s, w in rad/s.
 
-    S_x(w) = E[psi^2] S(w/V)/V / |k - m w^2 + i c w|^2, Cov[x(t), x(t + u)] = (1/2 pi) int S_x exp(i w u) dw, so that
-    Var x = (1/pi) int_0^inf S_x dw. Any shape of w. Raises Refused without slider, strength or speed, without damping,
-    where nothing is stationary, and for unequal strengths unless births are a Poisson process.
+    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F the spectrum of the force, E[psi^2] S for Poisson births;
+    Cov[x(t), x(t + u)] = (1/2 pi) int S_x exp(i w u) dw, so that Var x = (1/pi) int_0^inf S_x dw. Of regular births it
+    is the continuous part, beside lines at w = V k_n. Any shape of w. Raises Refused without slider, strength or speed,
+    and without damping, where nothing is stationary.
     Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
     drive = _damped_drive(model)
-    if drive.strengths.moment(2) > drive.strengths.moment(1) ** 2:
-        need_random_births(model, "the spectrum of a slider under unequal strengths")
     k = np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed
-    return drive.strengths.moment(2) * spectral_density(model, k) / drive.speed * drive.gain(k)
+    return force_spectral_density(model, drive.strengths, k) / drive.speed * drive.gain(k)
 
 
 def velocity_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
