@@ -33,6 +33,10 @@ def test_formats_are_completed(here: Path, word: str) -> None:
     assert _completed("bash", "export", "--to", word).out.split() == ["parquet"]
 
 
+def test_pictures_are_completed(here: Path) -> None:
+    assert _completed("bash", "plot", "x.h5", "hi").out.split() == ["histogram"]
+
+
 def test_file_names_are_left_to_the_shell(here: Path) -> None:
     (here / "mine.toml").touch()
     assert _completed("bash", "run", "mi").out.strip() == ""

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from rubnoise.cli.plot import What
+from rubnoise.figures.catalogue import PICTURES
 from tests.cli.terminal import call, names
 from tests.format.runs import describe, random_rows, write_run
 
@@ -23,6 +25,10 @@ def result(here: Path) -> Path:
 def bare(here: Path) -> Path:
     assert call("run", CONTACT, "-q", "-o", "bare.h5").code == 0
     return here / "bare.h5"
+
+
+def test_every_picture_can_be_asked_for() -> None:
+    assert list(What) == list(PICTURES)
 
 
 def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> None:
@@ -71,7 +77,7 @@ def test_a_file_is_replaced_only_by_force(result: Path, here: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("fft",), "no picture is called 'fft'; there are trace, lives, histogram, psd, acf, count, slider"),
+        (("fft",), "'fft' is not one of 'trace', 'lives', 'histogram', 'psd', 'acf', 'count', 'slider'"),
         (("-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
         (("-o", "none/x.png"), "no such folder"),
         (("--from", "x"), "--from: x: not a number and a unit"),

@@ -200,6 +200,7 @@ def test_it_is_drawn(here: Path, name: str) -> None:
         (("--csv", "--json"), "only one of --csv, --json and --plot"),
         (("x.png",), "x.png is for --plot"),
         (("--force",), "--force is for --plot"),
+        (("--at-lag", "1", "--plot"), "--plot draws curves; points are for numbers"),
         (("x.jpg", "--plot"), "ends in none of .png, .pdf and .svg"),
     ],
 )

@@ -14,7 +14,7 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.figures import stretch as stretches
 from rubnoise.figures import style
-from rubnoise.figures.catalogue import PICTURES, check_name, picture
+from rubnoise.figures.catalogue import PICTURES, picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import house_style
 from rubnoise.storage.reader import open_run
@@ -187,12 +187,6 @@ def test_a_title_is_drawn_as_it_is(full: Stretch) -> None:
     with house_style():
         told = PICTURES["trace"](full).get_suptitle()
     assert told == "The real contact area\na contact that costs $5 (run.h5)"
-
-
-@pytest.mark.parametrize("name", ["", "traces", "PSD"])
-def test_an_unknown_picture_is_refused_with_the_names_there_are(name: str) -> None:
-    with pytest.raises(Refused, match="there are trace, lives, histogram, psd, acf, count, slider"):
-        check_name(name)
 
 
 def test_the_spectrum_of_the_displacement_is_one_sided_and_per_hertz(full: Stretch) -> None:

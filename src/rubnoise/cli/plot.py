@@ -1,17 +1,27 @@
 """`rubnoise plot`: pictures of a run, simulation and theory in each."""
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 
+class What(StrEnum):
+    """The pictures there are."""
+
+    TRACE = "trace"
+    LIVES = "lives"
+    HISTOGRAM = "histogram"
+    PSD = "psd"
+    ACF = "acf"
+    COUNT = "count"
+    SLIDER = "slider"
+
+
 def command(
     file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
-    what: Annotated[
-        str,
-        typer.Argument(help="trace, lives, histogram, psd, acf, count or slider.", metavar="[WHAT]"),
-    ] = "trace",
+    what: Annotated[What, typer.Argument(help="The picture.")] = What.TRACE,
     *,
     output: Annotated[
         Path | None,
@@ -33,10 +43,9 @@ def command(
     from rubnoise.cli.pictures import check_picture, write_picture
     from rubnoise.cli.results import finished_run
     from rubnoise.errors import Refused
-    from rubnoise.figures.catalogue import check_name, picture
+    from rubnoise.figures.catalogue import picture
     from rubnoise.figures.stretch import Stretch
 
-    check_name(what)
     ends = _distance("--from", start), _distance("--to", stop)
     path = output or Path(f"{file.stem}_{what}.png")
     check_picture(path, force=force)
@@ -44,7 +53,7 @@ def command(
         raise Refused(f"{file}: is a folder; plot draws one result at a time")
     with finished_run(file) as run:
         stretch = Stretch.of(run, *ends)
-        write_picture(path, lambda kind: picture(what, stretch, kind), force=force)
+        write_picture(path, lambda kind: picture(what.value, stretch, kind), force=force)
 
 
 def _distance(option: str, text: str | None) -> float | None:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from rubnoise.errors import Refused
 from rubnoise.figures.acf import acf_figure
 from rubnoise.figures.count import count_figure
 from rubnoise.figures.histogram import histogram_figure
@@ -26,12 +25,6 @@ PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "count": count_figure,
     "slider": slider_figure,
 }
-
-
-def check_name(name: str) -> None:
-    """Raise Refused, with the names there are, for one that is none."""
-    if name not in PICTURES:
-        raise Refused(f"no picture is called {name!r}; there are {', '.join(PICTURES)}")
 
 
 def picture(name: str, stretch: Stretch, kind: Format) -> bytes:
