@@ -6,6 +6,9 @@ import pytest
 
 from rubnoise.claims import catalogue
 from rubnoise.claims.claim import Claim, Verdict, settled
+from rubnoise.figures.paper import FIGURES
+from tests.architecture.sources import ROOT
+from tools import generate_paper
 
 VERDICTS = {
     "life_mean": Verdict.CORRECTED,
@@ -64,3 +67,9 @@ def test_a_wrong_theory_leaves_a_claim_unsettled(claims: dict[str, Claim], name:
     wrong = tuple(replace(each, exact=1.2 * each.exact + 0.01) for each in claim.quantities)
     assert settled(quantities=wrong, verdict=claim.verdict) is Verdict.UNSETTLED
     assert settled(quantities=claim.quantities, verdict=claim.verdict) is claim.verdict
+
+
+def test_the_page_on_the_paper_is_what_the_claims_say(claims: dict[str, Claim]) -> None:
+    written = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    assert written == "\n".join(generate_paper.page(tuple(claims.values()))) + "\n"
+    assert all((ROOT / "docs" / "pictures" / "paper" / f"{name}.png").is_file() for name in FIGURES)
