@@ -5,7 +5,6 @@ One uniform makes one deviate, so the n-th junction of a block is always made of
 processors and versions, and with them the whole run.
 """
 
-from functools import reduce
 from math import factorial
 
 import numpy as np
@@ -26,7 +25,12 @@ _LARGEST_BELOW_ONE = 1.0 - 2.0**-53
 
 def _polynomial(coefficients: tuple[float, ...], x: Doubles) -> Doubles:
     """Evaluate c_0 + c_1 x + ... by Horner's rule."""
-    return reduce(lambda value, c: value * x + c, reversed(coefficients[:-1]), np.full_like(x, coefficients[-1]))
+    value = coefficients[-1] * x
+    value += coefficients[-2]
+    for c in coefficients[-3::-1]:
+        value *= x
+        value += c
+    return value
 
 
 def logarithm(x: Doubles) -> Doubles:

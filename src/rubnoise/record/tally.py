@@ -36,13 +36,15 @@ class Moments:
         """Take in one panel of values."""
         if not values.size:
             return
-        mean = float(values.mean())
-        away = values - mean
         # Sums rather than dot products, which wake a linear algebra library's threads for a few thousand numbers.
+        mean = float(np.add.reduce(values)) / values.size
+        away = values - mean
         square = away * away
-        third = float((square * away).sum()) if self.powers > 2 else 0.0
-        fourth = float((square * square).sum()) if self.powers > 2 else 0.0
-        self._merge(values.size, mean, float(square.sum()), third, fourth)
+        second, third, fourth = float(np.add.reduce(square)), 0.0, 0.0
+        if self.powers > 2:
+            third = float(np.add.reduce(np.multiply(away, square, out=away)))
+            fourth = float(np.add.reduce(np.multiply(square, square, out=square)))
+        self._merge(values.size, mean, second, third, fourth)
 
     def _merge(self, count: int, mean: float, second: float, third: float, fourth: float) -> None:
         before, total = self.count, self.count + count

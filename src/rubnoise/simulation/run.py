@@ -1,7 +1,7 @@
 """A run from its first block to its last: the fold that everything else is folded into."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import Literal
 
 from rubnoise.errors import Refused
@@ -24,6 +24,7 @@ def extent(model: Model, seed: int) -> Extent:
     return Extent(junctions=start(model, seed).junctions + count_births(model, seed), ticks=model.tick_count + 1)
 
 
+@lru_cache(maxsize=8)
 def slider_constants(model: Model) -> Propagator | None:
     """Return the constants of the slider's step, or None where the model has no slider."""
     if model.slider is None or model.sliding_speed is None:

@@ -3,9 +3,11 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import Shape
 from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
@@ -57,8 +59,9 @@ def complete(
     finished: str,
 ) -> None:
     """Fill in what is known only when the last row is written: hashes, summary and the time of the end."""
+    owners = {group: file[group].id for group, _ in digests}
     for (group, column), digest in digests.items():
-        put_text(file[group][column], HASH, digest)
+        put_text(h5py.Dataset(h5py.h5d.open(owners[group], column.encode())), HASH, digest)
     for name, value in summary.items():
         _put(file["summary"], name, value)
     put_text(file["provenance"], "finished", finished)
@@ -67,11 +70,12 @@ def complete(
 def places(file: h5py.File) -> dict[tuple[str, str], Place]:
     """Return where every contiguous column of a file lies."""
     return {
-        (group.name, column.name): _place(file[group.name][column.name].id, column)
+        (group.name, column.name): _place(h5py.h5d.open(owner.id, column.name.encode()), column)
         for group in GROUPS
-        if group.name in file
+        if (owner := file.get(group.name)) is not None
+        for names in [set(owner)]
         for column in group.columns
-        if column.name in file[group.name]
+        if column.name in names
     }
 
 
@@ -87,7 +91,7 @@ def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
 def _describe_root(file: h5py.File, title: str, shape: Shape) -> None:
     put_text(file, "Conventions", CONVENTIONS)
     put_text(file, "format", FORMAT)
-    file.attrs.create("format_version", FORMAT_VERSION, dtype="<i8")
+    _put(file, "format_version", FORMAT_VERSION)
     put_text(file, "title", title)
     put_text(file, "source", f"rubnoise {package_version('rubnoise')}")
     put_text(file, "NX_class", "NXroot")
@@ -177,12 +181,21 @@ def _put(owner: h5py.HLObject, name: str, value: Scalar) -> None:
     if isinstance(value, str):
         put_text(owner, name, value)
     else:
-        owner.attrs.create(name, value, dtype="<i8" if isinstance(value, int) else "<f8")
+        _put_attribute(owner, name, np.array(value, dtype="<i8" if isinstance(value, int) else "<f8"))
 
 
 def _put_texts(owner: h5py.HLObject, name: str, text: str | Sequence[str]) -> None:
     """Write one text or a list of texts; at least two bytes long, as h5netcdf hands single bytes over undecoded."""
     raw = [item.encode("utf-8", "backslashreplace") for item in ([text] if isinstance(text, str) else text)]
     kind = h5py.string_dtype("utf-8", max(2, *map(len, raw)))
-    value = np.array(raw[0] if isinstance(text, str) else raw, dtype=kind)
-    owner.attrs.create(name, value, dtype=kind)
+    _put_attribute(owner, name, np.array(raw[0] if isinstance(text, str) else raw, dtype=kind))
+
+
+def _put_attribute(owner: h5py.HLObject, name: str, value: NDArray[Any]) -> None:
+    """Write an attribute in place of one of its name; by the library's own calls, as h5py's cost more than a short run."""
+    key = name.encode()
+    if h5py.h5a.exists(owner.id, key):
+        h5py.h5a.delete(owner.id, key)
+    kind = h5py.h5t.py_create(value.dtype, logical=True)
+    space = h5py.h5s.create_simple(value.shape) if value.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
+    h5py.h5a.create(owner.id, key, kind, space).write(value)
