@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
+from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
+from rubnoise.contact.sizes_lognormal import LognormalSizes
 from rubnoise.theory.quadrature import cut_size_rule, size_edges, size_range, size_rule
 from tests.unit.size_laws import Gamma, LogNormal
 
@@ -16,6 +18,10 @@ LAWS: dict[str, SizeLaw] = {
     "gamma 20 %": Gamma(2.0, 0.2),
     "exponential": Gamma(2.0, 1.0),
     "gamma 300 %, singular at 0": Gamma(2.0, 3.0),
+    "lognormal as drawn": LognormalSizes(mean=2.0, std=3.0),
+    "gamma as drawn": GammaSizes(mean=2.0, std=0.5),
+    "gamma as drawn, singular at 0": GammaSizes(mean=2.0, std=5.0),
+    "exponential as drawn": ExponentialSizes(mean=2.0),
 }
 
 

@@ -7,12 +7,15 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.strengths import StrengthLaw
+from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.sampling import standard_errors, variance_of_time_mean
+from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
 from rubnoise.theory.spectrum import density_at_zero
-from tests.unit.theory_models import excess, one_size, paper_model
+from tests.unit.theory_models import excess, model_of, one_size, paper_model
 
 Doubles = NDArray[np.float64]
 Records = tuple[Doubles, Model]
@@ -20,7 +23,7 @@ Records = tuple[Doubles, Model]
 RECORDS = 800
 
 
-def records(model: Model, lives: int, ticks_a_life: int, seed: int) -> Records:
+def records(model: Model, lives: int, ticks_a_life: int, seed: int, strengths: StrengthLaw | None = None) -> Records:
     """Draw ``RECORDS`` stationary records one after the other, a row each; births uniform, so Poisson."""
     generator = np.random.default_rng(seed)
     diameter = model.sizes.support[1]
@@ -28,12 +31,13 @@ def records(model: Model, lives: int, ticks_a_life: int, seed: int) -> Records:
     total = RECORDS * lives * ticks_a_life
     count = generator.poisson(model.birth_rate * (total * tick + 2.0 * diameter))
     births = generator.uniform(-2.0 * diameter, total * tick, count)
+    psi = np.ones(count) if strengths is None else strengths.draw(generator.random(count))
     first = np.ceil(births / tick).astype(int)
     trace = np.zeros(total)
     for step in range(ticks_a_life + 1):
         at = first + step
         inside = (at >= 0) & (at < total)
-        areas = junction_area(at[inside] * tick - births[inside], diameter)
+        areas = psi[inside] * junction_area(at[inside] * tick - births[inside], diameter)
         trace += np.bincount(at[inside], areas, minlength=total)
     return trace.reshape(RECORDS, -1), replace(model, tick=tick, tick_count=lives * ticks_a_life - 1)
 
@@ -66,6 +70,17 @@ def test_errors_of_all_four_moments(long_records: Records) -> None:
     errors = standard_errors(model)
     for name, values in moments(trace).items():
         assert abs(excess(values, getattr(errors, name))) <= 4.0, name
+
+
+def test_errors_of_the_moments_of_the_force_under_unequal_strengths() -> None:
+    psi = LognormalStrength(mean=2.0, std=1.0)
+    few = model_of(FixedSizes(diameter=5.53), 5.53, mean_count=5.0)
+    trace, model = records(few, 400, 8, seed=13, strengths=psi)
+    errors = force_standard_errors(replace(model, strengths=psi))
+    found = moments(trace)
+    for name, values in found.items():
+        assert abs(excess(values, getattr(errors, name))) <= 4.0, name
+    assert excess(found["excess_kurtosis"], standard_errors(model).excess_kurtosis) > 8.0
 
 
 def test_ticks_taken_as_independent_would_be_far_off(long_records: Records) -> None:

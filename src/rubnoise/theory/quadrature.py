@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable
 from functools import cache, lru_cache
+from math import exp, log
 from typing import Any, cast
 
 import numpy as np
@@ -63,8 +64,8 @@ def _size_range(law: Any) -> tuple[float, float]:
     low, high = law.support
     if high - low <= _NARROWEST * high:
         return (0.5 * (low + high),) * 2
-    step, negligible = (high - low) / 16.0, _LEFT_OUT * law.moment(HIGHEST_POWER)
-    while _weight(law, high) * step > negligible or _weight(law, 2.0 * high) > _weight(law, high):
+    step = (high - low) / 16.0
+    while _weight(law, high) * step > _LEFT_OUT or _weight(law, 2.0 * high) > _weight(law, high):
         high, step = high + step, 1.25 * step
     low = max(low, high * 2.0**-200)
     while _density(law, 2.0 * low) * 4.0 * low * low <= _LEFT_OUT * law.moment(1) and 4.0 * low < high:
@@ -136,7 +137,7 @@ def _shares(law: SizeLaw, edges: Doubles, parts: int) -> Doubles:
     places, weights = panels(ends, _TEST_NODES)
     diameters = np.exp(places)
     mass = weights * diameters * law.density(diameters)
-    rows = [mass * diameters**n / law.moment(n) for n in (1, 7, HIGHEST_POWER)]
+    rows = [mass * (diameters / law.moment(n) ** (1.0 / n)) ** n for n in (1, 7, HIGHEST_POWER)]
     return np.sum(np.reshape(rows, (len(rows), edges.size - 1, -1)), axis=-1)
 
 
@@ -145,4 +146,8 @@ def _density(law: SizeLaw, diameter: float) -> float:
 
 
 def _weight(law: SizeLaw, diameter: float) -> float:
-    return _density(law, diameter) * diameter**HIGHEST_POWER
+    """Return the density of d^13 in 1/um over its average; by logarithms, since d^13 alone may overflow."""
+    density = _density(law, diameter)
+    if density == 0.0:
+        return 0.0
+    return exp(log(density) + HIGHEST_POWER * log(diameter) - log(law.moment(HIGHEST_POWER)))
