@@ -14,6 +14,7 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.load import build
 from rubnoise.simulation import panels
+from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import extent, simulate
 from rubnoise.simulation.state import LiveRows, State
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
@@ -151,6 +152,8 @@ def test_both_tell_of_their_progress_in_the_same_words(monkeypatch: pytest.Monke
 def test_an_intervention_needs_events() -> None:
     with pytest.raises(Refused, match='an intervention is a process among events: it needs the engine "events"'):
         recorded(model(), engine="batch", intervene=lambda env, live: iter(()))
+    with pytest.raises(Refused, match='an observer hears events: it needs the engine "events"'):
+        recorded(model(), engine="batch", observe=Observer())
 
 
 def test_a_diameter_less_by_one_bit_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

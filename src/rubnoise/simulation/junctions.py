@@ -6,6 +6,7 @@ the slider wake for a panel of ticks at a time and see in it exactly the junctio
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -14,6 +15,7 @@ from simpy.events import Event, ProcessGenerator
 
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import BlockBirths
+from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.process import PromptProcess, Wait
 from rubnoise.simulation.state import LiveRows, State
@@ -36,6 +38,10 @@ class LiveSet:
         for row in np.flatnonzero(carried.death <= begin).tolist():
             self._departure[row] = float(carried.death[row])
 
+    def row(self, row: int) -> tuple[int, float, float]:
+        """Return a junction's row number, birth and diameter (um)."""
+        return self._numbers[row], float(self._rows.birth[row]), float(self._rows.diameter[row])
+
     def join(self, row: int, process: Process) -> None:
         """Count a junction among the living from now on."""
         self.processes[self._numbers[row]] = process
@@ -57,6 +63,9 @@ Intervention = Callable[[Environment, LiveSet], ProcessGenerator]
 """A process of the user's own, started anew in every block beside those of the contact."""
 
 
+Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
+
+
 def junction(env: Environment, live: LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
     """Live from now through ``rest`` um of sliding; die at ``death``, or wherever an interrupt ends it."""
     live.join(row, env.active_process)  # type: ignore[arg-type]  # a process is running: this one
@@ -68,7 +77,37 @@ def junction(env: Environment, live: LiveSet, row: int, death: float, rest: floa
         live.leave(row, death)
 
 
-def births(env: Environment, live: LiveSet, state: State, block: BlockBirths, run_end: float) -> ProcessGenerator:
+def told_junction(
+    env: Environment, live: LiveSet, row: int, death: float, rest: float, telling: Telling
+) -> ProcessGenerator:
+    """Live as a junction does, and have mid-life and death told."""
+    number, birth, diameter = live.row(row)
+    live.join(row, env.active_process)  # type: ignore[arg-type]  # a process is running: this one
+    try:
+        rise = birth + diameter - env.now
+        if telling.is_rising(number) and rise > 0.0:
+            yield Wait(env, rise)
+            telling.mid_life(number, birth + diameter)
+            rest = max(rest - rise, 0.0)
+        yield Wait(env, rest)
+    except Interrupt:
+        death = env.now
+    live.leave(row, death)
+    telling.death(number, death)
+
+
+def told_newborn(
+    env: Environment, live: LiveSet, row: int, death: float, rest: float, telling: Telling
+) -> ProcessGenerator:
+    """Have a birth told, and the life after it."""
+    number, birth, _ = live.row(row)
+    telling.birth(number, birth)
+    yield from told_junction(env, live, row, death, rest, telling)
+
+
+def births(
+    env: Environment, live: LiveSet, state: State, block: BlockBirths, run_end: float, newborn: Life
+) -> ProcessGenerator:
     """Wait for a gap, start a junction, and so on to the birth that opens the next block, or to the end of the run."""
     wait = state.next_birth - env.now
     life_distances = 2.0 * block.diameter
@@ -76,7 +115,7 @@ def births(env: Environment, live: LiveSet, state: State, block: BlockBirths, ru
     lives = zip(deaths.tolist(), life_distances.tolist(), block.gaps.tolist(), strict=True)
     for row, (death, life, gap) in enumerate(lives, start=len(state.live)):
         yield Wait(env, wait)
-        PromptProcess(env, junction(env, live, row, death, life))
+        PromptProcess(env, newborn(env, live, row, death, life))
         wait = gap
     last = block.next_birth > run_end
     # The clock adds gaps and rounds; a birth at the very end may have put it a trifle beyond.
@@ -124,13 +163,17 @@ def play_block(
     sample: Callable[[Panel, LiveRows], Columns],
     move: Callable[[Panel, LiveRows, Columns], None] | None,
     intervene: Intervention | None,
+    telling: Telling | None,
 ) -> tuple[LiveRows, int]:
     """Let one block happen; return its rows at its end, carried ones first, and how many events it took."""
     env = Environment(initial_time=state.begin)
     live = LiveSet(state.live, born, state.begin)
+    newborn, survivor = _lives(telling)
+    if telling is not None:
+        telling.begin(state.live, state.begin)
     for row, death in _survivors(state.live, state.begin):
-        PromptProcess(env, junction(env, live, row, death, death - state.begin))
-    block_end = PromptProcess(env, births(env, live, state, births_of_block, run_end))
+        PromptProcess(env, survivor(env, live, row, death, death - state.begin))
+    block_end = PromptProcess(env, births(env, live, state, births_of_block, run_end, newborn))
     sampled = [env.event() for _ in panels]
     last: Process = PromptProcess(env, aggregate(env, panels, sampled, block_end, sample, live))
     if move is not None:
@@ -138,7 +181,17 @@ def play_block(
     if intervene is not None:
         PromptProcess(env, intervene(env, live))
     env.run(until=env.all_of([block_end, last]))
-    return live.rows(), next(env._eid)  # noqa: SLF001  (SimPy numbers its events, and keeps the number to itself)
+    rows = live.rows()
+    if telling is not None:
+        telling.settle(rows, min(births_of_block.next_birth, run_end))
+    return rows, next(env._eid)  # noqa: SLF001  (SimPy numbers its events, and keeps the number to itself)
+
+
+def _lives(telling: Telling | None) -> tuple[Life, Life]:
+    """Return how a junction lives that is born in this block, and one that was born before."""
+    if telling is None:
+        return junction, junction
+    return partial(told_newborn, telling=telling), partial(told_junction, telling=telling)
 
 
 def _survivors(live: LiveRows, begin: float) -> Iterator[tuple[int, float]]:

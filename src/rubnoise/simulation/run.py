@@ -12,6 +12,7 @@ from rubnoise.simulation.block import Play, Run, Watch, next_state
 from rubnoise.simulation.cells import cells_per_tick, narrow
 from rubnoise.simulation.draws import count_births, start
 from rubnoise.simulation.junctions import Intervention, play_block
+from rubnoise.simulation.observer import Observer, Telling
 from rubnoise.simulation.propagator import Propagator, propagator
 from rubnoise.simulation.state import State
 
@@ -46,18 +47,19 @@ def simulate(
     engine: Engine = "events",
     state: State | None = None,
     intervene: Intervention | None = None,
+    observe: Observer | None = None,
     watch: Watch | None = None,
     commit: Callable[[State], None] | None = None,
 ) -> State:
     """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
 
     The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
-    between two blocks. ``state``: go on from here instead of from the start;
-    ``intervene``: a SimPy process of the caller's beside those of the contact, made anew in every block; ``watch``: is
-    told after each panel; ``commit``: is handed the state after each block, from which the run could go on.
-    Raises Refused for an intervention without events.
+    between two blocks. ``state``: go on from here instead of from the start; ``intervene``: a SimPy process of the
+    caller's beside those of the contact, made anew in every block; ``observe``: is told of births, mid-lives, deaths;
+    ``watch``: is told after each panel; ``commit``: is handed the state after each block, from which the run could go
+    on. Raises Refused for an intervention or an observer without events.
     """
-    play = _play(engine, intervene)
+    play = _play(engine, intervene, observe)
     run = Run(model=model, seed=seed, constants=slider_constants(model), sink=sink, play=play, watch=watch)
     state = start(model, seed) if state is None else state
     while not finished(model, state):
@@ -67,9 +69,13 @@ def simulate(
     return state
 
 
-def _play(engine: Engine, intervene: Intervention | None) -> Play:
+def _play(engine: Engine, intervene: Intervention | None, observe: Observer | None) -> Play:
     if engine == "events":
-        return partial(play_block, intervene=intervene)
-    if intervene is not None:
-        raise Refused('an intervention is a process among events: it needs the engine "events", not "batch"')
+        return partial(play_block, intervene=intervene, telling=None if observe is None else Telling(observe))
+    for asked, what in (
+        (intervene, "an intervention is a process among events"),
+        (observe, "an observer hears events"),
+    ):
+        if asked is not None:
+            raise Refused(f'{what}: it needs the engine "events", not "batch"')
     return play_at_once

@@ -192,7 +192,7 @@ def _put_texts(owner: h5py.HLObject, name: str, text: str | Sequence[str]) -> No
 
 
 def _put_attribute(owner: h5py.HLObject, name: str, value: NDArray[Any]) -> None:
-    """Write an attribute in place of one of its name; by the library's own calls, as h5py's cost more than a short run."""
+    """Write an attribute, also over one of its name; by HDF5's own calls, as h5py's take longer than a short run."""
     key = name.encode()
     if h5py.h5a.exists(owner.id, key):
         h5py.h5a.delete(owner.id, key)
