@@ -1,4 +1,4 @@
-"""The scenario files that come with rubnoise: those of the paper, of its claims and of its ancestors."""
+"""The scenario files that come with rubnoise: of the paper, its claims, its ancestors, and for lessons."""
 
 from pathlib import Path
 
