@@ -14,6 +14,8 @@ Rule = tuple[Doubles, Doubles]
 _NODES = 16
 _SWING = 8.0  # phase k d of a panel that still follows the swing, which has period pi
 _RESOLVED = 4000.0  # phase to which every swing is followed; beyond it the swing holds less than 1e-8 of any integral
+_SETTLED = 256.0  # the same for a slider too slow for such phases, by which it has nearly come to rest
+_ABOVE = 100.0  # and for a faster one so many times its last corner; what is not followed there is below 1e-12
 _AROUND = 2000.0  # phase on either side of a far and sharp resonance to which the swing is followed
 _SHARP = 30.0  # half-width of the resonance, as a phase, above which it averages over the swing by itself
 
@@ -34,8 +36,9 @@ def response_edges(model: Model, drive: Drive) -> Doubles:
     """Return the ends of all panels in rad/um, in order, from 0 on."""
     reach = size_range(model.sizes)[1]
     swinging = largest_swinging_wavenumber(model.sizes)
-    resolved = min(_RESOLVED / reach, swinging)
     breadth = max(1.0, 2.0 * drive.slider.damping_ratio)
+    settled = max(_SETTLED, _ABOVE * drive.resonance * breadth * reach)
+    resolved = min(min(_RESOLVED, settled) / reach, swinging)
     lowest = 1e-3 * min(1.0 / reach, drive.resonance / breadth)
     highest = 1e4 * max(resolved, drive.resonance * breadth)
     parts = [
