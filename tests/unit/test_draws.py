@@ -10,7 +10,7 @@ from rubnoise.contact.deviates import exponential
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import birth_distances, births_per_block, count_births, draw_block, first_birth, start
 from rubnoise.streams import Stream, generator
-from tests.models import bare, model
+from tests.models import UNEQUAL, bare, model
 
 RUN = bare(distance=3_000.0, tick=1.0)
 
@@ -92,3 +92,16 @@ def test_a_poisson_count_is_how_many_unit_exponentials_fit(mean: float) -> None:
         total += waits[count]
         count += 1
     assert draws._poisson(8, mean) == count
+
+
+@pytest.mark.parametrize("births", ["poisson", "regular"])
+def test_blocks_drawn_together_are_the_blocks_drawn_alone(monkeypatch, births):
+    run = model(distance=6000.0, births=births, strength=UNEQUAL)
+    together = draw_block(run, 5, 9, 4977.0)
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    alone = draw_block(run, 5, 9, 4977.0)
+    assert len(together) == len(alone) > 500
+    for column in ("birth", "gaps", "diameter", "strength"):
+        assert getattr(together, column).tobytes() == getattr(alone, column).tobytes()
+    with pytest.raises(ValueError, match="read-only"):
+        together.diameter[0] = 1.0

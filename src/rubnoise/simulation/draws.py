@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil
 
 import numpy as np
@@ -18,6 +19,9 @@ Doubles = NDArray[np.float64]
 
 _TOGETHER = 65_536
 """Births before the start that are looked at together."""
+
+_DRAWN_AT_ONCE = 8192
+"""Births that are drawn together: many enough for arrays to pay, few enough to stay in the processor's cache."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,8 +62,39 @@ def birth_distances(model: Model, seed: int, block: int, begin: float) -> tuple[
     if isinstance(model.births, RegularBirths):
         birth = model.births.places(first_birth(model, seed), block * count + np.arange(count + 1))
         return birth, np.diff(birth)
-    gaps = model.births.gaps(uniforms(seed, Stream.GAPS, block, count))
+    gaps = _drawn(model, seed, Stream.GAPS, block)
     return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
+
+
+def _drawn(model: Model, seed: int, stream: Stream, block: int) -> Doubles:
+    """Return what a stream's uniforms make of all births of a block; those of small blocks are drawn some at a time."""
+    group = _blocks_at_once(model)
+    if group == 1:
+        return _made(model, stream, uniforms(seed, stream, block, births_per_block(model)))
+    return _drawn_at_once(model, seed, stream, block // group)[block % group]
+
+
+def _blocks_at_once(model: Model) -> int:
+    """Return how many blocks make arrays long enough, but not more than the run has."""
+    births = births_per_block(model)
+    return max(min(_DRAWN_AT_ONCE // births, ceil(model.distance * model.birth_rate / births)), 1)
+
+
+@lru_cache(maxsize=8)
+def _drawn_at_once(model: Model, seed: int, stream: Stream, group: int) -> Doubles:
+    blocks, births = _blocks_at_once(model), births_per_block(model)
+    first = group * blocks
+    uniform = np.concatenate([uniforms(seed, stream, block, births) for block in range(first, first + blocks)])
+    made = _made(model, stream, uniform).reshape(blocks, births)
+    made.flags.writeable = False
+    return made
+
+
+def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
+    """Return the gaps in um, diameters in um or strengths in MPa that uniforms stand for, each by itself."""
+    if stream is Stream.GAPS:
+        return model.births.gaps(uniform)
+    return model.sizes.draw(uniform) if stream is Stream.DIAMETERS else _strengths(model, uniform)
 
 
 def draw_block(model: Model, seed: int, block: int, begin: float) -> BlockBirths:
@@ -69,8 +104,8 @@ def draw_block(model: Model, seed: int, block: int, begin: float) -> BlockBirths
     return BlockBirths(
         birth=birth[:count],
         gaps=gaps[:count],
-        diameter=model.sizes.draw(uniforms(seed, Stream.DIAMETERS, block, count)),
-        strength=_strengths(model, uniforms(seed, Stream.STRENGTHS, block, count)),
+        diameter=_drawn(model, seed, Stream.DIAMETERS, block)[:count],
+        strength=_drawn(model, seed, Stream.STRENGTHS, block)[:count],
         next_birth=float(birth[count]),
     )
 

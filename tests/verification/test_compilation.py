@@ -1,0 +1,42 @@
+"""Every kernel is compiled for one kind of arrays only: a second kind would cost seconds in the middle of a run."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.simulation import kernels, kernels_triangle, recurrence, ticks
+from tests.models import UNEQUAL, bare, model, recorded
+
+ROOT = Path(__file__).parents[2]
+KERNELS = (
+    kernels.deposit_areas,
+    kernels.deposit_moments,
+    kernels.deposit_fine_moments,
+    kernels_triangle.deposit_areas,
+    kernels_triangle.deposit_moments,
+    recurrence.advance_slider,
+    ticks.deposit_counts,
+)
+RUNS = (
+    model(distance=600.0, tick=0.5),
+    model(distance=30.0, tick=0.5, speed=20.0),
+    model(distance=600.0, tick=0.5, pulse=TRIANGLE, births="regular"),
+    model(distance=600.0, tick=0.5, strength=UNEQUAL, start="empty"),
+    bare(distance=600.0),
+)
+
+
+def test_runs_of_all_kinds_share_one_compilation() -> None:
+    # In a process of its own: another test may have called a kernel with arrays of another kind.
+    command = [sys.executable, "-c", "from tests.verification.test_compilation import counted; print(counted())"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.split() == ["{1}"]
+
+
+def counted() -> set[int]:
+    """Run everything with both engines and return how often the kernels have been compiled."""
+    for run in RUNS:
+        for engine in ("events", "batch"):
+            recorded(run, engine=engine)
+    return {len(kernel.signatures) for kernel in KERNELS}
