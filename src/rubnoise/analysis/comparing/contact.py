@@ -2,9 +2,9 @@
 
 from math import sqrt
 
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.comparing.findings import Finding, Identity
-from rubnoise.analysis.comparing.judging import judged, too_short
+from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
+from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.moments import needed_for_mean, over_ticks
 from rubnoise.contact.strengths import ConstantStrength
@@ -43,12 +43,11 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
         return [Identity(name="real_contact_area", deviation=away, allowed=allowed, units="um^2")]
     need_random_births(model, "the standard error of a mean area")
     errors = standard_errors(over_ticks(model, trace.settled_ticks, model.tick))
-    mean = Agreement(
-        name="real_contact_area_mean", observed=seen.mean, expected=expected.mean, standard_error=errors.mean
-    )
+    # A junction brings d^(2n + 1) to the n-th power of the area.
+    tails = {n: tail_of(model, length, 2 * n + 1) for n in range(1, 5)}
     return [
-        mean,
-        judged("real_contact_area_std", seen.std, expected.std, errors.std, length=length),
+        judged_mean("real_contact_area_mean", seen.mean, expected.mean, errors.mean, length=length, tail=tails[1]),
+        judged("real_contact_area_std", seen.std, expected.std, errors.std, length=length, tail=tails[2]),
         *(
             judged(
                 f"real_contact_area_{name}",
@@ -57,8 +56,9 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
                 getattr(errors, name),
                 length=length,
                 scale=1.0,
+                tail=tails[n],
             )
-            for name in ("skewness", "excess_kurtosis")
+            for n, name in ((3, "skewness"), (4, "excess_kurtosis"))
         ),
     ]
 
@@ -75,11 +75,12 @@ def count_findings(model: Model, trace: TraceSums) -> list[Finding]:
     shared = count_covariance(model, lags)
     expected, seen = mean_count(model), trace.count
     error = sqrt(float(weights @ (shared + 2.0 * shared**2)))
-    mean = Agreement(
-        name="junction_count_mean", observed=seen.mean, expected=expected, standard_error=mean_count_error(stretch)
-    )
     length = settled_length(model, trace)
-    return [mean, judged("junction_count_variance", seen.variance, expected, error, length=length)]
+    tail = tail_of(model, length, 1)
+    return [
+        judged_mean("junction_count_mean", seen.mean, expected, mean_count_error(stretch), length=length, tail=tail),
+        judged("junction_count_variance", seen.variance, expected, error, length=length, tail=tail),
+    ]
 
 
 def force_findings(model: Model, trace: TraceSums) -> list[Finding]:
@@ -101,14 +102,19 @@ def force_findings(model: Model, trace: TraceSums) -> list[Finding]:
 def _unequal_strengths(model: Model, trace: TraceSums) -> list[Finding]:
     expected, seen = force_cumulants(model), trace.force
     stretch = over_ticks(model, trace.settled_ticks, model.tick)
-    mean = Agreement(
-        name="friction_force_mean",
-        observed=seen.mean,
-        expected=expected.mean,
-        standard_error=mean_force_error(stretch),
-    )
+    length = settled_length(model, trace)
     error = _variance_error(stretch) / (2.0 * expected.std)
-    return [mean, judged("friction_force_std", seen.std, expected.std, error, length=settled_length(model, trace))]
+    return [
+        judged_mean(
+            "friction_force_mean",
+            seen.mean,
+            expected.mean,
+            mean_force_error(stretch),
+            length=length,
+            tail=tail_of(model, length, 3, 1),
+        ),
+        judged("friction_force_std", seen.std, expected.std, error, length=length, tail=tail_of(model, length, 5, 2)),
+    ]
 
 
 def _variance_error(stretch: Model) -> float:

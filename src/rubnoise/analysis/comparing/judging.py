@@ -4,6 +4,7 @@ from math import isfinite, log1p
 
 from rubnoise.analysis.agreement import Agreement, normal_deviate
 from rubnoise.analysis.comparing.findings import Finding, LeftOut
+from rubnoise.analysis.comparing.tails import NORMAL, Tail
 from rubnoise.analysis.records import longer
 
 LARGEST_ERROR = 0.1
@@ -27,19 +28,37 @@ def judged(
     length: float,
     scale: float | None = None,
     skewness: float = SKEWNESS,
+    tail: Tail = NORMAL,
 ) -> Finding:
     """Return a figure with its score, or, where its error exceeds a tenth of its ``scale``, what length it needs.
 
     The scale is the expected value where none is given; ``length`` (um) is that of the record. Estimates of squares
-    have a longer tail upwards, of a skewness g that is ``skewness`` times the error over the scale; above the expected
-    value the score is therefore (3/g) log(1 + g z/3), that of a lognormal law of this skewness.
+    have a longer tail upwards, of a skewness that is ``skewness`` times the error over the scale; so has a sum that
+    its largest junctions rule, and its ``tail`` may need a longer record, too. The larger skewness counts.
     """
     relative = error / abs(expected if scale is None else scale) if error else 0.0
     if not relative <= LARGEST_ERROR:
-        return too_short(name, longer(length, relative, LARGEST_ERROR))
+        return too_short(name, max(longer(length, relative, LARGEST_ERROR), tail.needed))
+    return judged_mean(
+        name,
+        observed,
+        expected,
+        error,
+        length=length,
+        tail=Tail(skewness=max(skewness * relative, tail.skewness), needed=tail.needed),
+    )
+
+
+def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Finding:
+    """Return a figure with its score, or, where its ``tail`` is too heavy for one, what length it needs.
+
+    Above the expected value the score is (3/g) log(1 + g z/3), that of a lognormal law of the tail's skewness g.
+    """
+    if tail.needed > length:
+        return too_short(name, tail.needed)
     z = (observed - expected) / error if error else None
-    if z is not None and z > 0.0:
-        third = skewness * relative / 3.0
+    if z is not None and z > 0.0 and tail.skewness:
+        third = tail.skewness / 3.0
         z = log1p(third * z) / third
     return Agreement(name=name, observed=observed, expected=expected, standard_error=error, deviate=z)
 

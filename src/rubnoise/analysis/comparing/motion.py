@@ -6,10 +6,10 @@ from math import hypot, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.comparing.findings import Finding, LeftOut
-from rubnoise.analysis.comparing.judging import judged, too_short
+from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
 from rubnoise.analysis.comparing.rows import Rows, panels, settled_tick
+from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.model import Model, Slider
 from rubnoise.record.tally import Moments
@@ -78,13 +78,19 @@ def _read(rows: Rows, first: int) -> tuple[Moments, Moments]:
 def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> list[Finding]:
     length = place.count * model.tick
     errors = motion_errors(replace(model, start="stationary", distance=length), length)
+    # A junction pushes with psi d^3, and leaves the energy of as much motion.
+    push, energy = tail_of(model, length, 3, 1), tail_of(model, length, 6, 2)
     return [
-        Agreement(
-            name="displacement_mean",
-            observed=place.mean,
-            expected=exact.mean_displacement,
-            standard_error=errors.mean_displacement,
+        judged_mean(
+            "displacement_mean",
+            place.mean,
+            exact.mean_displacement,
+            errors.mean_displacement,
+            length=length,
+            tail=push,
         ),
-        judged("displacement_std", place.std, exact.displacement_std, errors.displacement_std, length=length),
-        judged("velocity_std", speed.std, exact.velocity_std, errors.velocity_std, length=length),
+        judged(
+            "displacement_std", place.std, exact.displacement_std, errors.displacement_std, length=length, tail=energy
+        ),
+        judged("velocity_std", speed.std, exact.velocity_std, errors.velocity_std, length=length, tail=energy),
     ]

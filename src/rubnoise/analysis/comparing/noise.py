@@ -6,6 +6,7 @@ from rubnoise.analysis.bands import band_powers
 from rubnoise.analysis.comparing.contact import settled_length
 from rubnoise.analysis.comparing.findings import Finding, LeftOut
 from rubnoise.analysis.comparing.judging import judged, too_short
+from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.covariance_errors import covariance_errors
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
@@ -36,11 +37,11 @@ def covariance_findings(model: Model, trace: TraceSums) -> list[Finding]:
     lags = step * np.array(trace.layout.lags, dtype=np.float64)
     expected = autocovariance(model, lags) - variance_of_time_mean(over_ticks(model, trace.settled_ticks, model.tick))
     errors = covariance_errors(model, lags, length, step)
-    variance = float(autocovariance(model, np.zeros(1))[0])
+    variance, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
     return [
         judged(
             f"real_contact_area_autocovariance_{lag:.3g}", float(seen), float(value), float(error),
-            length=length, scale=variance,
+            length=length, scale=variance, tail=tail,
         )
         for lag, seen, value, error in zip(lags, trace.products.covariances(), expected, errors, strict=True)
     ]  # fmt: skip
@@ -60,10 +61,13 @@ def spectrum_findings(model: Model, trace: TraceSums) -> list[Finding]:
         ticks = seen.ticks + (FEWEST_SEGMENTS - 1) * half_of(seen.ticks)
         return [too_short("spectrum", (trace.layout.settled + trace.layout.stride * ticks) * model.tick)]
     _, expected = expected_periodogram(model, step, hann(seen.ticks))
+    # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
+    tails = {power: tail_of(model, length, power) for power in (2, 6)}
     return [
         judged(
             f"spectrum_{band.lowest:.3g}_to_{band.highest:.3g}",
             band.observed, band.expected, band.standard_error, length=length,
+            tail=tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2],
         )
         for band in band_powers(model, seen, expected, length, BANDS)
     ]  # fmt: skip

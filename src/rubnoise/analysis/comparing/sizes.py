@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from math import sqrt
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
 from rubnoise.analysis.comparing.judging import LARGEST_SKEWNESS, judged, too_short
 from rubnoise.analysis.comparing.size_distribution import size_distribution
+from rubnoise.analysis.comparing.tails import Drawn, tail_of_squares
 from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure
 from rubnoise.analysis.records import longer
 from rubnoise.contact.strengths import ConstantStrength
@@ -22,6 +23,14 @@ Doubles = NDArray[np.float64]
 
 _ROUNDING = 2.0**-50
 _NARROW = 1e-3  # std over mean below which moments about 0 leave no digits to the fourth central one
+
+
+class _Law(Drawn, Protocol):
+    """A law of diameters or of strengths."""
+
+    def moment(self, power: int) -> float:
+        """Return E[x^n]."""
+        ...
 
 
 class Marks:
@@ -62,7 +71,7 @@ def mark_findings(model: Model, marks: Marks) -> list[Finding]:
     if low == high:
         found = [_alike("diameter", marks, model.sizes.moment(1), "um")]
     else:
-        found = _spread("diameter", marks.moments["diameter"], model.sizes.moment, model)
+        found = _spread("diameter", marks.moments["diameter"], model.sizes, model)
         if count >= FEWEST:
             found.append(kolmogorov_figure("diameter_kolmogorov", marks.sizes.distance(), count))
     return found + _strength_findings(model, marks)
@@ -73,17 +82,17 @@ def _strength_findings(model: Model, marks: Marks) -> list[Finding]:
         return []
     if isinstance(model.strengths, ConstantStrength):
         return [_alike("shear_strength", marks, model.strengths.mean, "MPa")]
-    return _spread("shear_strength", marks.moments["shear_strength"], model.strengths.moment, model)
+    return _spread("shear_strength", marks.moments["shear_strength"], model.strengths, model)
 
 
 def _alike(name: str, marks: Marks, value: float, units: str) -> Finding:
     return Identity(name=name, deviation=marks.deviations[name], allowed=_ROUNDING * value, units=units)
 
 
-def _spread(name: str, seen: Moments, moment: Callable[[int], float], model: Model) -> list[Finding]:
+def _spread(name: str, seen: Moments, law: _Law, model: Model) -> list[Finding]:
     """Return mean and std of independent values: errors std/sqrt(n), and sqrt((mu_4 - mu_2^2)/n) over 2 std."""
-    mean, length = moment(1), seen.count * model.mean_birth_spacing
-    second, third, fourth = central_moments(moment)
+    mean, length = law.moment(1), seen.count * model.mean_birth_spacing
+    second, third, fourth = central_moments(law.moment)
     std, skewness = sqrt(second), abs(third) / second**1.5 / sqrt(seen.count)
     found: Finding = Agreement(
         name=f"{name}_mean", observed=seen.mean, expected=mean, standard_error=std / sqrt(seen.count)
@@ -93,7 +102,8 @@ def _spread(name: str, seen: Moments, moment: Callable[[int], float], model: Mod
     if std < _NARROW * mean:
         return [found, LeftOut(name=f"{name}_std", reason="the law is too narrow for its moments to tell it")]
     error = sqrt((fourth - second**2) / seen.count) / (2.0 * std)
-    return [found, judged(f"{name}_std", seen.std, std, error, length=length)]
+    tail = tail_of_squares(law, mean, seen.count, length)
+    return [found, judged(f"{name}_std", seen.std, std, error, length=length, tail=tail)]
 
 
 def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float]:
