@@ -45,7 +45,7 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
         motion=MotionTimings({"lsim": timing(5.0), motion.OURS: timing(0.1)}, {"lsim": 1e-5, motion.OURS: 1e-14}),
         growth={what: {name: dict.fromkeys(p, each) for name, each in whole.items()} for what, p in points.items()},
         memory={name: dict.fromkeys(FULL.memory, 150.0) for name in whole},
-        startup=dict.fromkeys((startup.HELP, startup.RUN, startup.FIRST), 0.1),
+        startup=dict.fromkeys((startup.HELP, startup.RUN, startup.FIRST), startup.Wait(0.1, 0.1)),
     )
 
 

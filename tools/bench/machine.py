@@ -34,4 +34,5 @@ def described(*, gcc: bool) -> tuple[str, str]:
     cores = os.cpu_count()
     python = f"Python {platform.python_version()}"
     versions = [python, *(f"{name} {version(name)}" for name in PACKAGES), compiler(available=gcc)]
-    return f"{processor()}, {cores} cores, {platform.system()} on {platform.machine()}", ", ".join(versions)
+    busy = f"load average {os.getloadavg()[0]:.1f} before it began"
+    return f"{processor()}, {cores} cores, {platform.system()} on {platform.machine()}, {busy}", ", ".join(versions)

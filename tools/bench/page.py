@@ -180,7 +180,8 @@ def _growth_table(what: str, growth: Growth) -> Iterator[str]:
 
 def _memory(found: Results) -> Iterator[str]:
     yield "Peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), 20 ticks in a mean life."
-    yield "With 100 junctions it is what Python and the libraries take."
+    if not found.plan.quick:
+        yield "With 100 junctions it is what Python and the libraries take."
     yield ""
     head = ("junctions", *map(grouped, found.plan.memory))
     rows = (
@@ -191,6 +192,9 @@ def _memory(found: Results) -> Iterator[str]:
 
 
 def _starting(found: Results) -> Iterator[str]:
-    yield f"Wall time, engine `{found.engines[-1]}`, compiled code kept from before except in the last line."
+    yield f"Engine `{found.engines[-1]}`, the best of some new processes. Where the clock shows much more than the"
+    yield "processor's time, the machine was busy with something else. Compiled code is kept from before, except in"
+    yield "the last line."
     yield ""
-    yield from table(("what", "s"), ((name, f"{value:.2f}") for name, value in found.startup.items()))
+    rows = ((name, f"{wait.wall:.2f}", f"{wait.cpu:.2f}") for name, wait in found.startup.items())
+    yield from table(("what", "clock, s", "CPU, s"), rows)

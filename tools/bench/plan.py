@@ -56,6 +56,6 @@ QUICK = Plan(
     counts=(10.0, 100.0),
     ticks=(30.0, 220.0),
     lengths=(1_000, 10_000, 100_000),
-    memory=(100, 100_000),
+    memory=(100_000,),
     longest={NAIVE_SIMPY: 1_000, NAIVE_NUMPY: 1_000, SUPERPOSED: 1_000},
 )

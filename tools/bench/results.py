@@ -12,6 +12,7 @@ from bench.motion import MotionTimings
 from bench.peers import c_kernel
 from bench.plan import Plan
 from bench.speed import Growth, Timings
+from bench.startup import Wait
 
 Tell = Callable[[str], None]
 
@@ -31,7 +32,7 @@ class Results:
     motion: MotionTimings
     growth: dict[str, Growth]
     memory: dict[str, dict[int, float]]
-    startup: dict[str, float]
+    startup: dict[str, Wait]
 
     @property
     def passed(self) -> bool:
@@ -41,6 +42,7 @@ class Results:
 
 def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     """Measure everything that is planned, in a folder for the files that are written; tell what comes next."""
+    here = machine.described(gcc=c_kernel.available())
     engines = ours.engines()
     fastest, path = engines[-1], folder / "run.h5"
     tell("correctness: everybody makes one small run")
@@ -57,7 +59,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     tell("memory and start-up")
     return Results(
         plan=plan,
-        machine=machine.described(gcc=c_kernel.available()),
+        machine=here,
         engines=engines,
         verdicts=verdicts,
         runs=whole,
