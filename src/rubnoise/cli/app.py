@@ -20,6 +20,7 @@ from rubnoise.cli import (
     plot,
     run,
     schema,
+    teach,
     theory,
 )
 from rubnoise.errors import RubnoiseError
@@ -41,6 +42,7 @@ app.command("plot")(plot.command)
 app.command("theory")(theory.command)
 app.command("figures")(figures.command)
 app.command("claims")(claims.command)
+app.command("teach")(teach.command)
 app.command("export")(export.command)
 app.command("new")(new.command)
 app.command("schema")(schema.command)

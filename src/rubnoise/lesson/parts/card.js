@@ -1,0 +1,89 @@
+'use strict';
+/* One junction's life: its row, its numbers, its curve. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { ink, pen, said, line, leftAxis, lowerAxis } = rub.plot;
+  const card = {};
+
+  /** Choose a junction by its row number; -1 chooses none. */
+  rub.select = (id) => {
+    const known = rub.run.rows.some((row) => row.id === id);
+    rub.run.selected = known ? id : -1;
+    rub.stack.forget();
+    card.write();
+    rub.tell('select', known ? rub.run.rows[id] : null);
+  };
+
+  /** Choose the next live junction after the one that is chosen, or the one before. */
+  card.move = (step) => {
+    const { living } = rub.run;
+    if (!living.length) return;
+    const at = living.findIndex((row) => row.id === rub.run.selected);
+    rub.select(living[at < 0 ? 0 : (at + step + living.length) % living.length].id);
+  };
+
+  const chosen = () => rub.run.rows[rub.run.selected];
+
+  /** Return the numbers of a row as label, value and unit. */
+  function numbersOf(row) {
+    const { distance, trace } = rub.run;
+    return [
+      ['row', String(row.id), ''],
+      ['born at', said(row.birth, 6), 'µm'],
+      ['dies at', said(row.death, 6), 'µm'],
+      ['diameter', said(row.diameter, 6), 'µm'],
+      ['life', said(2 * row.diameter, 6), 'µm'],
+      ['largest area', said(0.25 * Math.PI * row.diameter ** 2, 6), 'µm²'],
+      ['mean area', said(trace.pulse.lifeMean * row.diameter ** 2, 6), 'µm²'],
+      ['area now', said(trace.pulse.area(distance - row.birth, row.diameter), 6), 'µm²'],
+    ];
+  }
+
+  /** Write the numbers of the chosen junction. */
+  card.write = () => {
+    const row = chosen();
+    card.panel.hidden = !row;
+    card.hint.hidden = Boolean(row);
+    if (!row) return;
+    const cells = numbersOf(row).map(([label, value, unit]) => `<dt>${label}</dt><dd>${value} ${unit}</dd>`);
+    card.list.innerHTML = cells.join('');
+    card.pen.fit();
+    card.draw();
+  };
+
+  /** Draw the curve of the chosen life, and where on it the junction is. */
+  card.draw = () => {
+    const row = chosen();
+    if (!row) return;
+    const { ctx, width, height } = card.pen;
+    card.pen.clear();
+    const box = { left: 40, top: 18, right: width - 8, bottom: height - 18 };
+    const y = leftAxis(ctx, box, 0, 1.1 * rub.stage.largest(), 'area of this junction, µm²');
+    const x = lowerAxis(ctx, box, 0, 2 * row.diameter, 'since birth, µm');
+    const { area } = rub.run.trace.pulse;
+    ctx.strokeStyle = ink.accent;
+    ctx.lineWidth = 2;
+    const along = (i) => (i / 80) * 2 * row.diameter;
+    line(ctx, 0, 80, (i) => x(along(i)), (i) => y(area(along(i), row.diameter)));
+    const age = rub.run.distance - row.birth;
+    if (age < 0 || age > 2 * row.diameter) return;
+    ctx.fillStyle = ink.ink;
+    ctx.beginPath();
+    ctx.arc(x(age), y(area(age, row.diameter)), 4.5, 0, 2 * Math.PI);
+    ctx.fill();
+  };
+
+  /** Keep the area that changes from moment to moment up to date. */
+  card.refresh = () => {
+    const row = chosen();
+    if (!row) return;
+    const cells = card.list.querySelectorAll('dd');
+    cells[cells.length - 1].textContent = `${said(rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter), 6)} µm²`;
+  };
+
+  card.begin = (panel, hint) => {
+    Object.assign(card, { panel, hint, list: panel.querySelector('dl'), pen: pen(panel.querySelector('canvas')) });
+  };
+
+  rub.card = card;
+})();

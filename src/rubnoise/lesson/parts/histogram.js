@@ -1,0 +1,56 @@
+'use strict';
+/* How often each area has been met so far, beside the trace of the area and on the same scale. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { ink, pen } = rub.plot;
+  const BINS = 48;
+  const histogram = { counts: new Float64Array(BINS), ticks: 0, top: 0, trace: null };
+
+  /** Count the ticks passed since the last time, or all of them where the run has gone back or is another. */
+  function update() {
+    const { trace, ticksSeen } = rub.run;
+    const top = rub.traces.topArea();
+    if (trace !== histogram.trace || ticksSeen + 1 < histogram.ticks || top !== histogram.top) {
+      histogram.counts.fill(0);
+      Object.assign(histogram, { ticks: 0, top, trace });
+    }
+    for (; histogram.ticks <= ticksSeen; histogram.ticks += 1) {
+      histogram.counts[Math.min(BINS - 1, Math.floor((BINS * trace.area[histogram.ticks]) / top))] += 1;
+    }
+  }
+
+  /** Return the normal density with the exact mean and standard deviation: what many junctions tend to. */
+  function bell(area) {
+    const { areaMean, areaStd } = rub.exact();
+    return rub.numbers.normalDensity((area - areaMean) / areaStd) / areaStd;
+  }
+
+  /** Draw the bars, and the bell curve over them. */
+  histogram.draw = () => {
+    update();
+    const { ctx, width, height } = histogram.pen;
+    histogram.pen.clear();
+    const box = { left: 4, top: 18, right: width - 4, bottom: height - 18 };
+    rub.plot.heading(ctx, box, 'how often');
+    const { areaStd } = rub.exact();
+    const peak = areaStd > 0 ? (0.5 / areaStd) * 1.05 : 1;
+    const bin = histogram.top / BINS;
+    const x = (density) => box.left + Math.min(1, density / peak) * (box.right - box.left);
+    const y = (area) => box.bottom - (area / histogram.top) * (box.bottom - box.top);
+    ctx.fillStyle = ink.band;
+    for (let i = 0; i < BINS; i += 1) {
+      const density = histogram.counts[i] / (histogram.ticks * bin);
+      ctx.fillRect(box.left, y((i + 1) * bin), x(density) - box.left, y(i * bin) - y((i + 1) * bin) - 0.5);
+    }
+    if (areaStd === 0) return;
+    ctx.strokeStyle = ink.exact;
+    ctx.lineWidth = 1.5;
+    rub.plot.line(ctx, 0, 120, (i) => x(bell((i / 120) * histogram.top)), (i) => y((i / 120) * histogram.top));
+  };
+
+  histogram.begin = (canvas) => {
+    histogram.pen = pen(canvas);
+  };
+
+  rub.histogram = histogram;
+})();

@@ -1,0 +1,116 @@
+'use strict';
+/* The page comes to life: parts are connected, and every frame slides on and is drawn. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const find = (id) => document.getElementById(id);
+  const PANELS = ['stage', 'area', 'count', 'force', 'slider', 'histogram', 'gaps', 'spectrum', 'memory'];
+  let dirty = true;
+  let last = 0;
+  let told = 0;
+
+  /** Bring a picture into view and mark it for a moment. */
+  rub.show = (name) => {
+    const place = find(`panel-${name}`);
+    if (!place) return;
+    rub.panels?.open(name);
+    place.scrollIntoView({ block: 'nearest', behavior: rub.stage.calm ? 'auto' : 'smooth' });
+    for (const other of PANELS) find(`panel-${other}`)?.classList.toggle('shown', other === name);
+  };
+
+  function frame(now) {
+    const seconds = Math.min(0.1, (now - last) / 1000);
+    last = now;
+    rub.run.advance(seconds);
+    if (dirty || rub.run.playing) draw(now);
+    requestAnimationFrame(frame);
+  }
+
+  function draw(now) {
+    const seen = rub.run.moments();
+    rub.stage.draw();
+    rub.traces.draw(seen);
+    rub.histogram.draw();
+    rub.card.draw();
+    if (!rub.run.playing || now - told > 200) tell(now, seen);
+    dirty = false;
+  }
+
+  /* Text changes five times a second: often enough to follow, seldom enough to read. */
+  function tell(now, seen) {
+    told = now;
+    rub.readout.seen(seen);
+    rub.transport.where();
+    rub.card.refresh();
+    rub.panels?.draw(seen);
+  }
+
+  function fitAll() {
+    rub.plot.readTheme();
+    rub.stage.fit();
+    rub.traces.fit();
+    rub.histogram.pen.fit();
+    rub.card.pen.fit();
+    rub.panels?.fit();
+    drawLegend();
+    dirty = true;
+  }
+
+  function drawLegend() {
+    const pen = rub.plot.pen(find('legend'));
+    for (let i = 0; i < pen.width; i += 1) {
+      pen.ctx.setTransform(pen.scale, 0, 0, pen.scale, 0, 0);
+      pen.ctx.fillStyle = rub.plot.colourOf(i / pen.width);
+      pen.ctx.fillRect(i, 0, 1.5, pen.height);
+    }
+    find('legend-top').textContent = `${rub.plot.said(rub.stage.largest(), 3)} µm²`;
+  }
+
+  function settingsChanged() {
+    rub.readout.exact();
+    rub.stage.measure();
+    drawLegend();
+    rub.stack.forget();
+    rub.card.write();
+    find('replaying').hidden = !rub.replaying;
+    dirty = true;
+  }
+
+  function begin() {
+    rub.begin(JSON.parse(find('lesson-data').textContent));
+    rub.plot.readTheme();
+    rub.run.renew({ keep: false });
+    const calm = matchMedia('(prefers-reduced-motion: reduce)');
+    rub.stage.calm = calm.matches;
+    rub.stage.begin(find('stage'));
+    rub.traces.begin({ area: find('area'), count: find('count'), force: find('force'), slider: find('slider') });
+    rub.histogram.begin(find('histogram'));
+    rub.card.begin(find('card'), find('card-hint'));
+    rub.readout.begin(find('numbers'));
+    rub.knobs.begin(find('knobs'));
+    rub.panels?.begin();
+    rub.transport.begin();
+    rub.sound?.begin();
+    rub.on('settings', settingsChanged);
+    for (const event of ['jump', 'select', 'reset', 'tick']) {
+      rub.on(event, () => {
+        dirty = true;
+      });
+    }
+    rub.followFragment();
+    rub.knobs.show();
+    settingsChanged();
+    fitAll();
+    new ResizeObserver(fitAll).observe(find('pictures'));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', fitAll);
+    rub.tell('ready', rub.lesson);
+    rub.isReady = true;
+    if (!calm.matches) rub.run.play();
+    requestAnimationFrame((now) => {
+      last = now;
+      frame(now);
+    });
+  }
+
+  if (document.readyState === 'loading') document.addEventListener('DOMContentLoaded', begin);
+  else begin();
+})();

@@ -1,0 +1,157 @@
+'use strict';
+/* The contact: pulses, sizes, calibration. Lengths in um, areas in um^2, as everywhere on the page. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { chebyshev, gauss, normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
+
+  /** Rising half of the lens of unit diameter over u^1.5, from the series of sqrt(u (2 - u)) integrated term by term. */
+  function risingOverRoot(u) {
+    let factor = Math.SQRT2;
+    let sum = 0;
+    for (let k = 0; k < 60; k += 1) {
+      sum += factor / (k + 1.5);
+      factor *= ((k - 0.5) / (k + 1)) * (u / 2);
+    }
+    return sum;
+  }
+
+  const rising = chebyshev(risingOverRoot, 0, 1, 15);
+
+  /** Area of the lens: A = d^2 a(s/d), a(u) = (acos(1 - u) - (1 - u) sqrt(u (2 - u))) / 2 and its mirror image. */
+  function lensArea(sinceBirth, diameter) {
+    const u = 1 - Math.abs(1 - sinceBirth / diameter);
+    return u > 0 ? diameter * diameter * u * Math.sqrt(u) * rising(u) : 0;
+  }
+
+  /** Area of Rabinowicz's triangle: (pi/4) d (d - |d - s|). */
+  function triangleArea(sinceBirth, diameter) {
+    return Math.max(0, 0.25 * Math.PI * diameter * (diameter - Math.abs(diameter - sinceBirth)));
+  }
+
+  const halfTurn = panels([0, Math.PI / 2], 32);
+
+  /** Return c_n of the lens, where the integral of A^n over a life is c_n d^(2n+1); s = d (1 - cos theta). */
+  function lensIntegral(power) {
+    const term = (t) => (0.5 * (t - Math.sin(t) * Math.cos(t))) ** power * Math.sin(t);
+    return 2 * halfTurn.nodes.reduce((sum, t, i) => sum + halfTurn.weights[i] * term(t), 0);
+  }
+
+  const pulses = {
+    lens: { area: lensArea, lifeIntegral: lensIntegral, lifeMean: 1 / 3 },
+    triangle: {
+      area: triangleArea,
+      lifeIntegral: (power) => (2 * (Math.PI / 4) ** power) / (power + 1),
+      lifeMean: Math.PI / 8,
+    },
+  };
+
+  /** Diameters Normal(mean, std), drawn again while not positive; std 0 makes them all equal. */
+  class Sizes {
+    constructor(mean, std) {
+      this.mean = mean;
+      this.std = std;
+      this.mass = std > 0 ? normalMass(mean / std) : 1;
+      this.low = std > 0 ? Math.max(0, mean - 8.3 * std) : mean;
+      this.high = mean + 8.3 * std;
+      this.rules = new Map();
+    }
+
+    /** Return E[d^n] of the law as it is drawn: m_n = mean m_(n-1) + (n - 1) std^2 m_(n-2). */
+    moment(power) {
+      if (this.std === 0) return this.mean ** power;
+      let before = 1;
+      let current = this.mean + (this.std * normalDensity(this.mean / this.std)) / this.mass;
+      if (power === 0) return before;
+      for (let n = 2; n <= power; n += 1) {
+        [before, current] = [current, this.mean * current + (n - 1) * this.std ** 2 * before];
+      }
+      return current;
+    }
+
+    /** Return the density in 1/um at a positive diameter. */
+    density(diameter) {
+      return normalDensity((diameter - this.mean) / this.std) / (this.std * this.mass);
+    }
+
+    /** Return diameters (nodes) and their probabilities (weights), on at least so many panels, kept for the next call. */
+    rule(count) {
+      const known = this.rules.get(count);
+      if (known) return known;
+      const rule =
+        this.std === 0
+          ? { nodes: Float64Array.of(this.mean), weights: Float64Array.of(1) }
+          : this.weighed(panels(evenly(this.low, this.high, Math.max(5, count)), 12));
+      this.rules.set(count, rule);
+      return rule;
+    }
+
+    /** Return a rule whose panels end at the cuts, for what is not smooth there. */
+    cutRule(cuts) {
+      const inside = cuts.filter((cut) => cut > this.low && cut < this.high);
+      if (!inside.length || this.std === 0) return this.rule(5);
+      return this.weighed(panels(ordered([...evenly(this.low, this.high, 5), ...inside]), 12, true));
+    }
+
+    weighed({ nodes, weights }) {
+      nodes.forEach((d, i) => {
+        weights[i] *= this.density(d);
+      });
+      return { nodes, weights };
+    }
+
+    /** Return one diameter. */
+    draw(random) {
+      if (this.std === 0) return this.mean;
+      for (;;) {
+        const diameter = this.mean + this.std * random.normal();
+        if (diameter > 0) return diameter;
+      }
+    }
+  }
+
+  /** Return the least E[d^3] / d_m for unit std and where it lies: below it no diameter matches. */
+  function turning() {
+    const value = (mean) => new Sizes(mean, 1).moment(3) / mean;
+    let [low, high] = [0.5, 2];
+    for (let i = 0; i < 80; i += 1) {
+      const third = (high - low) / 3;
+      if (value(low + third) < value(high - third)) high -= third;
+      else low += third;
+    }
+    return { mean: low, value: value(low) };
+  }
+
+  /**
+   * Return d_m for a world, or NaN where `matched` has none: `paper` sqrt(A_rm / (0.327 N_jm)), for the lens alone,
+   * `exact` with the pulse's own life mean, `matched` the larger root of N_jm lifeMean E[d^3] / d_m = A_rm.
+   */
+  function calibratedDiameter(world) {
+    const wanted = world.meanArea / world.meanCount;
+    const { lifeMean } = pulses[world.pulse];
+    if (world.calibration === 'paper' && world.pulse === 'lens') return Math.sqrt(wanted / 0.327);
+    if (world.calibration !== 'matched' || world.spread === 0) return Math.sqrt(wanted / lifeMean);
+    return matchedDiameter(wanted / lifeMean, world.spread);
+  }
+
+  function matchedDiameter(wanted, std) {
+    const least = turning();
+    if (least.value * std * std > wanted) return NaN;
+    let [low, high] = [least.mean * std, Math.sqrt(wanted)];
+    for (let i = 0; i < 100; i += 1) {
+      const middle = 0.5 * (low + high);
+      if (new Sizes(middle, std).moment(3) / middle > wanted) high = middle;
+      else low = middle;
+    }
+    return 0.5 * (low + high);
+  }
+
+  /** Return what follows from the settings at once: d_m, sizes, mean life 2 d_m, birth spacing and rate, pulse. */
+  function contact(world) {
+    const diameter = calibratedDiameter(world);
+    const spacing = (2 * diameter) / world.meanCount;
+    const sizes = new Sizes(diameter, world.spread);
+    return { diameter, sizes, spacing, birthRate: 1 / spacing, meanLife: 2 * diameter, pulse: pulses[world.pulse] };
+  }
+
+  rub.model = { pulses, Sizes, calibratedDiameter, contact, gauss };
+})();

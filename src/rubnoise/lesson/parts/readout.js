@@ -1,0 +1,54 @@
+'use strict';
+/* Numbers: what is exact, and what has been measured so far. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { said } = rub.plot;
+  const milli = (value) => value * 1e-3;
+  /* Label, unit, exact value, measured value, and how many um of sliding go with one independent look, if any. */
+  const LINES = [
+    ['count', 'live junctions', '', (e) => e.countMean, (s) => s.countMean],
+    ['count-std', 'their spread', '', (e) => e.countStd, (s) => s.countStd],
+    ['area', 'real contact area', 'µm²', (e) => e.areaMean, (s) => s.areaMean],
+    ['area-std', 'its spread', 'µm²', (e) => e.areaStd, (s) => s.areaStd],
+    ['relative', 'spread over mean', '', (e) => e.areaStd / e.areaMean, (s) => s.areaStd / s.areaMean],
+    ['skewness', 'skewness', '', (e) => e.skewness, null],
+    ['diameter', 'diameter at birth', 'µm', (e) => e.diameterMean, null],
+    ['live-diameter', 'diameter of the living', 'µm', (e) => e.lengthBiasedMean, null],
+    ['life', 'life', 'µm', (e) => e.lifeMean, null],
+    ['spacing', 'between births', 'µm', (e) => e.spacing, null],
+    ['force', 'friction force', 'mN', (e) => milli(e.forceMean), (s) => milli(s.areaMean * rub.world.strength)],
+    ['force-std', 'its spread', 'mN', (e) => milli(e.forceStd), (s) => milli(s.areaStd * rub.world.strength)],
+    ['displacement', 'displacement', 'µm', (e) => e.displacementMean, (s) => s.displacementMean],
+    ['displacement-std', 'its spread', 'µm', (e) => e.displacementStd, (s) => s.displacementStd],
+    ['velocity-std', 'spread of velocity', 'mm/s', (e) => milli(e.velocityStd), (s) => milli(s.velocityStd)],
+    ['frequency', 'natural frequency', 'Hz', (e) => e.naturalFrequency, null],
+    ['one-way', 'velocity spread over sliding speed', '', (e) => e.oneWay, null],
+  ];
+  const readout = { cells: [] };
+
+  /** Make the table. */
+  readout.begin = (body) => {
+    body.innerHTML = LINES.map(
+      ([id, label, unit]) => `<tr id="number-${id}"><th scope="row">${label}</th><td></td><td></td><td>${unit}</td></tr>`,
+    ).join('');
+    readout.cells = LINES.map(([id]) => [...document.getElementById(`number-${id}`).querySelectorAll('td')]);
+  };
+
+  /** Write what is exact. */
+  readout.exact = () => {
+    const exact = rub.exact();
+    LINES.forEach(([, , , value], i) => {
+      readout.cells[i][0].textContent = said(value(exact), 6);
+    });
+    document.getElementById('one-way-warning').hidden = !(exact.oneWay > 0.1);
+  };
+
+  /** Write what has been measured. */
+  readout.seen = (seen) => {
+    LINES.forEach(([, , , , value], i) => {
+      readout.cells[i][1].textContent = value ? said(value(seen)) : '';
+    });
+  };
+
+  rub.readout = readout;
+})();

@@ -1,0 +1,78 @@
+'use strict';
+/* Junctions one after the other, in order of birth: drawn from a seed, or read from a run. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const GAPS = 1;
+  const SIZES = 2;
+
+  /**
+   * Junctions of a stationary contact. Births begin one longest life before the start, and who has died by then is left
+   * out: those who are left are as many, as large and as old as a stationary contact has them.
+   */
+  class Births {
+    constructor(world) {
+      this.world = world;
+      this.contact = rub.model.contact(world);
+      this.gaps = new rub.Random(world.seed, GAPS);
+      this.sizes = new rub.Random(world.seed, SIZES);
+      this.longest = 2 * this.contact.sizes.high;
+      this.count = 0;
+      const { spacing } = this.contact;
+      this.first = -this.longest + spacing * (world.births === 'regular' ? this.gaps.uniform() : this.gaps.exponential());
+      this.next = this.first;
+    }
+
+    /** Append to rows every junction born up to a distance. */
+    until(distance, rows) {
+      while (this.next <= distance) {
+        const diameter = this.contact.sizes.draw(this.sizes);
+        if (this.next + 2 * diameter > 0) rows.push(this.junction(rows.length, diameter));
+        this.count += 1;
+        this.next = this.following();
+      }
+    }
+
+    junction(id, diameter) {
+      const birth = this.next;
+      return { id, birth, diameter, death: birth + 2 * diameter, strength: this.world.strength };
+    }
+
+    /* Regular births are counted from the first: gaps added one by one would drift by their rounding. */
+    following() {
+      const { spacing } = this.contact;
+      if (this.world.births === 'regular') return this.first + this.count * spacing;
+      return this.next + spacing * this.gaps.exponential();
+    }
+  }
+
+  /** Return the doubles that a base64 text holds, lowest byte first. */
+  function doubles(text) {
+    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    return new Float64Array(bytes.buffer);
+  }
+
+  /** Junctions of a run that has been made before: all there from the beginning. */
+  class Replay {
+    constructor(record) {
+      const birth = doubles(record.birth);
+      const diameter = doubles(record.diameter);
+      const strength = record.strength ? doubles(record.strength) : null;
+      this.longest = 0;
+      this.rows = Array.from(birth, (b, id) => {
+        this.longest = Math.max(this.longest, 2 * diameter[id]);
+        return { id, birth: b, diameter: diameter[id], death: b + 2 * diameter[id], strength: strength ? strength[id] : 0 };
+      });
+      this.next = 0;
+    }
+
+    /** Append to rows every junction born up to a distance. */
+    until(distance, rows) {
+      while (this.next < this.rows.length && this.rows[this.next].birth <= distance) {
+        rows.push(this.rows[this.next]);
+        this.next += 1;
+      }
+    }
+  }
+
+  Object.assign(rub.model, { Births, Replay, doubles });
+})();

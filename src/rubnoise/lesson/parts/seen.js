@@ -1,0 +1,61 @@
+'use strict';
+/* What has been seen of a run so far: means and spreads from running sums, and lists from the rows. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+
+  /** Return the standard deviation from a mean and a mean square. */
+  const spread = (mean, square) => Math.sqrt(Math.max(0, square - mean * mean));
+
+  /** Return the means and spreads over all ticks passed so far. */
+  function moments() {
+    const { sums } = rub.run.trace;
+    const last = rub.run.ticksSeen;
+    const mean = (name) => sums[name][last] / (last + 1);
+    return {
+      distance: rub.run.distance,
+      ticks: last + 1,
+      countMean: mean('count'),
+      countStd: spread(mean('count'), mean('countSquare')),
+      areaMean: mean('area'),
+      areaStd: spread(mean('area'), mean('areaSquare')),
+      displacementMean: mean('displacement'),
+      displacementStd: spread(mean('displacement'), mean('displacementSquare')),
+      velocityStd: Math.sqrt(mean('velocitySquare')),
+    };
+  }
+
+  /** Return the rows born since the start and passed by now. */
+  function born() {
+    const { run } = rub;
+    return run.rows.slice(run.after(0), run.after(run.distance));
+  }
+
+  /** Look at the contact once every mean life: who is alive there, and how old. */
+  function inspected() {
+    const { run } = rub;
+    const stride = rub.exact().lifeMean;
+    const found = { liveDiameters: [], ages: [], lives: [], counts: [] };
+    for (let place = 0; place <= run.distance; place += stride) {
+      const live = run.liveAt(place);
+      found.counts.push(live.length);
+      for (const row of live) {
+        found.liveDiameters.push(row.diameter);
+        found.ages.push(place - row.birth);
+        found.lives.push(2 * row.diameter);
+      }
+    }
+    return found;
+  }
+
+  /**
+   * Return everything seen so far. Lists: gaps between births (um), diameters at birth, and, once every mean life,
+   * liveDiameters, ages and lives of whoever is alive (um) and the counts.
+   */
+  rub.run.seen = () => {
+    const rows = born();
+    const gaps = rows.slice(1).map((row, i) => row.birth - rows[i].birth);
+    return { ...moments(), births: rows.length, gaps, diameters: rows.map((row) => row.diameter), ...inspected() };
+  };
+
+  rub.run.moments = moments;
+})();

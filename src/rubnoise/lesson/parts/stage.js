@@ -1,0 +1,193 @@
+'use strict';
+/* The stage: two surfaces seen from above, one at rest, one sliding to the right, and the circles that meet. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { ink, colourOf } = rub.plot;
+  const ROOMY = 5; // area of the stage over that of the circles that are alive on average
+  const stage = { pen: null, calm: false };
+  let scale = 1; // pixels in a um
+  let wide = 1;
+  let high = 1;
+
+  /** Return where on the stage a junction meets, in um: a row number's place in a sequence that fills the plane evenly. */
+  function placeOf(row, into) {
+    const margin = rub.run.longest / 4;
+    into[0] = margin + ((row.id * 0.7548776662466927 + 0.37) % 1) * Math.max(0, wide - 2 * margin);
+    into[1] = margin + ((row.id * 0.5698402909980532 + 0.21) % 1) * Math.max(0, high - 2 * margin);
+    return into;
+  }
+
+  const place = [0, 0];
+
+  /** Measure the stage: how many um it shows. */
+  function measure() {
+    const { countMean, contact } = rub.exact();
+    const area = ROOMY * Math.max(3, countMean) * 0.25 * Math.PI * contact.diameter ** 2;
+    scale = Math.sqrt((stage.pen.width * stage.pen.height) / area);
+    wide = stage.pen.width / scale;
+    high = stage.pen.height / scale;
+  }
+
+  /** Draw both surfaces and every junction as it is now. */
+  stage.draw = () => {
+    const { ctx } = stage.pen;
+    stage.pen.clear();
+    drawGrain(ctx);
+    ctx.lineWidth = 1;
+    drawComing(ctx);
+    for (const row of rub.run.living) drawJunction(ctx, row);
+    drawGone(ctx);
+    drawSelected(ctx);
+  };
+
+  /* A few strokes of either surface, so that the sliding is seen where nothing meets. */
+  function drawGrain(ctx) {
+    const shift = (rub.run.distance * scale) % 48;
+    ctx.strokeStyle = ink.faint;
+    ctx.lineWidth = 1;
+    ctx.beginPath();
+    for (let y = 10, row = 0; y < stage.pen.height; y += 22, row += 1) {
+      const moves = row % 2 === 0;
+      for (let x = -48 + ((row * 31) % 48) + (moves ? shift : 0); x < stage.pen.width; x += 48) {
+        ctx.moveTo(x, y);
+        ctx.lineTo(x + (moves ? 14 : 4), y);
+      }
+    }
+    ctx.stroke();
+  }
+
+  /** Draw the pair of circles of a row at the offset of their centres, in pixels of the page. */
+  function drawPair(ctx, row, offset) {
+    placeOf(row, place);
+    const [x, y, radius] = [place[0] * scale, place[1] * scale, 0.5 * row.diameter * scale];
+    ctx.strokeStyle = ink.quiet;
+    circle(ctx, x - offset * 0.5 * scale, y, radius);
+    ctx.strokeStyle = ink.second;
+    circle(ctx, x + offset * 0.5 * scale, y, radius);
+  }
+
+  function circle(ctx, x, y, radius) {
+    ctx.beginPath();
+    ctx.arc(x, y, radius, 0, 2 * Math.PI);
+    ctx.stroke();
+  }
+
+  function drawJunction(ctx, row) {
+    const offset = rub.run.distance - row.birth - row.diameter;
+    const area = rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter);
+    placeOf(row, place);
+    ctx.fillStyle = colourOf(area / largest());
+    lens(ctx, place[0] * scale, place[1] * scale, 0.5 * row.diameter * scale, Math.abs(offset) * scale);
+    drawPair(ctx, row, offset);
+    if (rub.run.distance - row.birth < 0.15 * row.diameter) mark(ctx, row, ink.birth, offset);
+    else if (row.death - rub.run.distance < 0.15 * row.diameter) mark(ctx, row, ink.death, offset);
+  }
+
+  /** Fill the overlap of two circles whose centres are so far apart. */
+  function lens(ctx, x, y, radius, apart) {
+    const half = Math.acos(Math.min(1, apart / (2 * radius)));
+    ctx.beginPath();
+    ctx.arc(x - apart / 2, y, radius, -half, half);
+    ctx.arc(x + apart / 2, y, radius, Math.PI - half, Math.PI + half);
+    ctx.fill();
+  }
+
+  /* Births and deaths have a sign of their own beside the colour: a ring, and a cross. */
+  function mark(ctx, row, colour, offset) {
+    const [x, y] = [place[0] * scale, place[1] * scale];
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = 2;
+    if (offset < 0) circle(ctx, x, y, 7);
+    else cross(ctx, x, y, 5);
+    ctx.lineWidth = 1;
+  }
+
+  function cross(ctx, x, y, size) {
+    ctx.beginPath();
+    ctx.moveTo(x - size, y - size);
+    ctx.lineTo(x + size, y + size);
+    ctx.moveTo(x - size, y + size);
+    ctx.lineTo(x + size, y - size);
+    ctx.stroke();
+  }
+
+  /* Circles that are about to meet come into view, those that have parted fade. */
+  function drawComing(ctx) {
+    const { run } = rub;
+    const reach = 0.5 * rub.exact().contact.diameter;
+    for (let i = run.after(run.distance); i < run.rows.length && run.rows[i].birth < run.distance + reach; i += 1) {
+      const row = run.rows[i];
+      ctx.globalAlpha = 0.6 * (1 - (row.birth - run.distance) / reach);
+      drawPair(ctx, row, run.distance - row.birth - row.diameter);
+    }
+    ctx.globalAlpha = 1;
+  }
+
+  function drawGone(ctx) {
+    const { run } = rub;
+    const reach = 0.5 * rub.exact().contact.diameter;
+    for (let i = run.after(run.distance - run.longest - reach); i < run.rows.length; i += 1) {
+      const row = run.rows[i];
+      if (row.birth > run.distance) break;
+      const since = run.distance - row.death;
+      if (since < 0 || since > reach) continue;
+      ctx.globalAlpha = 0.6 * (1 - since / reach);
+      drawPair(ctx, row, run.distance - row.birth - row.diameter);
+    }
+    ctx.globalAlpha = 1;
+  }
+
+  function drawSelected(ctx) {
+    const row = rub.run.living.find((each) => each.id === rub.run.selected);
+    if (!row) return;
+    placeOf(row, place);
+    ctx.strokeStyle = ink.accent;
+    ctx.lineWidth = 3;
+    const offset = Math.abs(rub.run.distance - row.birth - row.diameter) * scale;
+    ctx.beginPath();
+    ctx.ellipse(place[0] * scale, place[1] * scale, 0.5 * (offset + row.diameter * scale) + 4, 0.5 * row.diameter * scale + 4, 0, 0, 2 * Math.PI);
+    ctx.stroke();
+    ctx.lineWidth = 1;
+  }
+
+  /** Return the area in um^2 at the upper end of the colours: that of a junction of the mean diameter at full overlap. */
+  function largest() {
+    return 0.25 * Math.PI * rub.exact().contact.diameter ** 2;
+  }
+
+  /** Return the live row whose circles hold a point of the stage, the one whose middle is nearest; or null. */
+  stage.rowAt = (x, y) => {
+    let found = null;
+    let least = Infinity;
+    for (const row of rub.run.living) {
+      placeOf(row, place);
+      const away = Math.hypot(x / scale - place[0], y / scale - place[1]);
+      if (away < least && away < Math.max(row.diameter, 14 / scale)) [found, least] = [row, away];
+    }
+    return found;
+  };
+
+  /** Return where a live row is on the stage, in pixels of the page from its upper left corner. */
+  stage.pointOf = (row) => placeOf(row, place).map((value) => value * scale);
+
+  /** Take over the canvas; a click chooses a junction. */
+  stage.begin = (canvas) => {
+    stage.pen = rub.plot.pen(canvas);
+    canvas.addEventListener('click', (event) => {
+      const box = canvas.getBoundingClientRect();
+      const row = stage.rowAt(event.clientX - box.left, event.clientY - box.top);
+      rub.select(row ? row.id : -1);
+    });
+    measure();
+  };
+
+  /** Fit the stage to its place and its contact. */
+  stage.fit = () => {
+    stage.pen.fit();
+    measure();
+  };
+
+  stage.measure = measure;
+  stage.largest = largest;
+  rub.stage = stage;
+})();

@@ -1,0 +1,174 @@
+'use strict';
+/* What is exact about a world: Campbell's theorem and what follows from it. Regular births: theory_regular.js. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { panels, evenly, ordered } = rub.numbers;
+
+  /** Return how many panels follow a function of k d over all sizes. */
+  const panelsFor = (sizes, k) => Math.max(5, Math.ceil(((sizes.high - sizes.low) * k) / 5));
+
+  /** Return E[f(d)] over sizes, f smooth but for a swing in k d. */
+  function average(sizes, k, f) {
+    const { nodes, weights } = sizes.rule(panelsFor(sizes, k));
+    let sum = 0;
+    for (let i = 0; i < nodes.length; i += 1) sum += weights[i] * f(nodes[i]);
+    return sum;
+  }
+
+  /** Return lam E[d^6 a^(k d)^2], the two-sided spectral density of Poisson births in um^4 per rad/um. */
+  function shotDensity(contact, k) {
+    const { transform } = contact.pulse;
+    return contact.birthRate * average(contact.sizes, k, (d) => d ** 6 * transform(k * d) ** 2);
+  }
+
+  /** Return the same with the swing of its tail averaged out, for panels of k wider than a swing. */
+  function smoothDensity(contact, k) {
+    const { meanSquare } = contact.pulse;
+    return contact.birthRate * average(contact.sizes, 0, (d) => d ** 6 * meanSquare(k * d));
+  }
+
+  /** Return q(t) = int a(s) a(s + t) ds for a life of unit diameter; 0 for t >= 2. */
+  function lifeOverlap(pulse, t) {
+    if (t >= 2) return 0;
+    const cuts = ordered([0, Math.acos(Math.min(t, 1)), Math.acos(t / 2)]);
+    if (cuts.length < 2) return 0;
+    const { nodes, weights } = panels(cuts, 16);
+    let sum = 0;
+    for (let i = 0; i < nodes.length; i += 1) {
+      const age = 2 * Math.sin(0.5 * nodes[i]) ** 2;
+      sum += weights[i] * Math.sin(nodes[i]) * pulse.area(age, 1) * pulse.area(age + t, 1);
+    }
+    return 2 * sum;
+  }
+
+  /** Return lam E[int A(s) A(s + lag) ds] in um^4: the autocovariance of Poisson births. */
+  function shotCovariance(contact, lag) {
+    const { sizes, pulse, birthRate } = contact;
+    const tau = Math.abs(lag);
+    if (sizes.high <= 0.5 * tau) return 0;
+    const rule = sizes.cutRule([0.5 * tau, tau]);
+    let sum = 0;
+    rule.nodes.forEach((d, i) => {
+      if (2 * d > tau) sum += rule.weights[i] * d ** 5 * lifeOverlap(pulse, tau / d);
+    });
+    return birthRate * sum;
+  }
+
+  /** Return variance and third cumulant of A_r for Poisson births, lam c_n m_(2n+1), and Var[N]. */
+  function shotCumulants({ pulse, birthRate, sizes }) {
+    const cumulant = (n) => birthRate * pulse.lifeIntegral(n) * sizes.moment(2 * n + 1);
+    return { variance: cumulant(2), third: cumulant(3), countVariance: 2 * birthRate * sizes.moment(1) };
+  }
+
+  /** Return the edges of panels of k that follow spectrum and resonance, in order. */
+  function responseEdges(contact, slider) {
+    const reach = contact.sizes.high;
+    const step = 6 / reach;
+    const { resonance, halfWidth } = slider;
+    const lowest = 1e-3 * Math.min(1 / reach, resonance);
+    const highest = 1e4 * Math.max(RESOLVED / reach, resonance);
+    const edges = [0, ...octaves(lowest, highest), ...evenly(0, RESOLVED / reach, Math.ceil(RESOLVED / 6))];
+    if (halfWidth < resonance) {
+      for (const gap of octaves(0.5 * halfWidth, resonance)) edges.push(resonance + gap, Math.max(0, resonance - gap));
+    }
+    edges.push(resonance);
+    if (resonance > RESOLVED / reach && halfWidth * reach < 30) {
+      for (let i = -200; i <= 200; i += 1) edges.push(Math.max(0, resonance + i * step));
+    }
+    return ordered(edges);
+  }
+
+  const RESOLVED = 600;
+
+  function octaves(low, high) {
+    const found = [];
+    for (let value = low; value < 2 * high; value *= 2) found.push(Math.min(value, high));
+    return found;
+  }
+
+  /** Return the slider as the spectrum sees it: resonance and its half width in rad/um, |H|^2 in (um/uN)^2. */
+  function sliderOf({ mass, stiffness, damping, speed }) {
+    const resonance = Math.sqrt(stiffness / mass) / speed;
+    const halfWidth = damping / (2 * mass * speed);
+    const gain = (k) => 1 / ((stiffness - mass * (k * speed) ** 2) ** 2 + (damping * k * speed) ** 2);
+    return { resonance, halfWidth, gain };
+  }
+
+  /**
+   * Return the stationary standard deviations of displacement (um) and velocity (um/s) of the one-way slider:
+   * Var x = (psi^2 / pi) int_0^inf S(k) |H(k V)|^2 dk, and with (k V)^2 for x'.
+   */
+  function sliderSpread(world, contact, density, lines) {
+    const slider = sliderOf(world);
+    const sums = [0, 0];
+    const add = (k, power) => {
+      sums[0] += power * slider.gain(k);
+      sums[1] += power * slider.gain(k) * (k * world.speed) ** 2;
+    };
+    const edges = responseEdges(contact, slider);
+    const wide = 6.01 / contact.sizes.high;
+    for (let i = 0; i + 1 < edges.length; i += 1) {
+      const follows = edges[i + 1] - edges[i] <= wide;
+      const { nodes, weights } = panels([edges[i], edges[i + 1]], 12);
+      nodes.forEach((k, j) => add(k, (weights[j] / Math.PI) * density(k, follows)));
+    }
+    lines.forEach(({ wavenumber, power }) => add(wavenumber, 2 * power));
+    return { displacementStd: world.strength * Math.sqrt(sums[0]), velocityStd: world.strength * Math.sqrt(sums[1]) };
+  }
+
+  /** Return density, covariance, cumulants and lines of the births that a world has. */
+  function lawOf(world, contact) {
+    if (world.births === 'regular') return rub.theory.regular(contact);
+    return {
+      ...shotCumulants(contact),
+      density: (k, follows = true) => (follows ? shotDensity : smoothDensity)(contact, k),
+      covariance: (lag) => shotCovariance(contact, lag),
+      lines: () => [],
+    };
+  }
+
+  /** Return what is exact about a world; what takes long is computed when it is first asked for. */
+  function exact(world) {
+    const contact = rub.model.contact(world);
+    const { sizes, pulse, birthRate } = contact;
+    const law = lawOf(world, contact);
+    const areaMean = birthRate * pulse.lifeIntegral(1) * sizes.moment(3);
+    const areaStd = Math.sqrt(law.variance) > 1e-12 * areaMean ? Math.sqrt(law.variance) : 0;
+    let spread = null;
+    const slider = () => (spread ??= sliderSpread(world, contact, law.density, law.lines()));
+    return {
+      contact,
+      diameter: contact.diameter,
+      diameterMean: sizes.moment(1),
+      lengthBiasedMean: sizes.moment(2) / sizes.moment(1),
+      lifeMean: 2 * sizes.moment(1),
+      lifeAreaMean: pulse.lifeMean * contact.diameter ** 2,
+      spacing: contact.spacing,
+      birthRate,
+      countMean: 2 * birthRate * sizes.moment(1),
+      countStd: Math.sqrt(Math.max(0, law.countVariance)),
+      areaMean,
+      areaStd,
+      skewness: areaStd > 0 ? law.third / areaStd ** 3 : NaN,
+      forceMean: world.strength * areaMean,
+      forceStd: world.strength * areaStd,
+      displacementMean: (world.strength * areaMean) / world.stiffness,
+      naturalFrequency: Math.sqrt(world.stiffness / world.mass) / (2 * Math.PI),
+      dampingRatio: world.damping / (2 * Math.sqrt(world.stiffness * world.mass)),
+      get displacementStd() {
+        return slider().displacementStd;
+      },
+      get velocityStd() {
+        return slider().velocityStd;
+      },
+      get oneWay() {
+        return slider().velocityStd / world.speed;
+      },
+      lines: law.lines,
+      spectrum: (k) => law.density(Math.abs(k)),
+      autocovariance: law.covariance,
+    };
+  }
+
+  rub.theory = { exact, average, panelsFor, shotDensity, smoothDensity, shotCovariance, sliderOf };
+})();

@@ -1,0 +1,104 @@
+'use strict';
+/* The contact at every tick, computed as far as somebody has looked: area, count, force, slider, and sums of them. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const COLUMNS = ['area', 'count', 'force', 'displacement', 'velocity'];
+  const SUMS = ['area', 'areaSquare', 'count', 'countSquare', 'displacement', 'displacementSquare', 'velocitySquare'];
+  const TOGETHER = 256;
+
+  /** Ticks i * tick for i = 0 ... last; ready of them are filled in, and sums[...][i] runs over ticks 0 ... i. */
+  class Trace {
+    constructor(world, source, tick, last, start) {
+      Object.assign(this, { world, source, tick, last, start, rows: [], ready: 0, oldest: 0, sums: {} });
+      this.pulse = rub.model.pulses[world.pulse];
+      this.reserve(4096);
+    }
+
+    /* Columns grow by doubling: a knob that is turned makes a run with every move. */
+    reserve(count) {
+      this.room = Math.min(count, this.last + 1);
+      const grown = (old) => {
+        const column = new Float64Array(this.room);
+        if (old) column.set(old.subarray(0, Math.min(old.length, this.room)));
+        return column;
+      };
+      COLUMNS.forEach((name) => {
+        this[name] = grown(this[name]);
+      });
+      SUMS.forEach((name) => {
+        this.sums[name] = grown(this.sums[name]);
+      });
+    }
+
+    /** Fill in ticks up to one that is wanted, and draw junctions as far. */
+    until(wanted) {
+      const target = Math.min(wanted, this.last);
+      while (this.ready <= target) this.append(Math.min(this.ready + TOGETHER, this.last + 1));
+    }
+
+    append(end) {
+      while (end > this.room) this.reserve(2 * this.room);
+      this.source.until((end - 1) * this.tick, this.rows);
+      this.lives(this.ready, end);
+      const from = this.ready;
+      this.ready = end;
+      this.slide(from);
+      this.sumUp(from);
+    }
+
+    /** Add up the lives that meet ticks from one up to, not including, another. */
+    lives(from, end) {
+      const { rows, tick } = this;
+      while (this.oldest < rows.length && rows[this.oldest].death <= from * tick) this.oldest += 1;
+      for (let j = this.oldest; j < rows.length; j += 1) {
+        const row = rows[j];
+        const first = Math.max(from, Math.ceil(row.birth / tick));
+        for (let i = first; i < end && i * tick < row.death; i += 1) this.add(row, i);
+      }
+    }
+
+    add(row, i) {
+      const area = this.pulse.area(i * this.tick - row.birth, row.diameter);
+      this.area[i] += area;
+      this.count[i] += 1;
+      this.force[i] += area * row.strength;
+    }
+
+    /** Move the slider on from a tick. */
+    slide(from) {
+      const constants = rub.slider.propagator(this.world, this.tick / this.world.speed);
+      const state = from ? [this.displacement[from - 1], this.velocity[from - 1]] : [this.start, 0];
+      for (let i = from; i < this.ready; i += 1) {
+        if (i) rub.slider.step(constants, state, this.force[i - 1], this.force[i]);
+        this.displacement[i] = state[0];
+        this.velocity[i] = state[1];
+      }
+    }
+
+    sumUp(from) {
+      for (let i = from; i < this.ready; i += 1) {
+        this.total('area', i, this.area[i]);
+        this.total('areaSquare', i, this.area[i] ** 2);
+        this.total('count', i, this.count[i]);
+        this.total('countSquare', i, this.count[i] ** 2);
+        this.total('displacement', i, this.displacement[i]);
+        this.total('displacementSquare', i, this.displacement[i] ** 2);
+        this.total('velocitySquare', i, this.velocity[i] ** 2);
+      }
+    }
+
+    total(name, i, value) {
+      this.sums[name][i] = value + (i ? this.sums[name][i - 1] : 0);
+    }
+
+    /** Give the same contact another slider. */
+    reslide(world, start) {
+      this.world = world;
+      this.start = start;
+      this.slide(0);
+      this.sumUp(0);
+    }
+  }
+
+  rub.Trace = Trace;
+})();

@@ -1,0 +1,106 @@
+'use strict';
+/* The settings of the page, what is exact about them, and who wants to know when something happens. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+
+  /** Settings that decide about junctions; the others concern the slider alone. */
+  const CONTACT = ['meanArea', 'meanCount', 'spread', 'births', 'pulse', 'calibration', 'seed'];
+  const CHOICES = {
+    births: ['poisson', 'regular'],
+    pulse: ['lens', 'triangle'],
+    calibration: ['paper', 'exact', 'matched'],
+  };
+  const LIMITS = {
+    meanArea: [1, 10000],
+    meanCount: [0.5, 400],
+    spread: [0, 20],
+    speed: [1, 1e7],
+    strength: [0.1, 1e5],
+    mass: [1e-6, 10],
+    stiffness: [0.1, 1e7],
+    damping: [0, 1e3],
+    seed: [0, 2 ** 53 - 1],
+  };
+  const listeners = new Map();
+  let exactNow = null;
+
+  /** Call f with what is told about "birth", "death", "tick", "select", "reset" or "settings" from now on. */
+  function on(event, f) {
+    listeners.set(event, [...(listeners.get(event) ?? []), f]);
+  }
+
+  /** Tell everybody who listens; whether anybody does can be asked with heard(). */
+  function tell(event, about) {
+    for (const f of listeners.get(event) ?? []) f(about);
+  }
+
+  /** Call f once everything on the page is there, or at once where it is. */
+  const ready = (f) => (rub.isReady ? f(rub.lesson) : on('ready', f));
+
+  const heard = (event) => listeners.has(event);
+
+  /** Return why a setting cannot be so, or an empty text. */
+  function problemWith(key, value) {
+    if (CHOICES[key]) return CHOICES[key].includes(value) ? '' : `${key}: ${CHOICES[key].join(' or ')}`;
+    if (!LIMITS[key]) return `${key}: no such setting`;
+    const [low, high] = LIMITS[key];
+    const good = typeof value === 'number' && value >= low && value <= high;
+    return good ? '' : `${key}: a number from ${low} to ${high}`;
+  }
+
+  /** Return why a world cannot be, or an empty text. */
+  function problemOf(world) {
+    if (world.pulse === 'lens' || world.calibration !== 'paper') {
+      if (!(rub.model.calibratedDiameter(world) > 0)) return 'no mean diameter matches this mean area with this spread';
+    }
+    const { sizes } = rub.model.contact(world);
+    if (world.spread > 2 * sizes.mean) return 'this spread is more than twice the mean diameter';
+    return '';
+  }
+
+  /**
+   * Change settings and make a new run of them; return false, and tell "refused", where they cannot be. With
+   * {restart: false} the run goes on from the distance where it was.
+   */
+  function set(values, { restart = true } = {}) {
+    const wanted = { ...rub.world, ...values };
+    const wrong = Object.entries(values).map(([key, value]) => problemWith(key, value));
+    const problem = wrong.find((each) => each) ?? problemOf(wanted);
+    if (problem) {
+      tell('refused', problem);
+      return false;
+    }
+    const rows = CONTACT.some((key) => rub.world[key] !== wanted[key]);
+    if (rows) rub.replaying = false;
+    Object.assign(rub.world, wanted);
+    exactNow = null;
+    rub.run.renew({ keep: !restart && !rows });
+    tell('settings', values);
+    return true;
+  }
+
+  /** Return to the settings that the page was made with. */
+  function reset() {
+    Object.assign(rub.world, rub.given);
+    exactNow = null;
+    rub.replaying = Boolean(rub.lesson.record);
+    rub.run.renew({ keep: false });
+    tell('settings', rub.given);
+  }
+
+  /** Return what is exact about the settings; see theory.js. */
+  function exact() {
+    return (exactNow ??= rub.theory.exact(rub.world));
+  }
+
+  /** Begin with what the page was made with: {world, title, distance, record, ...}. */
+  function begin(lesson) {
+    rub.lesson = lesson;
+    rub.given = Object.freeze({ ...lesson.world });
+    rub.world = { ...lesson.world };
+    rub.replaying = Boolean(lesson.record);
+    exactNow = null;
+  }
+
+  Object.assign(rub, { on, tell, heard, ready, set, reset, exact, begin, problemWith });
+})();

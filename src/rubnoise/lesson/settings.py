@@ -1,0 +1,72 @@
+"""What the page of lessons is told about a scenario: settings in working units, and what was taken from elsewhere."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.scenario import Scenario
+
+LESSON_STRENGTH: Final = 250.0
+LESSON_SPEED: Final = 1000.0
+LESSON_SLIDER: Final = {"mass": 0.005, "stiffness": 300.0, "damping": 0.05}
+"""Strength (MPa), speed (um/s) and slider (kg, N/m, N s/m) of the paper's Figure 5, where a scenario has none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """The knobs of the page as a scenario sets them, the distance of its run in um, and where its slider starts.
+
+    ``borrowed`` names the tables that the scenario lacks and that were taken from the paper's Figure 5.
+    """
+
+    world: dict[str, Any]
+    distance: float
+    slider_start: str
+    borrowed: tuple[str, ...]
+
+
+def settings_of(scenario: Scenario) -> Settings:
+    """Return the settings of a scenario for the page.
+
+    Raises Refused for sizes that are neither equal nor normal and for strengths that differ: the page cannot draw them.
+    """
+    model = scenario.model()
+    lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
+    slider = model.slider
+    return Settings(
+        world={
+            "meanArea": model.mean_real_contact_area,
+            "meanCount": model.mean_junction_count,
+            "spread": _spread(model.sizes),
+            "births": "regular" if isinstance(model.births, RegularBirths) else "poisson",
+            "pulse": model.pulse.shape,
+            "calibration": model.calibration,
+            "speed": model.sliding_speed or LESSON_SPEED,
+            "strength": _strength(model),
+            **({name: getattr(slider, name) for name in LESSON_SLIDER} if slider else LESSON_SLIDER),
+            "seed": scenario.run.seed,
+        },
+        distance=model.distance,
+        slider_start=slider.start if slider else "equilibrium",
+        borrowed=tuple(name for name, found in lacking.items() if found is None),
+    )
+
+
+def _spread(sizes: SizeLaw) -> float:
+    if isinstance(sizes, FixedSizes):
+        return 0.0
+    if isinstance(sizes, NormalSizes):
+        return sizes.std
+    raise Refused("the page of lessons knows fixed and normal diameters alone (diameter.law)")
+
+
+def _strength(model: Model) -> float:
+    if model.strengths is None:
+        return LESSON_STRENGTH
+    if isinstance(model.strengths, ConstantStrength):
+        return model.strengths.mean
+    raise Refused("the page of lessons knows equal strengths alone (strength.law)")
