@@ -1,0 +1,101 @@
+'use strict';
+/* The lessons: their list, how far each has been taken, and how the page's address keeps that. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+
+  /** How far a lesson has been taken. */
+  const STEPS = { asked: 0, predicted: 1, run: 2, passed: 3 };
+  const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', '': '' };
+
+  /** Return a number as it is said: four digits, no more. */
+  function say(value) {
+    if (!Number.isFinite(value)) return '–';
+    const short = Number(value.toPrecision(4));
+    const size = Math.abs(short);
+    return (size !== 0 && (size < 1e-3 || size >= 1e6) ? short.toExponential() : String(short)).replace('-', '−');
+  }
+
+  const unitName = (unit) => UNIT_NAMES[unit ?? ''];
+  const withUnit = (value, unit) => (unit ? `${say(value)} ${unitName(unit)}` : say(value));
+  const words = {
+    say,
+    unitName,
+    withUnit,
+    um: (value) => withUnit(value, 'um'),
+    um2: (value) => withUnit(value, 'um^2'),
+    share: (value) => `${say(100 * value)} %`,
+  };
+
+  /**
+   * Return settings of a contact for an experiment: 200 um^2 in 20 equal junctions but for what is given. The diameter is
+   * matched, so that the exact mean area is the one that is asked for.
+   */
+  const contact = (values) => ({ meanArea: 200, meanCount: 20, spread: 0, births: 'poisson', pulse: 'lens', calibration: 'matched', ...values });
+
+  const list = [];
+  const state = { open: 0, lessons: [] };
+
+  /** Add a lesson to the end of the list. */
+  function add(lesson) {
+    list.push(lesson);
+    state.lessons.push(fresh());
+  }
+
+  /** Return what is known of a lesson that nobody has begun: no prediction, no stake, no check answered. */
+  function fresh() {
+    return { step: STEPS.asked, said: '', stake: 0, right: {} };
+  }
+
+  /** Return the prediction of a lesson that was chosen, or undefined where none was or the teacher skipped it. */
+  function saidOption(index) {
+    return list[index].prediction.options.find((option) => option.id === state.lessons[index].said);
+  }
+
+  /** Return progress as text: for each lesson its step, its prediction as a letter (z: skipped) and its stake. */
+  function written() {
+    return state.lessons.map((each, i) => `${each.step}${letterOf(i)}${each.stake || ''}`).join('.');
+  }
+
+  function letterOf(index) {
+    const { said } = state.lessons[index];
+    if (said === 'skipped') return 'z';
+    const place = list[index].prediction.options.findIndex((option) => option.id === said);
+    return place < 0 ? '' : String.fromCharCode(97 + place);
+  }
+
+  /** Take progress from text; what does not fit is left as it was. */
+  function take(text) {
+    text.split('.').slice(0, list.length).forEach((part, i) => {
+      const found = /^([0-3])([a-z]?)(\d{0,2})$/.exec(part);
+      if (!found) return;
+      const [, step, letter, stake] = found;
+      const option = list[i].prediction.options[letter ? letter.charCodeAt(0) - 97 : -1];
+      const said = letter === 'z' ? 'skipped' : option?.id ?? '';
+      state.lessons[i] = { ...fresh(), step: said ? Number(step) : 0, said, stake: Math.min(10, Number(stake)) };
+    });
+  }
+
+  /** Read the open lesson and the progress from the page's address; return whether it names a lesson. */
+  function recall() {
+    const open = list.findIndex((lesson) => lesson.id === rub.fragment('lesson'));
+    state.open = Math.max(0, open);
+    take(rub.fragment('progress') ?? '');
+    return open >= 0;
+  }
+
+  /** Write the open lesson and the progress to the page's address, beside the settings. No storage is used. */
+  function remember() {
+    rub.fragment('lesson', list[state.open].id);
+    rub.fragment('progress', written());
+  }
+
+  /** Return why the question does not fit the settings any more, or nothing. */
+  function misfit(lesson, world) {
+    const turned = Object.entries(lesson.needs).find(([key, value]) => world[key] !== value);
+    return turned ? `The knobs have been turned since (${NAMES[turned[0]]}). Press a button of the experiment to set them back.` : '';
+  }
+
+  const NAMES = { births: 'births', pulse: 'pulse', spread: 'spread', meanCount: 'mean count' };
+
+  rub.lessons = { STEPS, contact, list, state, words, add, fresh, saidOption, written, recall, remember, misfit };
+})();

@@ -1,0 +1,193 @@
+'use strict';
+/* What happens in the lessons: predicting, running, checking, going on; and what is told about it. */
+(() => {
+  const rub = globalThis.rub;
+  const { lessons } = rub;
+  const { list, state, words, page, STEPS } = lessons;
+  const AHEAD = 200; // lives of one step ahead: enough for the second digit of most figures
+  const REFRESH = 500; // ms between two updates of the table: numbers that flicker cannot be read
+  let root = null;
+  let refreshed = 0;
+
+  const current = () => state.lessons[state.open];
+  const find = (selector) => root.querySelector(selector);
+
+  /** Show the open lesson anew and give the focus to an element of it, if one is named. */
+  function show(focus) {
+    draw();
+    lessons.remember();
+    if (focus) find(focus)?.focus();
+  }
+
+  function draw() {
+    root.replaceChildren(page.make('h2', { id: 'lessons-title', text: 'Lessons' }), page.contents(), page.article());
+    tell();
+  }
+
+  /** Write what depends on the settings: law, prompts, options, what has been seen. */
+  function tell() {
+    const lesson = list[state.open];
+    const exact = rub.exact();
+    fill('#lesson-law-text', () => lesson.law(exact, rub.world));
+    lesson.checks.forEach((check) => {
+      ask(check, check.prompt(exact, rub.world));
+      check.options?.forEach((each) => fill(`label[for="check-${check.id}-${each.id}"]`, () => each.text(exact, rub.world)));
+    });
+    tellSeen(exact);
+  }
+
+  /** Write what a check asks; an answer to other numbers is no answer any more. */
+  function ask(check, text) {
+    const element = find(`[data-prompt="${check.id}"]`);
+    if (!element || element.dataset.text === text) return;
+    const form = element.closest('form');
+    delete form.dataset.verdict;
+    form.querySelector('.lesson-verdict').textContent = '';
+    element.dataset.text = text;
+    element.innerHTML = text;
+  }
+
+  /** Set the content of an element that may be locked away. */
+  function fill(selector, html) {
+    const element = find(selector);
+    if (element) element.innerHTML = html();
+  }
+
+  function tellSeen(exact = rub.exact()) {
+    const { table } = list[state.open].experiment;
+    const begun = current().step >= STEPS.run;
+    const seen = begun ? lessons.seen(exact) : null;
+    table.forEach((row, i) => {
+      fill(`[data-seen="${i}"]`, () => (begun ? words.say(row.seen(seen, exact, rub.world)) : '–'));
+      fill(`[data-exact="${i}"]`, () => words.say(row.exact(exact, rub.world)));
+    });
+  }
+
+  /** Open a lesson. */
+  function open(index) {
+    state.open = index;
+    show('#lesson-title');
+    find('.lesson').scrollIntoView({ block: 'nearest' });
+  }
+
+  function predict() {
+    const chosen = find('input[name="prediction"]:checked');
+    if (!chosen) return fill('#lesson-predict .lesson-verdict', () => 'Choose first.');
+    const stake = find('#lesson-stake');
+    if (stake && !(Number.isInteger(stake.valueAsNumber) && stake.checkValidity())) {
+      return fill('#lesson-predict .lesson-verdict', () => 'A bet has from 1 to 10 chips.');
+    }
+    Object.assign(current(), { said: chosen.value, stake: stake ? stake.valueAsNumber : 0, step: STEPS.predicted });
+    show('[data-run]');
+  }
+
+  function skip() {
+    Object.assign(current(), { said: 'skipped', step: STEPS.predicted });
+    show('[data-run]');
+  }
+
+  function restart() {
+    state.lessons[state.open] = lessons.fresh();
+    show('#lesson-title');
+  }
+
+  /** Set the knobs as an experiment wants them and let it run. */
+  function run(index) {
+    const lesson = list[state.open];
+    const chosen = lesson.experiment.runs[index];
+    rub.set(chosen.set, { restart: true });
+    rub.show(chosen.show);
+    rub.transport.pace(rub.exact().lifeMean * lesson.experiment.pace);
+    rub.run.play();
+    if (current().step < STEPS.run) {
+      current().step = STEPS.run;
+      show(`[data-run="${index}"]`);
+    }
+    fill('#lesson-running', () => `${chosen.label}: running. ${outcome(lesson, index)}`);
+  }
+
+  /** Slide on at once by many lives, for those who want figures and not the show. */
+  function ahead() {
+    const { run: going } = rub;
+    going.goTo(Math.min(going.end, going.distance + AHEAD * rub.exact().lifeMean));
+    tellSeen();
+    const lives = words.say(Math.round(going.distance / rub.exact().lifeMean));
+    fill('#lesson-running', () => `Now at ${lives} lives${going.distance < going.end ? '' : ', the end of the run'}.`);
+  }
+
+  /** Return how a bet ends once the last of its runs has been started. */
+  function outcome(lesson, index) {
+    const last = index === lesson.experiment.runs.length - 1;
+    return lesson.settle && last ? lesson.settle(current(), rub.world) : '';
+  }
+
+  function check(form) {
+    const lesson = list[state.open];
+    const asked = lesson.checks.find((each) => each.id === form.dataset.check);
+    const field = form.querySelector('input[type="text"], input:checked');
+    const verdict = lessons.judge(lesson, asked, field ? field.value : '');
+    const line = form.querySelector('.lesson-verdict');
+    line.innerHTML = verdict.message;
+    form.dataset.verdict = verdict.right ? 'right' : 'wrong';
+    current().right[asked.id] = verdict.right;
+    if (lesson.checks.every((each) => current().right[each.id])) pass();
+  }
+
+  /** Mark the lesson as passed, without taking the focus or the answers away. */
+  function pass() {
+    current().step = STEPS.passed;
+    lessons.remember();
+    find('nav').replaceWith(page.contents());
+    find('.lesson-table').replaceWith(page.seenTable(list[state.open], state.open).firstChild);
+    tellSeen();
+    const last = list.every((_, i) => state.lessons[i].step === STEPS.passed);
+    fill('#lesson-end', () => (last ? 'All lessons done.' : 'Lesson done.'));
+  }
+
+  function clicked(event) {
+    const button = event.target.closest('button');
+    if (!button) return;
+    const { open: index, run: chosen, act } = button.dataset;
+    if (index !== undefined) open(Number(index));
+    else if (chosen !== undefined) run(Number(chosen));
+    else if (act === 'skip') skip();
+    else if (act === 'ahead') ahead();
+    else if (act === 'restart') restart();
+  }
+
+  function submitted(event) {
+    event.preventDefault();
+    if (event.target.id === 'lesson-predict') predict();
+    else check(event.target);
+  }
+
+  function ticked() {
+    const now = performance.now();
+    if (now - refreshed < REFRESH) return;
+    refreshed = now;
+    tellSeen();
+  }
+
+  /** Take up what another address says, such as one that was passed on. */
+  function follow() {
+    const before = `${rub.fragment('lesson')} ${rub.fragment('progress')}`;
+    if (before === `${list[state.open].id} ${lessons.written()}`) return;
+    if (lessons.recall()) draw();
+  }
+
+  /** Put the lessons into their section of the page. */
+  function mount() {
+    root = document.getElementById('lessons');
+    const recalled = lessons.recall();
+    root.addEventListener('click', clicked);
+    root.addEventListener('submit', submitted);
+    rub.on('tick', ticked);
+    rub.on('settings', tell);
+    addEventListener('hashchange', follow);
+    draw();
+    if (recalled) root.scrollIntoView();
+  }
+
+  lessons.open = open;
+  rub.on('ready', mount);
+})();
