@@ -16,6 +16,7 @@ from rubnoise.cli import (
     info,
     junction,
     junctions,
+    listen,
     new,
     plot,
     run,
@@ -42,6 +43,7 @@ app.command("plot")(plot.command)
 app.command("theory")(theory.command)
 app.command("figures")(figures.command)
 app.command("claims")(claims.command)
+app.command("listen")(listen.command)
 app.command("teach")(teach.command)
 app.command("export")(export.command)
 app.command("new")(new.command)

@@ -1,0 +1,196 @@
+"""A run as sound: which column is heard, how much faster than it happened, and what of it an ear can hear."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.resampling import MOST, input_count, output_count, rate_ratio, resampled
+from rubnoise.analysis.spectra import Spectrum, WelchSum
+from rubnoise.analysis.stored_model import stored_model
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.record.tally import Moments
+from rubnoise.storage import schema
+from rubnoise.storage.reader import RunFile
+
+What = Literal["velocity", "force", "displacement"]
+COLUMNS: Final[dict[What, str]] = {
+    "velocity": "velocity",
+    "force": "friction_force",
+    "displacement": "displacement",
+}
+PEAK: Final = 10.0 ** (-3.0 / 20.0)
+"""How far the loudest sample goes of full scale: 3 dB below it."""
+
+PANEL_ROWS: Final = 65_536
+RESOLUTION: Final = 2.0
+"""Distance in Hz, as heard, of the lines of the spectrum that tells what can be heard."""
+
+_SEGMENTS: Final = 8
+_MOST_TICKS: Final = 1 << 17
+_NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
+Doubles = NDArray[np.float64]
+Between = Callable[[], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sound:
+    """Rows 0 to ``rows`` of a column of a run, heard at ``rate`` samples a second.
+
+    ``ratio`` is samples over ticks; ``tick_duration`` is the time in s from tick to tick in the run. ``natural`` is the
+    slider's natural frequency in Hz, None without one.
+    """
+
+    file: RunFile
+    what: What
+    group: str
+    rows: int
+    tick_duration: float
+    rate: int
+    ratio: Fraction
+    samples: int
+    natural: float | None
+
+    @classmethod
+    def of(cls, file: RunFile, what: What, *, rate: int, speed_up: float, seconds: float | None) -> Self:
+        """Return the sound of an open run, of ``seconds`` from its start or of all of it.
+
+        Raises Refused where the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
+        that makes more than 4096 ticks of a sample or the other way round.
+        """
+        group, model = _group(file, what), stored_model(file)
+        if model.tick_duration is None:
+            raise Refused("the run has no times, so nothing is heard; sliding.speed in its scenario would give them")
+        ratio = rate_ratio(speed_up / model.tick_duration, rate)
+        if not ratio:
+            raise Refused(_out_of_reach(speed_up, model.tick_duration, rate))
+        samples = _samples(output_count(file.rows(group), ratio), rate, seconds)
+        return cls(
+            file=file,
+            what=what,
+            group=group,
+            rows=min(file.rows(group), input_count(samples, ratio)),
+            tick_duration=model.tick_duration,
+            rate=rate,
+            ratio=ratio,
+            samples=samples,
+            natural=None if model.slider is None else model.slider.natural_frequency,
+        )
+
+    @property
+    def column(self) -> str:
+        """Name of the column in its group."""
+        return COLUMNS[self.what]
+
+    @property
+    def units(self) -> str:
+        """Unit of the column."""
+        group = next(group for group in schema.GROUPS if group.name == self.group)
+        return next(column.units for column in group.columns if column.name == self.column)
+
+    @property
+    def speed_up(self) -> float:
+        """How much faster it is heard than it happened: what was asked for, as far as the ratio of rates meets it."""
+        return self.rate * self.tick_duration / float(self.ratio)
+
+    @property
+    def seconds(self) -> float:
+        """How long the sound lasts."""
+        return self.samples / self.rate
+
+    def panels(self) -> Iterator[Doubles]:
+        """Yield the rows as they are in the run."""
+        for first in range(0, self.rows, PANEL_ROWS):
+            yield self.file.column(self.group, self.column, first, min(first + PANEL_ROWS, self.rows))
+
+    def about(self, mean: float) -> Iterator[Doubles]:
+        """Yield the samples less a mean, in the unit of the column."""
+        return resampled((panel - mean for panel in self.panels()), self.ratio)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Level:
+    """What the samples of a sound are measured in: sample = (value - mean) / full_scale, in the unit of the column.
+
+    ``spectrum`` is that of the run over w in rad/s as heard, None where it is too short for one.
+    """
+
+    mean: float
+    full_scale: float
+    spectrum: Spectrum | None
+
+
+def level_of(sound: Sound, between: Between) -> Level:
+    """Return the mean of a sound's rows and the scale that leaves its loudest sample 3 dB below full scale.
+
+    ``between`` is called after each panel and may raise to stop. Raises Refused for a column that does not vary.
+    """
+    moments, total = Moments(powers=2), _welch_sum(sound)
+    for panel in sound.panels():
+        if not np.isfinite(panel).all():
+            raise RunFileRefused(f"/{sound.group}/{sound.column} is damaged: it holds what is no number")
+        moments.add(panel)
+        if total is not None:
+            total.add(panel)
+        between()
+    loudest = _loudest(sound, moments.mean, between)
+    if loudest <= _NOTHING * abs(moments.mean):
+        raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
+    spectrum = None if total is None else total.spectrum()
+    return Level(mean=moments.mean, full_scale=loudest / PEAK, spectrum=spectrum)
+
+
+def _loudest(sound: Sound, mean: float, between: Between) -> float:
+    loudest = 0.0
+    for panel in sound.about(mean):
+        loudest = max(loudest, float(np.abs(panel).max()))
+        between()
+    return loudest
+
+
+def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles]:
+    """Yield the samples of a sound, from -1 to 1; ``between`` is called after each panel and may raise to stop."""
+    for panel in sound.about(level.mean):
+        yield panel / level.full_scale
+        between()
+
+
+def _group(file: RunFile, what: What) -> str:
+    """Return the group that holds a quantity; raises Refused where the run has none."""
+    if "slider" in file.columns:
+        return "slider"
+    if what != "force":
+        raise Refused(
+            f"the run has no slider, and so no {what}; --what force is the force that would drive one,"
+            " [slider] in the scenario would give it one"
+        )
+    if COLUMNS[what] not in file.columns["trace"]:
+        raise Refused("the run has no friction force to hear; [strength] in its scenario would give it one")
+    return "trace"
+
+
+def _samples(whole: int, rate: int, seconds: float | None) -> int:
+    """Return how many samples to take of those that the whole run makes."""
+    if seconds is None:
+        return whole
+    if seconds * rate > whole:
+        raise Refused(f"--seconds {seconds:g}: the sound of the whole run lasts {whole / rate:.6g} s")
+    return max(1, round(seconds * rate))
+
+
+def _out_of_reach(speed_up: float, tick_duration: float, rate: int) -> str:
+    slowest, fastest = rate * tick_duration / MOST, rate * tick_duration * MOST
+    return (
+        f"--speed-up {speed_up:g}: with a tick every {tick_duration:.4g} s and {rate} samples a second"
+        f" it goes from {slowest:.3g} to {fastest:.3g}"
+    )
+
+
+def _welch_sum(sound: Sound) -> WelchSum | None:
+    """Return what makes a spectrum of the rows, over w as heard; None for fewer than 16 of them a segment."""
+    apart = sound.tick_duration / sound.speed_up
+    ticks = 2 * int(min(0.5 / (RESOLUTION * apart), sound.rows / (_SEGMENTS + 1), _MOST_TICKS))
+    return WelchSum(ticks, apart) if ticks >= 16 else None

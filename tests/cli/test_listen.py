@@ -1,0 +1,237 @@
+"""`rubnoise listen`: a run as sound."""
+
+import shutil
+import signal
+import subprocess
+import wave
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis import sound
+from rubnoise.analysis.hearing import Hearing
+from rubnoise.analysis.sound import PEAK
+from rubnoise.analysis.spectra import Spectrum
+from rubnoise.storage.reader import RunFile
+from tests.cli.terminal import begin, call, names, stop
+
+CONTACT = Path("../given/contact.toml")
+SLIDER = Path("../given/slider.toml")
+STEPS = 1 << 23
+
+
+@pytest.fixture
+def result(here: Path) -> Path:
+    assert call("run", SLIDER, "-q", "-o", "x.h5").code == 0
+    return here / "x.h5"
+
+
+def _samples(path: Path) -> np.ndarray:
+    with wave.open(str(path)) as file:
+        assert (file.getnchannels(), file.getsampwidth()) == (1, 3)
+        packed = np.frombuffer(file.readframes(file.getnframes()), np.uint8).reshape(-1, 3)
+    padded = np.zeros((len(packed), 4), np.uint8)
+    padded[:, 1:] = packed
+    return padded.view("<i4")[:, 0] / 256.0 / STEPS
+
+
+def _comment(path: Path) -> dict[str, str]:
+    """Return the figures of the chunk ICMT."""
+    data = path.read_bytes()
+    place = data.index(b"ICMT")
+    size = int.from_bytes(data[place + 4 : place + 8], "little")
+    text = data[place + 8 : place + 8 + size].rstrip(b"\0").decode()
+    return dict(each.split("=", 1) for each in text.split("; "))
+
+
+def test_the_velocity_is_heard_where_nothing_is_said(result: Path, here: Path) -> None:
+    answer = call("listen", "x.h5")
+    assert (answer.code, answer.err) == (0, "")
+    first, *lines = answer.out.splitlines()
+    assert first == "x_velocity.wav: 0.300021 s of velocity, 48,000 samples a second of 24 bits"
+    assert names(here) == ["x.h5", "x_velocity.wav"]
+    assert any("natural frequency" in each and "heard at 38.98 Hz" in each for each in lines)
+    assert any("audible, 20 Hz to 20 kHz" in each for each in lines)
+
+
+@pytest.mark.parametrize("what", ["velocity", "force", "displacement"])
+def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) -> None:
+    answer = call("listen", "x.h5", "--what", what, "-o", "a.wav")
+    assert answer.code == 0
+    told = _comment(here / "a.wav")
+    scale, mean = float(told.pop("full_scale")), float(told.pop("mean"))
+    unit = {"velocity": "um/s", "force": "uN", "displacement": "um"}[what]
+    assert told == {"quantity": what, "unit": unit, "speed_up": "1.0", "sample_rate": "48000", "run": "x.h5"}
+    assert f"{scale:.7g} {unit}, the loudest sample 3 dB below" in answer.out
+    samples = _samples(here / "a.wav")
+    assert np.abs(samples).max() == pytest.approx(PEAK, abs=1e-6)
+    with h5py.File(result) as file:
+        values = file["slider"][{"force": "friction_force"}.get(what, what)][:]
+    # Every 24th sample lies at every 5th tick; what is above 0.9 of the ticks' half may be missing.
+    found, wanted = (mean + scale * samples)[::24], values[::5]
+    assert np.abs(found - wanted)[20:-20].max() < 2e-3 * np.abs(values - mean).max()
+
+
+def test_the_title_and_the_software_are_in_the_file(result: Path, here: Path) -> None:
+    call("run", CONTACT, "-q", "-o", "y.h5", "--set", "sliding.speed=1 mm/s", "--set", "strength.mean=1 MPa")
+    call("listen", "y.h5", "--what", "force")
+    data = (here / "y_force.wav").read_bytes()
+    assert b"INAM\x10\x00\x00\x00a short contact\x00" in data
+    assert f"rubnoise {rubnoise.__version__}".encode() in data
+
+
+@pytest.mark.parametrize(("rate", "speed_up"), [("44100", 1.0), ("44100", 3.7), ("48000", 20.0), ("48000", 0.5)])
+def test_speed_and_rate_are_met(result: Path, here: Path, rate: str, speed_up: float) -> None:
+    assert call("listen", "x.h5", "--rate", rate, "--speed-up", str(speed_up), "-o", "a.wav").code == 0
+    with wave.open(str(here / "a.wav")) as file:
+        assert file.getframerate() == int(rate)
+        assert file.getnframes() / int(rate) == pytest.approx(0.3 / speed_up, rel=3e-4, abs=1.1 / int(rate))
+    assert float(_comment(here / "a.wav")["speed_up"]) == pytest.approx(speed_up, rel=3e-4)
+
+
+def test_seconds_cut_from_the_start(result: Path, here: Path) -> None:
+    assert call("listen", "x.h5", "--seconds", "0.1", "-o", "a.wav").code == 0
+    call("listen", "x.h5", "-o", "whole.wav")
+    part, whole = _comment(here / "a.wav"), _comment(here / "whole.wav")
+    short, long = (
+        float(told["mean"]) + float(told["full_scale"]) * _samples(here / name)
+        for told, name in ((part, "a.wav"), (whole, "whole.wav"))
+    )
+    assert short.size == 4800
+    np.testing.assert_allclose(short[:-400], long[:4400], rtol=0.0, atol=1e-3 * np.abs(long).max())
+
+
+def test_the_force_is_heard_of_a_run_without_a_slider(here: Path) -> None:
+    changes = ("--set", "sliding.speed=1 mm/s", "--set", "strength.mean=250 MPa")
+    assert call("run", CONTACT, "-q", "-o", "x.h5", *changes).code == 0
+    answer = call("listen", "x.h5", "--what", "force")
+    assert answer.code == 0
+    assert "natural frequency" not in answer.out
+    assert _samples(here / "x_force.wav").size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("changes", "what", "said"),
+    [
+        ((), "velocity", "x.h5: the run has no slider, and so no velocity; --what force"),
+        ((), "force", "x.h5: the run has no friction force to hear; [strength] in its scenario"),
+        (("strength.mean=1 MPa",), "force", "x.h5: the run has no times, so nothing is heard; sliding.speed"),
+    ],
+)
+def test_what_a_run_does_not_have_is_told(here: Path, changes: tuple[str, ...], what: str, said: str) -> None:
+    given = [word for change in changes for word in ("--set", change)]
+    assert call("run", CONTACT, "-q", "-o", "x.h5", *given).code == 0
+    answer = call("listen", "x.h5", "--what", what)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(said)
+    assert names(here) == ["x.h5"]
+
+
+def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
+    constant = ("birth.law=regular", "pulse.shape=triangle", "sliding.speed=1 mm/s", "strength.mean=1 MPa")
+    given = [word for change in constant for word in ("--set", change)]
+    assert call("run", CONTACT, "-q", "-o", "x.h5", *given).code == 0
+    answer = call("listen", "x.h5", "--what", "force")
+    assert (answer.code, answer.err) == (2, "x.h5: the force does not vary, so there is nothing to hear\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("-o", "x.mp3"), "x.mp3 does not end in .wav"),
+        (("-o", "none/x.wav"), "no such folder"),
+        (("--seconds", "1"), "--seconds 1: the sound of the whole run lasts 0.300021 s"),
+        (("--seconds", "0"), "--seconds: 0 is no number above 0"),
+        (("--speed-up", "0"), "--speed-up: 0 is no number above 0"),
+        (("--speed-up", "inf"), "--speed-up: inf is no number above 0"),
+        (("--speed-up", "nan"), "--speed-up: nan is no number above 0"),
+        (("--speed-up", "1e9"), "--speed-up 1e+09: with a tick every 0.0001 s and 48000 samples a second it goes from"),
+        (("--rate", "22050"), "'22050' is not one of '44100', '48000'"),
+        (("--what", "area"), "'area' is not one of 'velocity', 'force', 'displacement'"),
+    ],
+)
+def test_what_cannot_be_heard_is_refused(result: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:
+    answer = call("listen", "x.h5", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in " ".join(answer.err.replace("│", " ").split())
+    assert names(here) == ["x.h5"]
+
+
+def test_a_file_is_replaced_only_by_force(result: Path, here: Path) -> None:
+    (here / "x_velocity.wav").write_bytes(b"precious")
+    answer = call("listen", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.endswith("x_velocity.wav: exists already (--force replaces it)\n")
+    assert (here / "x_velocity.wav").read_bytes() == b"precious"
+    assert call("listen", "x.h5", "--force").code == 0
+    assert (here / "x_velocity.wav").read_bytes().startswith(b"RIFF")
+
+
+def test_memory_holds_one_panel_at_a_time(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[int] = []
+    whole = RunFile.column
+
+    def counted(file: RunFile, group: str, name: str, start: int = 0, stop: int | None = None) -> Any:
+        values = whole(file, group, name, start, stop)
+        read.append(values.size)
+        return values
+
+    monkeypatch.setattr(sound, "PANEL_ROWS", 50)
+    monkeypatch.setattr(RunFile, "column", counted)
+    assert call("listen", "x.h5").code == 0
+    assert max(read) == 50
+    assert sum(read) == 3 * 3001  # for the mean, for the loudest sample, for the file
+
+
+def test_a_damaged_column_is_told(result: Path, here: Path) -> None:
+    with h5py.File(result, "r+") as file:
+        file["slider/velocity"][7] = np.nan
+    answer = call("listen", "x.h5")
+    assert (answer.code, answer.err) == (2, "x.h5: /slider/velocity is damaged: it holds what is no number\n")
+
+
+def test_a_signal_leaves_nothing_behind(here: Path) -> None:
+    assert call("run", SLIDER, "-q", "-o", "x.h5", "--set", "sliding.distance=6 mm").code == 0
+    # A hundredth of the true speed: ten minutes of sound, which take a while to write.
+    slowly = ("listen", "x.h5", "--speed-up", "0.01")
+    listening: subprocess.Popen[str] = begin(*slowly, part=here / "x_velocity.wav.part")
+    answer, _ = stop(listening, signal.SIGTERM)
+    assert (answer.code, answer.err) == (143, "stopped by a signal; nothing was kept\n")
+    assert names(here) == ["x.h5"]
+
+
+def test_other_tools_read_it(result: Path, here: Path) -> None:
+    tool = shutil.which("soxi") or shutil.which("ffprobe")
+    if tool is None:
+        pytest.skip("neither sox nor ffmpeg is here to read the sound")
+    assert call("listen", "x.h5").code == 0
+    done = subprocess.run([tool, "x_velocity.wav"], capture_output=True, text=True, check=True)
+    assert "48000" in done.stdout + done.stderr
+    assert "full_scale" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("natural", "speed_up", "audible", "better"),
+    [(400.0, 1.0, 1.0, None), (39.0, 1.0, 1.0, 10.0), (3.9, 1.0, 0.0, 100.0), (39_000.0, 100.0, 0.0, 1.0)],
+)
+def test_a_speed_up_is_suggested_where_little_is_heard(
+    natural: float, speed_up: float, audible: float, better: float | None
+) -> None:
+    frequency = np.linspace(0.0, 1.5 * natural, 3001)
+    density = np.exp(-0.5 * np.square((frequency - natural) / (0.01 * natural)))
+    hearing = Hearing.of(
+        Spectrum(
+            wavenumber=2.0 * np.pi * frequency,
+            density=density,
+            standard_error=density,
+            ticks=6000,
+            segments=9,
+        )
+    )
+    assert hearing.middle == pytest.approx(natural, rel=0.002)
+    assert hearing.audible == pytest.approx(audible, abs=1e-6)
+    assert hearing.better(speed_up) == better

@@ -1,0 +1,157 @@
+"""What is heard is what was simulated: the sound's spectrum beside the run's and beside the exact one, band by band.
+
+Segments of sound and run cover the same stretches of time, so that their lines lie at the same frequencies. The
+amplitudes of the sound are those of the run but for the resampling's ripple R and the rounding to 24 bits; the power
+of a band is the square of a norm, and by the triangle inequality
+|sqrt(P_sound) - sqrt(P_run)| <= R sqrt(P_run) + sqrt(P_rounding).
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis.bands import band_powers
+from rubnoise.analysis.resampling import PASSED, RIPPLE
+from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.wave_file import STEPS
+from rubnoise.theory.estimated_spectrum import expected_periodogram
+from tests.verification.scores import BOUND, REJECTED
+from tests.verification.seeds import seed_of
+
+SPEED, TICK, LENGTH, STRENGTH = 1000.0, 0.1, 8000.0, 250.0
+RATE = 48_000
+BANDS = 12
+SCENARIO: dict[str, Any] = {
+    "format": 1,
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
+    "diameter": {"law": "normal", "spread": "0.2 um"},
+    "strength": {"mean": STRENGTH},
+    "sliding": {"distance": LENGTH, "speed": SPEED},
+    "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05},
+    "output": {"tick": "0.1 um"},
+}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunFile]:
+    path = tmp_path_factory.mktemp("sound") / "run.h5"
+    rubnoise.run(rubnoise.build(SCENARIO), path, seed=seed_of("sound")).close()
+    with open_run(path) as file:
+        yield file
+
+
+def _heard(run: RunFile, what: Any, speed_up: float) -> tuple[np.ndarray, float]:
+    """Return the samples as the file holds them, in the unit of the column, and the step of their rounding."""
+    sound = Sound.of(run, what, rate=RATE, speed_up=speed_up, seconds=None)
+    level = level_of(sound, lambda: None)
+    assert sound.speed_up == speed_up
+    samples = np.concatenate(list(samples_of(sound, level, lambda: None)))
+    assert samples.size == sound.samples
+    step = level.full_scale / STEPS
+    return np.rint(samples * STEPS) * step, step
+
+
+def _nearest(run: RunFile, what: str, speed_up: float) -> np.ndarray:
+    """Return what resampling without a filter would make: the control that must be rejected."""
+    values = _record(run, what)
+    apart = SPEED * speed_up / (TICK * RATE)
+    places = np.arange(int((values.size - 1) / apart) + 1) * apart
+    return values[np.rint(places).astype(int)] - values.mean()
+
+
+def _record(run: RunFile, what: str) -> np.ndarray:
+    return run.column("slider", {"force": "friction_force"}.get(what, what))
+
+
+def _amplitudes(values: np.ndarray, count: int) -> np.ndarray:
+    """Return the transforms of segments, each a row, scaled so that rows of any rate compare; none at either end."""
+    starts = range(count // 2, values.size - count - count // 2, count // 2)
+    parts = np.stack([values[start : start + count] for start in starts])
+    return np.fft.rfft((parts - parts.mean(axis=1, keepdims=True)) * hann(count), axis=1) / count
+
+
+def _bands(last: int) -> list[slice]:
+    edges = np.unique(np.geomspace(3, last, BANDS + 1).astype(int))
+    return [slice(first, stop) for first, stop in pairwise(edges.tolist())]
+
+
+def _excess(heard: np.ndarray, record: np.ndarray, step: float, counts: tuple[int, int]) -> list[float]:
+    """Return by how much each band's amplitude is off, over what ripple and rounding allow."""
+    sound, seen = _amplitudes(heard, counts[0]), _amplitudes(record, counts[1])
+    segments = min(len(sound), len(seen))
+    # White rounding noise of variance step^2/12; four times its power is beyond what chance makes of it.
+    rounding = 4.0 * step**2 / 12.0 * float(np.square(hann(counts[0])).sum()) / counts[0] ** 2
+    found = []
+    for band in _bands(int(PASSED * 0.5 * min(counts))):
+        powers = [float(np.square(np.abs(each[:segments, band])).mean(axis=0).sum()) for each in (sound, seen)]
+        allowed = RIPPLE * sqrt(powers[1]) + sqrt(rounding * (band.stop - band.start))
+        found.append(abs(sqrt(powers[0]) - sqrt(powers[1])) / allowed)
+    return found
+
+
+@pytest.mark.parametrize("what", ["velocity", "force", "displacement"])
+@pytest.mark.parametrize(("speed_up", "counts"), [(1.0, (19_200, 4000)), (20.0, (1200, 5000))])
+def test_the_sound_has_the_spectrum_of_the_run(
+    run: RunFile, what: str, speed_up: float, counts: tuple[int, int]
+) -> None:
+    heard, step = _heard(run, what, speed_up)
+    assert max(_excess(heard, _record(run, what), step, counts)) < 1.0
+
+
+@pytest.mark.parametrize(("speed_up", "counts"), [(1.0, (19_200, 4000)), (20.0, (1200, 5000))])
+def test_a_sound_without_a_filter_has_another_spectrum(run: RunFile, speed_up: float, counts: tuple[int, int]) -> None:
+    _, step = _heard(run, "force", speed_up)
+    excess = _excess(_nearest(run, "force", speed_up), _record(run, "force"), step, counts)
+    assert max(excess) > 100.0
+
+
+def test_there_is_nothing_beyond_what_the_run_can_tell(run: RunFile) -> None:
+    heard, _ = _heard(run, "force", 1.0)
+    beyond = int(1.001 * 0.5 * 4000)
+    powers = [
+        np.square(np.abs(_amplitudes(each, 19_200))).mean(axis=0) for each in (heard, _nearest(run, "force", 1.0))
+    ]
+    sound, nearest = (float(power[beyond:].sum() / power.sum()) for power in powers)
+    assert sound < 1e-10
+    assert nearest > 1e-7
+
+
+def _scores(run: RunFile, heard: np.ndarray) -> list[float]:
+    """Return the scores of the bands of a sound of the force, at true speed, beside the exact spectrum of the area."""
+    model = rubnoise.build(SCENARIO).model()
+    total = WelchSum(19_200, SPEED / RATE)
+    total.add(heard / STRENGTH)
+    bins = int(PASSED * 2000)
+    seen = _cut(total.spectrum(), bins)
+    _, expected = expected_periodogram(model, TICK, hann(4000))
+    found = band_powers(model, seen, expected[:bins], LENGTH, BANDS)
+    return [(band.observed - band.expected) / band.standard_error for band in found]
+
+
+def _cut(spectrum: Spectrum, bins: int) -> Spectrum:
+    arrays = {name: getattr(spectrum, name)[:bins] for name in ("wavenumber", "density", "standard_error")}
+    return replace(spectrum, **arrays)
+
+
+def test_the_sound_has_the_exact_spectrum(run: RunFile) -> None:
+    heard, _ = _heard(run, "force", 1.0)
+    scores = _scores(run, heard)
+    assert len(scores) == BANDS
+    assert max(map(abs, scores)) <= BOUND
+
+
+def test_a_sound_without_a_filter_has_not(run: RunFile) -> None:
+    assert max(map(abs, _scores(run, _nearest(run, "force", 1.0)))) > REJECTED
+
+
+def test_a_sound_played_a_tenth_too_fast_has_not(run: RunFile) -> None:
+    heard, _ = _heard(run, "force", 1.1)
+    assert max(map(abs, _scores(run, heard))) > REJECTED
