@@ -56,7 +56,8 @@ def test_the_attributes_of_root_and_provenance_are_listed(folder: Path) -> None:
 
 
 def test_the_smallest_scenario_is_one() -> None:
-    (text,) = re.findall(r"^```toml\n(.*?)^```$", generate_docs.read("scenarios.md"), re.MULTILINE | re.DOTALL)
+    text, sweep = re.findall(r"^```toml\n(.*?)^```$", generate_docs.read("scenarios.md"), re.MULTILINE | re.DOTALL)
+    assert "[sweep]" in sweep
     assert loads(text).resolved()["sliding"]["distance"] == "2000 um"
     for key in ("mean_real_contact_area", "mean_junction_count", "distance"):
         assert key in text
