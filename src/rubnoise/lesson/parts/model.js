@@ -2,7 +2,7 @@
 /* The contact: pulses, sizes, calibration. Lengths in um, areas in um^2, as everywhere on the page. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { chebyshev, gauss, normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
+  const { chebyshev, normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
 
   /** Rising half of the lens of unit diameter over u^1.5, from the series of sqrt(u (2 - u)) integrated term by term. */
   function risingOverRoot(u) {
@@ -85,11 +85,23 @@
       return rule;
     }
 
-    /** Return a rule whose panels end at the cuts, for what is not smooth there. */
+    /**
+     * Return a rule whose panels end at the cuts, for what is not smooth there; from the first cut upwards it may begin
+     * as a root does.
+     */
     cutRule(cuts) {
+      if (this.std === 0 || !cuts.some((cut) => cut > this.low && cut < this.high)) return this.rule(5);
+      const [root] = cuts;
       const inside = cuts.filter((cut) => cut > this.low && cut < this.high);
-      if (!inside.length || this.std === 0) return this.rule(5);
-      return this.weighed(panels(ordered([...evenly(this.low, this.high, 5), ...inside]), 12, true));
+      const edges = ordered([...evenly(this.low, this.high, 5), ...inside]);
+      const count = 16 * (edges.length - 1);
+      const rule = { nodes: new Float64Array(count), weights: new Float64Array(count) };
+      for (let i = 0; i + 1 < edges.length; i += 1) {
+        const panel = panels([edges[i], edges[i + 1]], 16, edges[i] === root);
+        rule.nodes.set(panel.nodes, 16 * i);
+        rule.weights.set(panel.weights, 16 * i);
+      }
+      return this.weighed(rule);
     }
 
     weighed({ nodes, weights }) {
@@ -153,5 +165,5 @@
     return { diameter, sizes, spacing, birthRate: 1 / spacing, meanLife: 2 * diameter, pulse: pulses[world.pulse] };
   }
 
-  rub.model = { pulses, Sizes, calibratedDiameter, contact, gauss };
+  rub.model = { pulses, Sizes, calibratedDiameter, contact };
 })();

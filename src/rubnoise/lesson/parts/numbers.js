@@ -69,6 +69,11 @@
   /** Return the function that interpolates f on [low, high] by Chebyshev polynomials, evaluated after Clenshaw. */
   function chebyshev(f, low, high, degree) {
     const c = chebyshevCoefficients(f, low, high, degree);
+    return clenshaw(c, low, high);
+  }
+
+  function clenshaw(c, low, high) {
+    const degree = c.length - 1;
     const middle = 0.5 * (low + high);
     const scale = 4 / (high - low);
     return (at) => {
@@ -94,6 +99,27 @@
     return c;
   }
 
+  /** Return the function that interpolates f between rising edges, panel by panel, after chebyshev; 0 outside. */
+  function piecewise(f, edges, degree) {
+    const pieces = edges.slice(1).map((edge, i) => chebyshev(f, edges[i], edge, degree));
+    return (at) => {
+      if (at < edges[0] || at >= edges[edges.length - 1]) return 0;
+      return pieces[panelOf(edges, at)](at);
+    };
+  }
+
+  /** Return the number of the panel between rising edges in which a value lies. */
+  function panelOf(edges, at) {
+    let low = 0;
+    let high = edges.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (edges[middle] <= at) low = middle;
+      else high = middle;
+    }
+    return low;
+  }
+
   /** Return the density of the standard normal law. */
   const normalDensity = (z) => Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI);
 
@@ -109,5 +135,5 @@
     return 0.5 + normalDensity(z) * sum;
   }
 
-  rub.numbers = { gauss, panels, evenly, ordered, chebyshev, normalDensity, normalMass };
+  rub.numbers = { gauss, panels, evenly, ordered, chebyshev, piecewise, normalDensity, normalMass };
 })();

@@ -5,7 +5,7 @@
   const { panels, evenly, ordered } = rub.numbers;
 
   /** Return how many panels follow a function of k d over all sizes. */
-  const panelsFor = (sizes, k) => Math.max(5, Math.ceil(((sizes.high - sizes.low) * k) / 5));
+  const panelsFor = (sizes, k) => Math.max(5, Math.ceil(((sizes.high - sizes.low) * k) / 8));
 
   /** Return E[f(d)] over sizes, f smooth but for a swing in k d. */
   function average(sizes, k, f) {
@@ -60,25 +60,32 @@
     return { variance: cumulant(2), third: cumulant(3), countVariance: 2 * birthRate * sizes.moment(1) };
   }
 
+  /** Return the wavenumber in rad/um up to which the swing of the spectrum's tail is followed. */
+  function followedUpTo({ sizes }) {
+    if (sizes.std === 0) return FOLLOWED / sizes.high;
+    /* Sizes that differ by some waves average over the swing themselves; the smallest of them hardly count. */
+    return Math.min(FOLLOWED / sizes.high, Math.max(7 / sizes.std, 32 / Math.max(sizes.low, 0.2 * sizes.mean)));
+  }
+
   /** Return the edges of panels of k that follow spectrum and resonance, in order. */
   function responseEdges(contact, slider) {
     const reach = contact.sizes.high;
-    const step = 6 / reach;
+    const [step, followed] = [PHASE / reach, followedUpTo(contact)];
     const { resonance, halfWidth } = slider;
-    const lowest = 1e-3 * Math.min(1 / reach, resonance);
-    const highest = 1e4 * Math.max(RESOLVED / reach, resonance);
-    const edges = [0, ...octaves(lowest, highest), ...evenly(0, RESOLVED / reach, Math.ceil(RESOLVED / 6))];
+    const edges = [0, ...octaves(1e-3 * Math.min(1 / reach, resonance), step), resonance];
+    edges.push(...evenly(step, followed, Math.ceil((followed - step) / step)));
+    edges.push(...octaves(followed, 1e4 * Math.max(followed, resonance)));
     if (halfWidth < resonance) {
       for (const gap of octaves(0.5 * halfWidth, resonance)) edges.push(resonance + gap, Math.max(0, resonance - gap));
     }
-    edges.push(resonance);
-    if (resonance > RESOLVED / reach && halfWidth * reach < 30) {
+    if (contact.sizes.std === 0 && resonance > followed && halfWidth * reach < 30) {
       for (let i = -200; i <= 200; i += 1) edges.push(Math.max(0, resonance + i * step));
     }
     return ordered(edges);
   }
 
-  const RESOLVED = 600;
+  const FOLLOWED = 600;
+  const PHASE = 8;
 
   function octaves(low, high) {
     const found = [];
@@ -106,9 +113,10 @@
       sums[1] += power * slider.gain(k) * (k * world.speed) ** 2;
     };
     const edges = responseEdges(contact, slider);
-    const wide = 6.01 / contact.sizes.high;
+    const wide = (1.01 * PHASE) / contact.sizes.high;
+    const followed = contact.sizes.std === 0 ? Infinity : 1.01 * followedUpTo(contact);
     for (let i = 0; i + 1 < edges.length; i += 1) {
-      const follows = edges[i + 1] - edges[i] <= wide;
+      const follows = edges[i + 1] - edges[i] <= wide && edges[i] < followed;
       const { nodes, weights } = panels([edges[i], edges[i + 1]], 12);
       nodes.forEach((k, j) => add(k, (weights[j] / Math.PI) * density(k, follows)));
     }

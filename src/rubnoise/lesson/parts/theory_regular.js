@@ -2,51 +2,81 @@
 /* What is exact where births are regular: a mixture over their phase, which is uniform over one spacing. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { panels, evenly, ordered } = rub.numbers;
+  const { panels, ordered, piecewise } = rub.numbers;
 
-  /** Return the edges of panels of the phase: where a life begins, is at its middle, or ends. */
-  function phaseEdges({ sizes, spacing, diameter }) {
-    const turns = [];
-    const { std } = sizes;
-    const steps = std === 0 ? [0] : evenly(-8, 8, 8);
-    if (2 * std < spacing) steps.forEach((z) => turns.push(diameter + z * std, 2 * (diameter + z * std)));
-    const within = turns.filter((turn) => turn > 0).map((turn) => turn % spacing);
-    return ordered([...evenly(0, spacing, std === 0 ? 1 : 4), ...within]);
+  /** Return ages between which the mean life is smooth: octaves of distance from mid-life and death, as sizes blur them. */
+  function turnsOf({ sizes, diameter }) {
+    const longest = 2 * sizes.high;
+    if (sizes.std === 0) return [0, diameter, longest];
+    const edges = [0, longest];
+    for (const [turn, blur] of [
+      [diameter, sizes.std],
+      [2 * diameter, 2 * sizes.std],
+    ]) {
+      for (let z = -8; z <= 8; z += 2) edges.push(turn + z * blur);
+      for (let gap = 16 * blur; gap < longest; gap *= 2) edges.push(turn - gap, turn + gap);
+    }
+    for (let age = diameter / 2; age > 1e-3 * diameter; age /= 2) edges.push(age);
+    return ordered(edges.filter((edge) => edge >= 0 && edge <= longest));
   }
 
-  /** Return E[A], E[A^2], E[A^3] and P(alive) at an age, over sizes, into an array of four. */
-  function momentsAt({ sizes, pulse }, age, into) {
-    into.fill(0);
+  /** Return E[A], E[A^2], E[A^3] and P(alive) at an age, over sizes. */
+  function momentsAt({ sizes, pulse }, age) {
+    const found = [0, 0, 0, 0];
     const { nodes, weights } = sizes.cutRule([0.5 * age, age]);
     for (let i = 0; i < nodes.length; i += 1) {
       const area = pulse.area(age, nodes[i]);
       const once = weights[i] * area;
-      into[0] += once;
-      into[1] += once * area;
-      into[2] += once * area * area;
-      if (2 * nodes[i] > age) into[3] += weights[i];
+      found[0] += once;
+      found[1] += once * area;
+      found[2] += once * area * area;
+      if (2 * nodes[i] > age) found[3] += weights[i];
     }
+    return found;
   }
 
-  /** Return cumulants of area given a phase, and mean and variance of the count. */
-  function cumulantsAt(contact, phase) {
+  /**
+   * Return the first three cumulants of A at an age and the chance to be alive, as functions of the age: by themselves for
+   * one size, else interpolated in the root of the age, in which the birth is smooth.
+   */
+  function lifeOf(contact, turns) {
+    const at = (age) => {
+      const [m1, m2, m3, alive] = momentsAt(contact, age);
+      return [m1, m2 - m1 * m1, m3 - 3 * m1 * m2 + 2 * m1 ** 3, alive];
+    };
+    if (contact.sizes.std === 0) return [0, 1, 2, 3].map((i) => (age) => at(age)[i]);
+    const known = new Map();
+    const once = (root) => known.get(root) ?? known.set(root, at(root * root)).get(root);
+    return [0, 1, 2, 3].map((i) => {
+      const table = piecewise((root) => once(root)[i], turns.map(Math.sqrt), 15);
+      return (age) => table(Math.sqrt(age));
+    });
+  }
+
+  /** Return the edges of panels of the phase: where a life is at one of its turns that are closer than a spacing. */
+  function phaseEdges({ spacing }, turns) {
+    const near = (i) => turns[i] - (turns[i - 1] ?? -Infinity) < spacing || (turns[i + 1] ?? Infinity) - turns[i] < spacing;
+    const one = turns.length === 3;
+    const within = turns.filter((turn, i) => one || near(i)).map((turn) => turn % spacing);
+    return ordered([0, ...within, spacing]);
+  }
+
+  /** Return cumulants of area given a phase, mean and variance of the count. */
+  function cumulantsAt({ spacing, sizes }, life, phase) {
     const found = [0, 0, 0, 0, 0];
-    const m = new Float64Array(4);
-    for (let age = phase; age < 2 * contact.sizes.high; age += contact.spacing) {
-      momentsAt(contact, age, m);
-      found[0] += m[0];
-      found[1] += m[1] - m[0] * m[0];
-      found[2] += m[2] - 3 * m[0] * m[1] + 2 * m[0] ** 3;
-      found[3] += m[3];
-      found[4] += m[3] * (1 - m[3]);
+    for (let age = phase; age < 2 * sizes.high; age += spacing) {
+      for (let i = 0; i < 3; i += 1) found[i] += life[i](age);
+      const alive = life[3](age);
+      found[3] += alive;
+      found[4] += alive * (1 - alive);
     }
     return found;
   }
 
   /** Return variance, third cumulant and Var[N], by the law of total cumulance over the phase. */
-  function cumulants(contact) {
-    const { nodes, weights } = panels(phaseEdges(contact), 12, true);
-    const given = Array.from(nodes, (phase) => cumulantsAt(contact, phase));
+  function cumulants(contact, life, turns) {
+    const { nodes, weights } = panels(phaseEdges(contact, turns), contact.sizes.std === 0 ? 20 : 8, true);
+    const given = Array.from(nodes, (phase) => cumulantsAt(contact, life, phase));
     const mean = (f) => given.reduce((sum, k, i) => sum + (weights[i] / contact.spacing) * f(k), 0);
     const area = mean((k) => k[0]);
     const count = mean((k) => k[3]);
@@ -57,14 +87,28 @@
     };
   }
 
-  /** Return the mean transform E[d^3 a^(k d) exp(-i k d)], about the birth, and the spread about it. */
+  /** Return |E[A^]|^2 and E[|A^ - E[A^]|^2] of the transform d^3 a^(k d) exp(-i k d) about the birth. */
   function meanTransform({ sizes, pulse }, k) {
     const { nodes, weights } = sizes.rule(rub.theory.panelsFor(sizes, 2 * k));
-    const real = Array.from(nodes, (d) => d ** 3 * pulse.transform(k * d) * Math.cos(k * d));
-    const imaginary = Array.from(nodes, (d) => d ** 3 * pulse.transform(k * d) * Math.sin(k * d));
-    const mean = (values) => values.reduce((sum, value, i) => sum + weights[i] * value, 0);
-    const [x, y] = [mean(real), mean(imaginary)];
-    return { square: x * x + y * y, spread: mean(real.map((re, i) => (re - x) ** 2 + (imaginary[i] - y) ** 2)) };
+    let [x, y, square] = [0, 0, 0];
+    const real = new Float64Array(nodes.length);
+    const imaginary = new Float64Array(nodes.length);
+    for (let i = 0; i < nodes.length; i += 1) {
+      const size = nodes[i] ** 3 * pulse.transform(k * nodes[i]);
+      real[i] = size * Math.cos(k * nodes[i]);
+      imaginary[i] = size * Math.sin(k * nodes[i]);
+      x += weights[i] * real[i];
+      y += weights[i] * imaginary[i];
+    }
+    for (let i = 0; i < nodes.length; i += 1) square += weights[i] * ((real[i] - x) ** 2 + (imaginary[i] - y) ** 2);
+    return { square: x * x + y * y, spread: square };
+  }
+
+  /** Return the spread where mid-life and death are blurred over many waves, and the birth alone is left of the mean. */
+  function blurredSpread(contact, k) {
+    const { sizes, pulse, birthRate } = contact;
+    const part = (i) => rub.theory.average(sizes, 0, (d) => d ** 3 * pulse.birth(k * d)[i]);
+    return rub.theory.smoothDensity(contact, k) / birthRate - part(0) ** 2 - part(1) ** 2;
   }
 
   /**
@@ -73,58 +117,49 @@
    */
   function linesOf(contact, variance) {
     const found = [];
-    const most = contact.sizes.std === 0 ? 8192 : 400;
-    for (let n = 1; n <= most; n += 1) {
+    const most = contact.sizes.std === 0 ? 8192 : 1000;
+    for (let n = 1, weak = 0; n <= most && weak < 8; n += 1) {
       const wavenumber = 2 * Math.PI * n * contact.birthRate;
       const power = contact.birthRate ** 2 * meanTransform(contact, wavenumber).square;
       found.push({ wavenumber, power });
-      if (contact.sizes.std > 0 && n > 2 && power * n < 1e-10 * variance) break;
+      weak = contact.sizes.std > 0 && power * n < 1e-10 * variance ? weak + 1 : 0;
     }
     return found;
   }
 
   /** Return lam int E[A(s)] E[A(s + lag)] ds in um^4: what the phase tells of single lives. */
-  function sharedCovariance(contact, mean, lag) {
-    const { nodes, weights } = mean.ages;
-    const longest = 2 * contact.sizes.high;
-    return contact.birthRate * nodes.reduce((sum, age, i) => {
-      return age + lag < longest ? sum + weights[i] * mean.at(age) * mean.at(age + lag) : sum;
-    }, 0);
+  function sharedCovariance(contact, mean, turns, lag) {
+    const last = 2 * contact.sizes.high - lag;
+    if (last <= 0) return 0;
+    const edges = ordered([0, last, ...turns, ...turns.map((turn) => turn - lag)].filter((edge) => edge >= 0 && edge <= last));
+    const { nodes, weights } = panels(edges, 10);
+    let sum = 0;
+    for (let i = 0; i < nodes.length; i += 1) sum += weights[i] * mean(nodes[i]) * mean(nodes[i] + lag);
+    return contact.birthRate * sum;
   }
 
-  /** Return the mean life, E[A] at an age in um, and a rule over ages. */
-  function meanLife(contact) {
-    const m = new Float64Array(4);
-    const at = (age) => {
-      momentsAt(contact, age, m);
-      return m[0];
-    };
-    return { at, ages: panels(evenly(0, 2 * contact.sizes.high, 24), 12) };
-  }
-
-  function covarianceOf(contact, lines) {
-    let mean = null;
+  function covarianceOf(contact, mean, turns, lines) {
     return (lag) => {
       const tau = Math.abs(lag);
-      const waves = lines().reduce((sum, line) => sum + 2 * line.power * Math.cos(line.wavenumber * tau), 0);
+      let waves = 0;
+      for (const { wavenumber, power } of lines()) waves += 2 * power * Math.cos(wavenumber * tau);
       if (contact.sizes.std === 0) return waves;
-      mean ??= meanLife(contact);
-      return rub.theory.shotCovariance(contact, tau) - sharedCovariance(contact, mean, tau) + waves;
+      return rub.theory.shotCovariance(contact, tau) - sharedCovariance(contact, mean, turns, tau) + waves;
     };
   }
 
   /** Return density, covariance, cumulants and lines of regular births. */
   rub.theory.regular = (contact) => {
     let known = null;
-    const found = cumulants(contact);
+    const turns = turnsOf(contact);
+    const life = lifeOf(contact, turns);
+    const found = cumulants(contact, life, turns);
     const lines = () => (known ??= linesOf(contact, found.variance));
     const one = contact.sizes.std === 0;
-    /* Where sizes are spread over many waves their mean transform is nothing beside its square. */
     const density = (k, follows = true) => {
       if (one) return 0;
-      if (!follows && k * contact.sizes.std > 10) return rub.theory.smoothDensity(contact, k);
-      return contact.birthRate * meanTransform(contact, k).spread;
+      return contact.birthRate * (follows ? meanTransform(contact, k).spread : blurredSpread(contact, k));
     };
-    return { ...found, density, covariance: covarianceOf(contact, lines), lines };
+    return { ...found, density, covariance: covarianceOf(contact, life[0], turns, lines), lines };
   };
 })();

@@ -63,6 +63,16 @@
     return (Math.PI / (z * z)) ** 2 * (struveTail(z) ** 2 + swing);
   }
 
+  /** Return what the birth alone brings to a^(z) about the birth, z >= 32, but for a turn: [real, imaginary]. */
+  function lensBirth(z) {
+    if (z < FAR) return [0, 0];
+    const size = (Math.PI / (z * z)) * Math.sqrt(1 / (2 * Math.PI * z));
+    return hankel(z).map((part) => part * size);
+  }
+
+  /** Return the same of the triangle: (pi/4) / z^2. */
+  const triangleBirth = (z) => (z < FAR ? [0, 0] : [Math.PI / (4 * z * z), 0]);
+
   /** Return a^(z) = (pi/4) (sin(z/2) / (z/2))^2 of the triangle. */
   function triangle(z) {
     const sinc = z < 1e-8 ? 1 : Math.sin(z / 2) / (z / 2);
@@ -74,8 +84,6 @@
     return z < FAR ? triangle(z) ** 2 : ((Math.PI / 4) ** 2 * 0.375 * 16) / z ** 4;
   }
 
-  rub.model.pulses.lens.transform = lens;
-  rub.model.pulses.lens.meanSquare = lensMeanSquare;
-  rub.model.pulses.triangle.transform = triangle;
-  rub.model.pulses.triangle.meanSquare = triangleMeanSquare;
+  Object.assign(rub.model.pulses.lens, { transform: lens, meanSquare: lensMeanSquare, birth: lensBirth });
+  Object.assign(rub.model.pulses.triangle, { transform: triangle, meanSquare: triangleMeanSquare, birth: triangleBirth });
 })();
