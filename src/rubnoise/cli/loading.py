@@ -42,7 +42,7 @@ def _warn(warnings: Iterable[str], *, quiet: bool) -> None:
 
 def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
     """Load a scenario, or take that of a result; raises Refused for changes to the latter, which has been run."""
-    if not _is_result(file):
+    if not is_result(file):
         return scenario_of(file, changes, quiet=quiet)
     if changes:
         raise Refused(f"{file}: is a result, whose scenario --set can't change any more")
@@ -54,11 +54,11 @@ def scenario_or_result(file: Path, changes: Sequence[str] = (), *, quiet: bool =
 
 def _refuse_result(file: Path) -> None:
     """Tell who gives a result where a scenario is wanted."""
-    if _is_result(file):
+    if is_result(file):
         raise Refused(f"{file}: is a result, not a scenario; rubnoise info {file} says what is in it")
 
 
-def _is_result(file: Path) -> bool:
+def is_result(file: Path) -> bool:
     """Whether a file begins as HDF5 does; what else is wrong with one, reading it says."""
     with suppress(OSError):
         return file.is_file() and _beginning(file) == _HDF5

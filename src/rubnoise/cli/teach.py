@@ -1,9 +1,12 @@
 """`rubnoise teach`: a page for a class, with the model, its exact theory and lessons in it."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+if TYPE_CHECKING:
+    from rubnoise.scenario import Scenario
 
 
 def command(
@@ -28,19 +31,29 @@ def command(
     Example: rubnoise teach scenarios/paper/fig5.toml -o lesson.html
     """
     from rubnoise.cli.layout import size
-    from rubnoise.cli.loading import scenario_or_result
     from rubnoise.lesson.page import page
     from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario.shipped import shipped
-    from rubnoise.storage.output import check_output, give_final_name, sole_writer
+    from rubnoise.storage.output import check_output
+    from rubnoise.storage.whole import whole_file
 
     check_output(output, force=force)
-    scenario = scenario_or_result(file or shipped("paper/fig5.toml"))
-    settings = settings_of(scenario)
-    text = page(scenario.title or "rubnoise", "", settings)
-    paths = check_output(output, force=force)
-    with sole_writer(paths):
-        check_output(output, force=force)
-        paths.part.write_text(text, encoding="utf-8")
-        give_final_name(paths, force=force)
+    source = file or shipped("paper/fig5.toml")
+    scenario, record = _read(source)
+    text = page(scenario.title or source.stem, settings_of(scenario), record)
+    with whole_file(output, force=force) as part:
+        part.write_text(text, encoding="utf-8")
     print(f"{output}: {size(output.stat().st_size)}; a browser opens it, with or without a network")
+
+
+def _read(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":
+    """Return the scenario, and of a finished result its junctions too."""
+    from rubnoise import api
+    from rubnoise.cli.loading import is_result, scenario_of
+    from rubnoise.cli.results import finished_run
+    from rubnoise.lesson.replay import record_of
+
+    if not is_result(source):
+        return scenario_of(source), None
+    with finished_run(source), api.open(source) as run:
+        return run.scenario, record_of(run)

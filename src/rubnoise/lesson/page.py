@@ -31,8 +31,8 @@ _LAST: Final = "main.js"
 """Parts of the script that others build on come first, and the one that begins comes last."""
 
 
-def page(title: str, subtitle: str, settings: Settings, record: dict[str, Any] | None = None) -> str:
-    """Return the text of the page for a title, a line below it, settings, and the junctions of a run if there is one.
+def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -> str:
+    """Return the text of the page for a title, settings, and the junctions of a run if there is one.
 
     It asks nothing of anybody: styles, script and data stand in it, and its policy forbids every request.
     """
@@ -45,13 +45,19 @@ def page(title: str, subtitle: str, settings: Settings, record: dict[str, Any] |
     }
     filled = {
         "title": escape(title),
-        "subtitle": escape(subtitle),
+        "subtitle": escape(_subtitle(settings)),
         "replaying": escape(record["note"] if record else ""),
         "style": "\n".join(_texts(".css")),
         "data": json.dumps(data).replace("<", "\\u003c"),  # no title can end the element that holds it
         "script": "\n".join(_texts(".js")),
     }
     return _filled(_part("page.html"), filled)
+
+
+def _subtitle(settings: Settings) -> str:
+    if not settings.borrowed:
+        return ""
+    return f"The scenario has no {' and no '.join(settings.borrowed)}: that of the paper's Figure 5 stands in."
 
 
 def script_parts() -> list[str]:

@@ -3,18 +3,16 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const find = (id) => document.getElementById(id);
-  const PANELS = ['stage', 'area', 'count', 'force', 'slider', 'histogram', 'gaps', 'spectrum', 'memory'];
   let dirty = true;
   let last = 0;
   let told = 0;
 
   /** Bring a picture into view and mark it for a moment. */
   rub.show = (name) => {
-    const place = find(`panel-${name}`);
-    if (!place) return;
-    rub.panels?.open(name);
+    rub.panels.open(name);
+    const place = find(`panel-${name}`) ?? find('panel');
     place.scrollIntoView({ block: 'nearest', behavior: rub.stage.calm ? 'auto' : 'smooth' });
-    for (const other of PANELS) find(`panel-${other}`)?.classList.toggle('shown', other === name);
+    for (const other of document.querySelectorAll('#pictures figure')) other.classList.toggle('shown', other === place);
   };
 
   function frame(now) {
@@ -41,7 +39,7 @@
     rub.readout.seen(seen);
     rub.transport.where();
     rub.card.refresh();
-    rub.panels?.draw(seen);
+    rub.panels.draw(seen);
   }
 
   function fitAll() {
@@ -50,7 +48,7 @@
     rub.traces.fit();
     rub.histogram.pen.fit();
     rub.card.pen.fit();
-    rub.panels?.fit();
+    rub.panels.fit();
     drawLegend();
     dirty = true;
   }
@@ -87,9 +85,9 @@
     rub.card.begin(find('card'), find('card-hint'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
-    rub.panels?.begin();
+    rub.panels.begin();
     rub.transport.begin();
-    rub.sound?.begin();
+    rub.sound.begin();
     rub.on('settings', settingsChanged);
     for (const event of ['jump', 'select', 'reset', 'tick']) {
       rub.on(event, () => {

@@ -23,10 +23,12 @@
   const SHADES = 64;
   const ink = {};
   let shades = [];
+  let rem = 16; // pixels: text in pictures grows with the text around them
 
   /** Read the colours of the theme from the style sheet. */
   function readTheme() {
     const style = getComputedStyle(document.documentElement);
+    rem = parseFloat(style.fontSize) || 16;
     for (const name of INKS) ink[name] = style.getPropertyValue(`--${name}`).trim();
     const ramp = RAMPS[style.getPropertyValue('--ramp').trim()] ?? RAMPS.light;
     shades = Array.from({ length: SHADES }, (_, i) => shade(ramp, i / (SHADES - 1)));
@@ -38,6 +40,8 @@
     const mixed = low.map((value, i) => Math.round(value + (high[i] - value) * (at % 1)));
     return `rgb(${mixed.join(',')})`;
   }
+
+  const font = (size) => `${(size * rem).toFixed(1)}px system-ui, sans-serif`;
 
   /** Return the colour of a part of the largest area, 0 to 1. */
   function colourOf(part) {
@@ -99,11 +103,11 @@
   /** Draw the frame of a picture: numbers on the left, and a title within. box = {left, top, right, bottom}. */
   function leftAxis(ctx, box, low, high, title) {
     const y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
-    ctx.font = '11px system-ui, sans-serif';
+    ctx.font = font(0.72);
     ctx.textAlign = 'right';
     ctx.textBaseline = 'middle';
     ctx.lineWidth = 1;
-    for (const value of roundNumbers(low, high, Math.max(2, (box.bottom - box.top) / 40))) {
+    for (const value of roundNumbers(low, high, Math.max(3, (box.bottom - box.top) / 40))) {
       ctx.strokeStyle = ink.faint;
       ctx.beginPath();
       ctx.moveTo(box.left, Math.round(y(value)) + 0.5);
@@ -118,7 +122,7 @@
 
   /** Write the title of a picture into its upper left corner. */
   function heading(ctx, box, title) {
-    ctx.font = '12px system-ui, sans-serif';
+    ctx.font = font(0.78);
     ctx.textAlign = 'left';
     ctx.textBaseline = 'bottom';
     ctx.fillStyle = ink.ink;
@@ -128,12 +132,13 @@
   /** Draw numbers below a picture, and what they count. */
   function lowerAxis(ctx, box, low, high, title) {
     const x = (value) => box.left + ((value - low) / (high - low)) * (box.right - box.left);
-    ctx.font = '11px system-ui, sans-serif';
+    ctx.font = font(0.72);
     ctx.textAlign = 'center';
     ctx.textBaseline = 'top';
     ctx.fillStyle = ink.quiet;
+    const end = box.right - ctx.measureText(title).width - 16;
     for (const value of roundNumbers(low, high, Math.max(2, (box.right - box.left) / 90))) {
-      if (x(value) > box.left - 1 && x(value) < box.right - 30) ctx.fillText(said(value), x(value), box.bottom + 3);
+      if (x(value) > box.left - 1 && x(value) < end) ctx.fillText(said(value), x(value), box.bottom + 3);
     }
     ctx.textAlign = 'right';
     ctx.fillText(title, box.right, box.bottom + 3);

@@ -51,16 +51,23 @@
     return new Float64Array(bytes.buffer);
   }
 
-  /** Junctions of a run that has been made before: all there from the beginning. */
+  /** Junctions of a run that has been made before: all there from the beginning; the row number is that of the run. */
   class Replay {
-    constructor(record) {
+    constructor(record, world) {
       const birth = doubles(record.birth);
       const diameter = doubles(record.diameter);
       const strength = record.strength ? doubles(record.strength) : null;
+      const death = record.death ? doubles(record.death) : null;
       this.longest = 0;
       this.rows = Array.from(birth, (b, id) => {
         this.longest = Math.max(this.longest, 2 * diameter[id]);
-        return { id, birth: b, diameter: diameter[id], death: b + 2 * diameter[id], strength: strength ? strength[id] : 0 };
+        return {
+          id,
+          birth: b,
+          diameter: diameter[id],
+          death: death ? death[id] : b + 2 * diameter[id],
+          strength: strength ? strength[id] : world.strength,
+        };
       });
       this.next = 0;
     }

@@ -28,7 +28,7 @@
     },
 
     begin(world, contact) {
-      const source = rub.replaying ? new rub.model.Replay(rub.lesson.record) : new rub.model.Births({ ...world });
+      const source = rub.replaying ? new rub.model.Replay(rub.lesson.record, world) : new rub.model.Births({ ...world });
       const record = rub.replaying ? rub.lesson.record : null;
       const tick = record ? record.tick : contact.meanLife / TICKS_PER_LIFE;
       const most = Math.min(rub.lesson.distance, MOST_LIVES * contact.meanLife, MOST_ROWS * contact.spacing);

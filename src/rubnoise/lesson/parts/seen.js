@@ -57,5 +57,5 @@
     return { ...moments(), births: rows.length, gaps, diameters: rows.map((row) => row.diameter), ...inspected() };
   };
 
-  rub.run.moments = moments;
+  Object.assign(rub.run, { moments, inspected });
 })();

@@ -3,7 +3,7 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const { ink, colourOf } = rub.plot;
-  const ROOMY = 5; // area of the stage over that of the circles that are alive on average
+  const ROOMY = 6; // area of the stage over that of the circles that are alive on average
   const stage = { pen: null, calm: false };
   let scale = 1; // pixels in a um
   let wide = 1;

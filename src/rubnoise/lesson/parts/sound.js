@@ -1,0 +1,95 @@
+'use strict';
+/* The ear: what the slider does, as sound, at true speed or scaled, with the mapping in words. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { said } = rub.plot;
+  const LONGEST = 4; // seconds of sound
+  const PEAK = 0.8;
+  const AUDIBLE = 200; // Hz to which the slider's own frequency is raised where nothing is chosen
+  const FACTORS = [1 / 64, 1 / 16, 1 / 4, 1, 2, 4, 8, 16, 32, 64, 128];
+  const WHAT = { velocity: ['velocity of the slider', 'mm/s', 1e-3], force: ['friction force', 'mN', 1e-3] };
+  const find = (id) => document.getElementById(id);
+  const sound = { context: null, source: null };
+
+  /** Return by how much the sound is faster than the sliding: as chosen, or until the slider can be heard. */
+  sound.factor = () => {
+    const chosen = find('sound-speed').value;
+    if (chosen !== 'auto') return Number(chosen);
+    return FACTORS.find((factor) => factor * rub.exact().naturalFrequency >= AUDIBLE) ?? FACTORS[FACTORS.length - 1];
+  };
+
+  /** Return samples of the run from where it is on: mean removed, peak as given, and what they stand for. */
+  sound.samples = (rate) => {
+    const { run, world } = rub;
+    const factor = sound.factor();
+    const { tick } = run.trace;
+    const wanted = LONGEST * factor * world.speed; // um
+    const length = Math.min(wanted, run.end);
+    const begin = Math.max(0, Math.min(run.distance, run.end - length));
+    run.trace.until(Math.ceil((begin + length) / tick));
+    const column = run.trace[find('sound-what').value];
+    const stride = (factor * world.speed) / (rate * tick); // ticks a sample
+    const count = Math.floor((Math.min(length, (run.trace.ready - 2) * tick - begin) / tick) / stride);
+    const values = Float32Array.from({ length: Math.max(0, count) }, (_, i) => between(column, begin / tick + i * stride));
+    return { ...levelled(values), begin, length: count * stride * tick, factor };
+  };
+
+  /** Return a column between its ticks, by a straight line. */
+  function between(column, at) {
+    const i = Math.floor(at);
+    return column[i] + (at - i) * (column[i + 1] - column[i]);
+  }
+
+  function levelled(values) {
+    const mean = values.reduce((sum, value) => sum + value, 0) / Math.max(1, values.length);
+    const peak = values.reduce((most, value) => Math.max(most, Math.abs(value - mean)), 0) || 1;
+    return { samples: values.map((value) => (PEAK * (value - mean)) / peak), mean, peak };
+  }
+
+  /** Return in words what is heard. */
+  function mapping({ begin, length, factor, peak, mean }) {
+    const [name, unit, scale] = WHAT[find('sound-what').value];
+    const own = rub.exact().naturalFrequency;
+    const seconds = length / rub.world.speed;
+    return (
+      `${name}, ${said(begin, 4)} to ${said(begin + length, 4)} µm of sliding: ${said(seconds, 3)} s heard in ` +
+      `${said(seconds / factor, 3)} s. The slider’s ${said(own)} Hz sound as ${said(own * factor)} Hz. ` +
+      `Loudest: ${said(peak * scale, 3)} ${unit} from the mean of ${said(mean * scale, 3)} ${unit}.`
+    );
+  }
+
+  /** Stop what sounds. */
+  sound.stop = () => {
+    sound.source?.stop();
+    sound.source = null;
+    find('sound-play').textContent = '♪ listen';
+  };
+
+  /** Play, or stop what plays. */
+  sound.toggle = () => {
+    if (sound.source) return sound.stop();
+    sound.context ??= new AudioContext();
+    const made = sound.samples(sound.context.sampleRate);
+    find('sound-mapping').textContent = mapping(made);
+    if (!made.samples.length) return undefined;
+    const buffer = sound.context.createBuffer(1, made.samples.length, sound.context.sampleRate);
+    buffer.copyToChannel(made.samples, 0);
+    const source = new AudioBufferSourceNode(sound.context, { buffer });
+    source.connect(sound.context.destination);
+    source.onended = () => sound.source === source && sound.stop();
+    source.start();
+    sound.source = source;
+    find('sound-play').textContent = '■ stop';
+    return undefined;
+  };
+
+  sound.begin = () => {
+    find('sound-speed').innerHTML =
+      '<option value="auto">until audible</option>' +
+      FACTORS.map((factor) => `<option value="${factor}">${factor < 1 ? `1/${1 / factor}` : factor} times${factor === 1 ? ': true speed' : ''}</option>`).join('');
+    find('sound-play').addEventListener('click', sound.toggle);
+    rub.on('settings', () => sound.source && sound.stop());
+  };
+
+  rub.sound = sound;
+})();
