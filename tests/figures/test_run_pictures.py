@@ -38,7 +38,13 @@ FEW = {
     "sliding": {"distance": 400.0, "start": "empty"},
 }
 TRIANGLES = FEW | {
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 5},
+    "pulse": {"shape": "triangle"},
+    "birth": {"law": "regular"},
+}
+CONSTANT = SCENARIO | {
     "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 4},
+    "diameter": {"law": "fixed"},
     "pulse": {"shape": "triangle"},
     "birth": {"law": "regular"},
 }
@@ -91,6 +97,33 @@ def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name
 @pytest.mark.parametrize("kind", ["png", "svg"])
 def test_odd_contacts_are_drawn_too(odd: Stretch, name: str, kind: Any) -> None:
     assert len(picture(name, odd, kind)) > 5000
+
+
+@pytest.fixture(scope="module")
+def constant(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
+    yield from _stretch(tmp_path_factory.mktemp("constant"), CONSTANT)
+
+
+@pytest.mark.parametrize("name", ["trace", "lives", "count"])
+def test_what_never_varies_does_not_hide_under_the_edge(constant: Stretch, name: str) -> None:
+    with house_style():
+        axes = PICTURES[name](constant).axes
+    level = 4.0 if name == "count" else 200.0
+    shown = [each for each in axes if any(np.allclose(line.get_ydata(), level) for line in each.lines)]
+    assert shown
+    assert all(each.get_ylim()[1] > 1.02 * level for each in shown)
+
+
+def test_rounding_is_not_blown_up(constant: Stretch) -> None:
+    with house_style():
+        bars, motion = PICTURES["histogram"](constant).axes, PICTURES["slider"](constant).axes
+        (covariance,) = PICTURES["acf"](constant).axes
+    assert np.diff(bars[0].get_xlim()) > 10.0
+    assert len(motion) == 2
+    assert all(np.diff(each.get_ylim()) > 0.1 * each.get_ylim()[0] for each in motion)
+    assert covariance.get_ylim()[1] > 1e-9
+    with pytest.raises(Refused, match="the real contact area does not vary in this stretch"):
+        picture("psd", constant, "png")
 
 
 def test_a_slider_is_drawn_only_where_there_is_one(odd: Stretch) -> None:

@@ -33,6 +33,11 @@ class Spectrum:
     ticks: int
     segments: int
 
+    @property
+    def power(self) -> float:
+        """About the variance of the record, (1/pi) int S dk, in the square of its unit."""
+        return float(self.density.sum() * self.wavenumber[1]) / np.pi
+
 
 def hann(ticks: int) -> Doubles:
     """Return the Hann window sin^2(pi i / n) of n ticks, as an endless record would repeat it (scipy's sym=False)."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.covariance_errors import covariance_errors
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.figures.marks import entitle, legend_above
+from rubnoise.figures.marks import NEAREST, entitle, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, new_figure
 from rubnoise.theory.campbell import area_cumulants
@@ -37,6 +37,9 @@ def acf_figure(stretch: Stretch) -> "Figure":
     _draw_exact(axes, stretch, float(lag[-1]))
     axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
     axes.set_xlim(0.0, lag[-1])
+    rounding = (NEAREST * area_cumulants(stretch.model).mean) ** 2
+    if max(np.abs(axes.get_ylim())) < rounding:
+        axes.set_ylim(-rounding, rounding)
     axes.set_xlabel("lag in sliding distance (µm)")
     axes.set_ylabel("autocovariance (µm⁴)")
     legend_above(axes)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.figures.marks import DISTANCE, entitle, exact_band, legend_above
+from rubnoise.figures.marks import DISTANCE, entitle, exact_band, from_zero, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, VERMILION, new_figure
 from rubnoise.theory.exact import Exact, exact
@@ -34,7 +34,7 @@ def _draw_along(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
     exact_band(axes, theory.count_mean, theory.count_std)
     axes.plot(*stretch.curve("trace", "junction_count"), color=BLUE, lw=0.8, drawstyle="steps-post", label="simulated")
     axes.set_xlim(stretch.start, stretch.stop)
-    axes.set_ylim(bottom=0.0)
+    from_zero(axes)
     axes.locator_params(axis="y", integer=True)
     axes.set_xlabel(DISTANCE)
     axes.set_ylabel(COUNT)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.histogram import Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import AREA, entitle, legend_above
+from rubnoise.figures.marks import AREA, NEAREST, entitle, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
 from rubnoise.theory.campbell import area_cumulants
@@ -62,7 +62,8 @@ def _told(stretch: Stretch, values: Doubles, law: Distribution | None) -> str:
 def _histogram(values: Doubles, tick: float) -> Histogram:
     some = values[values > 0.0]
     low, high = (float(some.min()), float(some.max())) if some.size else (0.0, 1.0)
-    room = 1e-9 * high
+    # Values that differ by rounding alone are one bar, on an axis that has digits for its numbers.
+    room = (1e-9 if high - low > NEAREST * high else 0.1) * high
     edges = np.linspace(max(low - room, np.nextafter(0.0, 1.0)), high + room, BINS + 1)
     try:
         return histogram(values, tick, edges)

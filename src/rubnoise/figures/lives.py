@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.neighbours import Neighbours, neighbours
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import AREA, DISTANCE, entitle, exact_band, legend_above
+from rubnoise.figures.marks import AREA, DISTANCE, entitle, exact_band, from_zero, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, new_figure
 from rubnoise.theory.campbell import area_cumulants
@@ -76,7 +76,7 @@ def _draw_sum(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles)
         axes.stackplot(distance, areas, colors=SHADES, lw=0.0)
     axes.plot(distance, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
     axes.set_xlim(stretch.start, stretch.stop)
-    axes.set_ylim(bottom=0.0)
+    from_zero(axes)
     axes.set_ylabel(AREA)
     legend_above(axes)
 

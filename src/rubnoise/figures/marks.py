@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 AREA: Final = "real contact area (µm²)"
 LONGEST_TITLE: Final = 64
 DISTANCE: Final = "sliding distance (µm)"
+NEAREST: Final = 1e-6
+"""Span of values over the values themselves below which nothing but rounding is seen."""
 
 
 def entitle(figure: "Figure", stretch: "Stretch", shown: str) -> None:
@@ -39,3 +41,17 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
 def legend_above(axes: "Axes", columns: int = 4) -> None:
     """Put the legend above the axes, flush right, where it hides nothing."""
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.1)
+
+
+def from_zero(axes: "Axes") -> None:
+    """Let the values begin at 0, and leave room above them where they are constant."""
+    highest = max(float(axes.dataLim.y1), 0.0)
+    axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * highest))
+
+
+def not_too_near(axes: "Axes") -> None:
+    """Let values that differ by rounding alone span a fifth of themselves: no axis has the digits for less."""
+    low, high = axes.get_ylim()
+    middle = 0.5 * (low + high)
+    if high - low < NEAREST * abs(middle):
+        axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))

@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import entitle, legend_above
+from rubnoise.figures.marks import NEAREST, entitle, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
+from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.spectrum import spectral_density
 from rubnoise.theory.visible_lines import visible_lines
@@ -65,7 +66,7 @@ def _spectrum(stretch: Stretch) -> Spectrum:
     for panel in stretch.panels("trace", "real_contact_area"):
         total.add(panel)
     seen = total.spectrum()
-    if not seen.density.any():
+    if seen.power <= (NEAREST * area_cumulants(stretch.model).mean) ** 2:
         raise Refused("the real contact area does not vary in this stretch, so it has no spectrum")
     return seen
 

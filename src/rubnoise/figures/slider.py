@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import entitle, exact_band, legend_above
+from rubnoise.figures.marks import NEAREST, entitle, exact_band, legend_above, not_too_near
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, VERMILION, logarithmic, new_figure
 from rubnoise.model import Slider
@@ -68,6 +68,7 @@ def _draw_in_time(axes: "Axes", stretch: Stretch, name: str, scale: float, exact
     distance, values = stretch.curve("slider", name)
     axes.plot(distance / speed, scale * values, color=BLUE, lw=0.9, label="simulated")
     axes.set_xlim(stretch.start / speed, stretch.stop / speed)
+    not_too_near(axes)
 
 
 def _draw_spectrum(axes: "Axes", stretch: Stretch, slider: Slider, seen: Spectrum) -> None:
@@ -99,7 +100,10 @@ def _draw_exact(axes: "Axes", stretch: Stretch, frequency: Doubles) -> None:
 
 
 def _spectrum(stretch: Stretch) -> Spectrum | None:
-    """Return the two-sided spectrum of the displacement over w in rad/s, or None for a stretch of too few ticks."""
+    """Return the two-sided spectrum of the displacement over w in rad/s.
+
+    None for a stretch of too few ticks, and for a slider that nothing but rounding moves.
+    """
     first, last = stretch.ticks
     ticks = 2 * ((last - first) // (SEGMENTS + 1))
     if ticks < FEWEST_TICKS or stretch.model.tick_duration is None:
@@ -107,4 +111,5 @@ def _spectrum(stretch: Stretch) -> Spectrum | None:
     total = WelchSum(ticks, stretch.model.tick_duration)
     for panel in stretch.panels("slider", "displacement"):
         total.add(panel)
-    return total.spectrum()
+    seen = total.spectrum()
+    return seen if seen.power > (NEAREST * response(stretch.model).mean_displacement) ** 2 else None

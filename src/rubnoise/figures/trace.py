@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Final
 
-from rubnoise.figures.marks import AREA, DISTANCE, entitle, exact_band, legend_above
+from rubnoise.figures.marks import AREA, DISTANCE, entitle, exact_band, from_zero, legend_above
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, PALE, new_figure
 from rubnoise.theory.campbell import area_cumulants
@@ -36,7 +36,7 @@ def _draw(axes: "Axes", stretch: Stretch) -> None:
     exact_band(axes, area.mean, area.std)
     axes.plot(*stretch.curve("trace", "real_contact_area"), color=BLUE, lw=0.9, label="simulated")
     axes.set_xlim(stretch.start, stretch.stop)
-    axes.set_ylim(bottom=0.0)
+    from_zero(axes)
     axes.set_xlabel(DISTANCE)
     axes.set_ylabel(AREA)
     legend_above(axes)
@@ -46,6 +46,6 @@ def _draw_strip(axes: "Axes", whole: Stretch, shown: Stretch) -> None:
     axes.axvspan(shown.start, shown.stop, color=PALE, lw=0.0, zorder=0)
     axes.plot(*whole.curve("trace", "real_contact_area"), color=FAINT, lw=0.5)
     axes.set_xlim(whole.start, whole.stop)
-    axes.set_ylim(bottom=0.0)
+    from_zero(axes)
     axes.set_ylabel("µm²")
     axes.set_xlabel("sliding distance (µm), the stretch below shaded")
