@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erfc
 
 from rubnoise.theory.area_tails import AreaTails
+from rubnoise.theory.error_function import complementary_error
 from rubnoise.theory.live_area import LiveArea
 from rubnoise.theory.point_transform import Complexes, point_transform
 
@@ -109,7 +109,7 @@ def _window(exponent: Complexes, rates: Complexes, above_two_of: float | None, s
     if above_two_of is not None:
         transform -= exp(-above_two_of) * _up_to_two(exponent + above_two_of)
         mass -= exp(-above_two_of) * _up_to_two(above_two_of)
-    transform *= 0.5 * erfc((np.arange(count) / count - _TAPER_CENTRE) / (sqrt(2.0) * _TAPER_WIDTH))
+    transform *= 0.5 * complementary_error((np.arange(count) / count - _TAPER_CENTRE) / (sqrt(2.0) * _TAPER_WIDTH))
     damping = -period * float(rates[0].real)
     # Each earlier period adds the whole mass to the distribution function, damped.
     cdf = _series(-transform / rates, damping) / period - mass / expm1(damping)

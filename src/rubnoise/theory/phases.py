@@ -5,9 +5,9 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erfc
 
 from rubnoise.model import Model
+from rubnoise.theory.error_function import complementary_error
 from rubnoise.theory.mean_life import ORDERS, age_table, area_by_age, cumulants_by_age
 from rubnoise.theory.quadrature import panels, size_edges, size_range
 
@@ -64,7 +64,7 @@ def cumulant_ripple(model: Model, phases: Doubles, strength_moments: tuple[float
     centre = sharp + _WINDOW_REACH * width
 
     def window(ages: Doubles) -> Doubles:
-        return np.asarray(0.5 * erfc((ages - centre) / (np.sqrt(2.0) * width)), dtype=np.float64)
+        return np.asarray(0.5 * complementary_error((ages - centre) / (np.sqrt(2.0) * width)), dtype=np.float64)
 
     return _summed(model, phases, strength_moments, reach=centre + _WINDOW_REACH * width, window=window)
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import erfc
 
 from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory import transform_lens, transform_triangle
+from rubnoise.theory.error_function import complementary_error
 
 Doubles = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -109,4 +109,6 @@ def mean_life_from_birth(phase: ArrayLike) -> Complexes:
 
 
 def _step(phase: Doubles) -> Doubles:
-    return np.asarray(0.5 * erfc((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH)), dtype=np.float64)
+    return np.asarray(
+        0.5 * complementary_error((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH)), dtype=np.float64
+    )

@@ -4,7 +4,8 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import j1, y1
+
+from rubnoise.theory.bessel import hankel_modulus, hankel_without_swing, y1
 
 Doubles = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -66,8 +67,7 @@ def level(phase: Doubles) -> Doubles:
 
 def swing(phase: Doubles) -> Doubles:
     """Return the mean square of the swing of a^(z) about its level, (pi / z^2)^2 (J_1^2 + Y_1^2) / 2, for z >= 32."""
-    modulus = np.square(j1(phase)) + np.square(y1(phase))
-    return 0.5 * modulus * np.square(np.pi / (phase * phase))
+    return 0.5 * hankel_modulus(phase) * np.square(np.pi / (phase * phase))
 
 
 def birth_level(phase: Doubles) -> Complexes:
@@ -75,4 +75,4 @@ def birth_level(phase: Doubles) -> Complexes:
 
     It is the transform of what begins at birth, where A grows as s^1.5: the half of Y_1 that turns with exp(-i z).
     """
-    return 0.5 * np.pi / (phase * phase) * np.exp(1j * phase) * (y1(phase) + 1j * j1(phase))
+    return 0.5 * np.pi / (phase * phase) * hankel_without_swing(phase)
