@@ -1,10 +1,15 @@
 """A real browser for the page of lessons; where there is none, its tests are skipped and say so."""
 
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+
+from tests.architecture.sources import ROOT
+from tests.lesson.walk import Walk
 
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
 
@@ -20,3 +25,33 @@ def browser() -> Iterator[Any]:
         started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
         yield started
         started.close()
+
+
+@pytest.fixture(scope="session")
+def lesson_file(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Return the address of the page of the paper's Figure 5."""
+    path = tmp_path_factory.mktemp("lesson") / "lesson.html"
+    command = [
+        sys.executable,
+        "-m",
+        "rubnoise",
+        "teach",
+        str(ROOT / "scenarios" / "paper" / "fig5.toml"),
+        "-o",
+        str(path),
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    return path.as_uri()
+
+
+@pytest.fixture
+def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
+    """Return a walk through a page that was just opened, on which nothing goes wrong."""
+    page = browser.new_page(viewport={"width": 1400, "height": 900})
+    failures: list[str] = []
+    page.on("pageerror", lambda error: failures.append(str(error)))
+    page.on("console", lambda message: failures.append(message.text) if message.type == "error" else None)
+    page.goto(lesson_file)
+    yield Walk(page)
+    assert failures == []
+    page.close()
