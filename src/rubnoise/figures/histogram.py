@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-BINS: Final = 50
+BINS: Final = 51
+"""Odd, so that an area that never varies falls into the middle of one."""
 SAMPLES: Final = 1200
 RARE: Final = 1e-6
 """A probability of no contact at all below which a picture need not speak of it."""
