@@ -8,6 +8,7 @@ import typer
 from typer import Typer
 
 from rubnoise.cli import (
+    animate,
     check,
     claims,
     compare,
@@ -40,6 +41,7 @@ app.command("junction", context_settings={"ignore_unknown_options": True})(junct
 app.command("junctions")(junctions.command)
 app.command("compare")(compare.command)
 app.command("plot")(plot.command)
+app.command("animate")(animate.command)
 app.command("theory")(theory.command)
 app.command("figures")(figures.command)
 app.command("claims")(claims.command)

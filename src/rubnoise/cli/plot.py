@@ -40,13 +40,14 @@ def command(
 
     Example: rubnoise plot fig5.h5 psd -o spectrum.pdf
     """
+    from rubnoise.cli.lengths import distance
     from rubnoise.cli.pictures import check_picture, write_picture
     from rubnoise.cli.results import finished_run
     from rubnoise.errors import Refused
     from rubnoise.figures.catalogue import picture
     from rubnoise.figures.stretch import Stretch
 
-    ends = _distance("--from", start), _distance("--to", stop)
+    ends = distance("--from", start), distance("--to", stop)
     path = output or Path(f"{file.stem}_{what}.png")
     check_picture(path, force=force)
     if file.is_dir():
@@ -54,20 +55,3 @@ def command(
     with finished_run(file) as run:
         stretch = Stretch.of(run, *ends)
         write_picture(path, lambda kind: picture(what.value, stretch, kind), force=force)
-
-
-def _distance(option: str, text: str | None) -> float | None:
-    """Return a sliding distance in um, which is what a number without a unit is in."""
-    import re
-
-    from rubnoise.cli.layout import printable
-    from rubnoise.errors import Refused
-    from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
-
-    if text is None:
-        return None
-    try:
-        return float(read_quantity(f"{text} um" if re.fullmatch(NUMBER, text) else text, LENGTH))
-    except QuantityError as problem:
-        hint = f"; {problem.hint}" if problem.hint else ""
-        raise Refused(f"{option}: {printable(text)}: {problem}{hint}") from problem

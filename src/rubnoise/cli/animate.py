@@ -1,0 +1,65 @@
+"""`rubnoise animate`: a run as a film for slides."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rubnoise.figures.film import Kind
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="A gif or mp4 file; else RUN.gif, here.", metavar="FILM"),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option("--from", help="Where the stretch begins: um, or with a unit.", metavar="S", show_default=False),
+    ] = None,
+    stop: Annotated[
+        str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S", show_default=False)
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="How long the film lasts.", metavar="T", min=0.1, max=600.0)] = 8.0,
+    rate: Annotated[int, typer.Option("--fps", help="Frames a second.", metavar="N", min=1, max=50)] = 20,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Draw a run as a film: its junctions sliding over each other, and the real contact area growing under them.
+
+    Example: rubnoise animate fig5.h5 -o contact.gif --to 60
+    """
+    from rubnoise.cli.layout import size
+    from rubnoise.cli.lengths import distance
+    from rubnoise.cli.progress import watching
+    from rubnoise.cli.results import finished_run
+    from rubnoise.figures.animation import Film
+    from rubnoise.figures.film import write_film
+    from rubnoise.figures.stretch import Stretch
+    from rubnoise.storage.whole import whole_file
+
+    ends = distance("--from", start), distance("--to", stop)
+    path = output or Path(f"{file.stem}.gif")
+    kind = _kind(path, force=force)
+    with finished_run(file) as run, watching(1.0, shown=False) as watcher:
+        film = Film.of(Stretch.of(run, *ends), seconds=seconds, rate=rate)
+        with whole_file(path, force=force) as part:
+            write_film(part, film, kind, lambda: watcher(0.0, 0, 0))
+    count, shown = film.distances.size, film.stretch
+    print(f"{path}: {count} frames, {shown.start:g} to {shown.stop:g} um of sliding, {size(path.stat().st_size)}")
+
+
+def _kind(path: Path, *, force: bool) -> "Kind":
+    """Return what a path's ending names; raises Refused where it can't be made, or nothing may be written there."""
+    from rubnoise.cli.layout import printable
+    from rubnoise.figures.film import KINDS, check_film
+    from rubnoise.storage.output import check_output
+
+    kind = next((kind for kind in KINDS if path.suffix.lower() == f".{kind}"), None)
+    if kind is None:
+        raise typer.BadParameter(f"{printable(str(path))} ends neither in .gif nor in .mp4")
+    check_output(path, force=force)
+    check_film(kind)
+    return kind
