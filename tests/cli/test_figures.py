@@ -79,6 +79,13 @@ def test_what_cannot_be_is_refused_before_anything_is_made(here: Path, arguments
     assert names(here) == ["file"]
 
 
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which none can be made")
+def test_a_folder_that_cannot_be_made_is_refused(here: Path) -> None:
+    answer = call("figures", "fig3", "-o", "/proc/none")
+    assert (answer.code, answer.out) == (2, "")
+    assert "/proc/none: cannot be written" in answer.err
+
+
 def test_wrong_scenarios_are_refused_with_their_lines(here: Path, papers: Path) -> None:
     (papers / "fig7.toml").write_text((papers / "fig7.toml").read_text().replace("[10, 30", "[-1, 30"))
     answer = call("figures", "--scenarios", papers)

@@ -48,7 +48,7 @@ def command(
     shown = on_terminal() and not quiet
     if shown:
         announce_compilation()
-    folder.mkdir(parents=True, exist_ok=True)
+    _make(folder)
     for name, own in files.items():
         with StatusLine(shown=shown) as status:
             pictures = _drawn(name, kinds, scenarios, status)
@@ -56,6 +56,15 @@ def command(
             _write(file, pictures[kind], force=force)
             if not quiet:
                 print(file)
+
+
+def _make(folder: Path) -> None:
+    from rubnoise.errors import OutputRefused
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
 
 
 def _drawn(
