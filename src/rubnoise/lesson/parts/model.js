@@ -4,28 +4,46 @@
   const rub = (globalThis.rub ??= {});
   const { chebyshev, normalDensity, normalMass, panels, evenly, ordered } = rub.numbers;
 
-  /** Rising half of the lens of unit diameter over u^1.5, from the series of sqrt(u (2 - u)) integrated term by term. */
-  function risingOverRoot(u) {
+  /**
+   * Rising half of the lens of unit diameter over u^1.5, and its integral over u^2.5: the series of sqrt(u (2 - u))
+   * integrated term by term, once and twice.
+   */
+  function risingSeries(u, twice) {
     let factor = Math.SQRT2;
     let sum = 0;
     for (let k = 0; k < 60; k += 1) {
-      sum += factor / (k + 1.5);
+      sum += factor / ((k + 1.5) * (twice ? k + 2.5 : 1));
       factor *= ((k - 0.5) / (k + 1)) * (u / 2);
     }
     return sum;
   }
 
-  const rising = chebyshev(risingOverRoot, 0, 1, 15);
+  const rising = chebyshev((u) => risingSeries(u, false), 0, 1, 15);
+  const risingIntegral = chebyshev((u) => risingSeries(u, true), 0, 1, 15);
 
   /** Area of the lens: A = d^2 a(s/d), a(u) = (acos(1 - u) - (1 - u) sqrt(u (2 - u))) / 2 and its mirror image. */
   function lensArea(sinceBirth, diameter) {
-    const u = 1 - Math.abs(1 - sinceBirth / diameter);
+    const u = Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter;
     return u > 0 ? diameter * diameter * u * Math.sqrt(u) * rising(u) : 0;
+  }
+
+  /** Integral of the lens from its birth on, in um^3: d^3 times the antiderivative, mirrored after mid-life. */
+  function lensSum(sinceBirth, diameter) {
+    const u = Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter;
+    const half = u > 0 ? u * u * Math.sqrt(u) * risingIntegral(u) : 0;
+    return diameter ** 3 * (sinceBirth <= diameter ? half : 2 / 3 - half);
+  }
+
+  /** Integral of the triangle from its birth on, in um^3. */
+  function triangleSum(sinceBirth, diameter) {
+    const u = Math.max(0, Math.min(sinceBirth, 2 * diameter - sinceBirth) / diameter);
+    const half = (Math.PI / 8) * u * u;
+    return diameter ** 3 * (sinceBirth <= diameter ? half : Math.PI / 4 - half);
   }
 
   /** Area of Rabinowicz's triangle: (pi/4) d (d - |d - s|). */
   function triangleArea(sinceBirth, diameter) {
-    return Math.max(0, 0.25 * Math.PI * diameter * (diameter - Math.abs(diameter - sinceBirth)));
+    return Math.max(0, 0.25 * Math.PI * diameter * Math.min(sinceBirth, 2 * diameter - sinceBirth));
   }
 
   const halfTurn = panels([0, Math.PI / 2], 32);
@@ -37,9 +55,10 @@
   }
 
   const pulses = {
-    lens: { area: lensArea, lifeIntegral: lensIntegral, lifeMean: 1 / 3 },
+    lens: { area: lensArea, sum: lensSum, lifeIntegral: lensIntegral, lifeMean: 1 / 3 },
     triangle: {
       area: triangleArea,
+      sum: triangleSum,
       lifeIntegral: (power) => (2 * (Math.PI / 4) ** power) / (power + 1),
       lifeMean: Math.PI / 8,
     },

@@ -2,7 +2,7 @@
 /* The contact at every tick, computed as far as somebody has looked: area, count, force, slider, and sums of them. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const COLUMNS = ['area', 'count', 'force', 'displacement', 'velocity'];
+  const COLUMNS = ['area', 'count', 'force', 'impulse', 'displacement', 'velocity'];
   const SUMS = ['area', 'areaSquare', 'count', 'countSquare', 'displacement', 'displacementSquare', 'velocitySquare'];
   const TOGETHER = 256;
 
@@ -49,19 +49,28 @@
     /** Add up the lives that meet ticks from one up to, not including, another. */
     lives(from, end) {
       const { rows, tick } = this;
-      while (this.oldest < rows.length && rows[this.oldest].death <= from * tick) this.oldest += 1;
+      while (this.oldest < rows.length && rows[this.oldest].death <= (from - 1) * tick) this.oldest += 1;
       for (let j = this.oldest; j < rows.length; j += 1) {
-        const row = rows[j];
-        const first = Math.max(from, Math.ceil(row.birth / tick));
-        for (let i = first; i < end && i * tick < row.death; i += 1) this.add(row, i);
+        this.add(rows[j], Math.max(from, Math.ceil(rows[j].birth / tick)), end);
       }
     }
 
-    add(row, i) {
-      const area = this.pulse.area(i * this.tick - row.birth, row.diameter);
-      this.area[i] += area;
-      this.count[i] += 1;
-      this.force[i] += area * row.strength;
+    /** Add one life: area, count and force at ticks, and in impulse the integral of the force up to each, in uN um. */
+    add(row, first, end) {
+      const { pulse, tick } = this;
+      const life = row.death - row.birth;
+      let before = pulse.sum(Math.max(0, Math.min((first - 1) * tick - row.birth, life)), row.diameter);
+      for (let i = first; i < end && (i - 1) * tick < row.death; i += 1) {
+        const age = i * tick - row.birth;
+        const sum = pulse.sum(Math.min(age, life), row.diameter);
+        this.impulse[i] += (sum - before) * row.strength;
+        before = sum;
+        if (i * tick >= row.death) return;
+        const area = pulse.area(age, row.diameter);
+        this.area[i] += area;
+        this.count[i] += 1;
+        this.force[i] += area * row.strength;
+      }
     }
 
     /** Move the slider on from a tick. */
@@ -69,7 +78,7 @@
       const constants = rub.slider.propagator(this.world, this.tick / this.world.speed);
       const state = from ? [this.displacement[from - 1], this.velocity[from - 1]] : [this.start, 0];
       for (let i = from; i < this.ready; i += 1) {
-        if (i) rub.slider.step(constants, state, this.force[i - 1], this.force[i]);
+        if (i) rub.slider.step(constants, state, this.force[i - 1], this.force[i], this.impulse[i] / this.tick);
         this.displacement[i] = state[0];
         this.velocity[i] = state[1];
       }
