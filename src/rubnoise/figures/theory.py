@@ -148,7 +148,11 @@ def _draw_tail(axes: "Axes", model: Model, wavenumber: Doubles, density: Doubles
 
 
 def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
-    axes.set_title(f"One-way displacement, std {response(model).displacement_std:.4g} µm")
+    spread = response(model).displacement_std
+    axes.set_title(f"One-way displacement, std {spread:.4g} µm")
+    if spread == 0.0:
+        _say(axes, "nothing varies")
+        return
     frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
     frequency *= slider.natural_frequency
     try:
