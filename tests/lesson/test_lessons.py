@@ -14,6 +14,13 @@ for (const name of ["localStorage", "sessionStorage", "indexedDB"]) {
 }
 """
 
+NAMELESS = """
+[...document.querySelectorAll("#lessons input, #lessons button")].filter((each) => {
+  const labels = each.labels?.length ? [...each.labels] : [each];
+  return !labels.map((label) => label.textContent).join("").trim();
+}).length
+"""
+
 
 @EACH
 def test_the_answers_of_the_teachers_page_are_right_and_the_mistakes_are_not(walk, lesson):
@@ -127,7 +134,7 @@ def test_another_address_opens_another_lesson(walk, lesson_file):
 def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, address):
     page = browser.new_page()
     failures = []
-    page.on("pageerror", lambda error: failures.append(error))
+    page.on("pageerror", lambda error: failures.append(str(error)))
     page.goto(lesson_file + address)
     walk = Walk(page)
     assert walk.article.locator("h3").count() == 1
@@ -153,8 +160,6 @@ def test_a_phone_shows_a_lesson_without_scrolling_sideways(browser, lesson_file,
 def test_controls_have_names_and_verdicts_are_announced(walk, lesson):
     walk.open(lesson.title)
     walk.to_the_checks()
-    nameless = """() => [...document.querySelectorAll("#lessons input, #lessons button")].filter(
-        (each) => !(each.labels?.length ? [...each.labels].map((l) => l.textContent).join("") : each.textContent).trim())"""
-    assert walk.page.evaluate(f"({nameless})().length") == 0
+    assert walk.page.evaluate(NAMELESS) == 0
     for form in walk.forms.all():
         assert form.get_by_role("status").count() == 1

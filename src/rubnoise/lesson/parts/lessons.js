@@ -27,10 +27,18 @@
   };
 
   /**
-   * Return settings of a contact for an experiment: 200 um^2 in 20 equal junctions but for what is given. The diameter is
-   * matched, so that the exact mean area is the one that is asked for.
+   * Return settings of a contact for an experiment: 200 um^2 in 20 equal junctions but for what is given. The diameter
+   * is matched, so that the exact mean area is the one that is asked for.
    */
-  const contact = (values) => ({ meanArea: 200, meanCount: 20, spread: 0, births: 'poisson', pulse: 'lens', calibration: 'matched', ...values });
+  const contact = (values) => ({
+    meanArea: 200,
+    meanCount: 20,
+    spread: 0,
+    births: 'poisson',
+    pulse: 'lens',
+    calibration: 'matched',
+    ...values,
+  });
 
   const list = [];
   const state = { open: 0, lessons: [] };
@@ -65,14 +73,17 @@
 
   /** Take progress from text; what does not fit is left as it was. */
   function take(text) {
-    text.split('.').slice(0, list.length).forEach((part, i) => {
-      const found = /^([0-3])([a-z]?)(\d{0,2})$/.exec(part);
-      if (!found) return;
-      const [, step, letter, stake] = found;
-      const option = list[i].prediction.options[letter ? letter.charCodeAt(0) - 97 : -1];
-      const said = letter === 'z' ? 'skipped' : option?.id ?? '';
-      state.lessons[i] = { ...fresh(), step: said ? Number(step) : 0, said, stake: Math.min(10, Number(stake)) };
-    });
+    text
+      .split('.')
+      .slice(0, list.length)
+      .forEach((part, i) => {
+        const found = /^([0-3])([a-z]?)(\d{0,2})$/.exec(part);
+        if (!found) return;
+        const [, step, letter, stake] = found;
+        const option = list[i].prediction.options[letter ? letter.charCodeAt(0) - 97 : -1];
+        const said = letter === 'z' ? 'skipped' : (option?.id ?? '');
+        state.lessons[i] = { ...fresh(), step: said ? Number(step) : 0, said, stake: Math.min(10, Number(stake)) };
+      });
   }
 
   /** Read the open lesson and the progress from the page's address; return whether it names a lesson. */
@@ -92,7 +103,9 @@
   /** Return why the question does not fit the settings any more, or nothing. */
   function misfit(lesson, world) {
     const turned = Object.entries(lesson.needs).find(([key, value]) => world[key] !== value);
-    return turned ? `The knobs have been turned since (${NAMES[turned[0]]}). Press a button of the experiment to set them back.` : '';
+    return turned
+      ? `The knobs have been turned since (${NAMES[turned[0]]}). Press a button of the experiment to set them back.`
+      : '';
   }
 
   const NAMES = { births: 'births', pulse: 'pulse', spread: 'spread', meanCount: 'mean count' };

@@ -7,9 +7,18 @@
   const CONSTANTS = { pi: Math.PI, e: Math.E };
   const FUNCTIONS = { sqrt: Math.sqrt, exp: Math.exp, ln: Math.log };
   const LOOKALIKES = [
-    [/[\u2212\u2013\u2014]/g, '-'], [/[\u00d7\u00b7\u22c5]/g, '*'], [/[\u00f7:]/g, '/'], [/\*\*/g, '^'],
-    [/\u00b2/g, '^2'], [/[\u00b5\u03bc]/g, 'u'], [/\u03c0/g, 'pi'], [/\u221a/g, 'sqrt'], [/[\u00a0\u2009\u202f]/g, ' '],
-    [/\u00bd/g, '(1/2)'], [/\u2153/g, '(1/3)'], [/\u00bc/g, '(1/4)'],
+    [/[\u2212\u2013\u2014]/g, '-'],
+    [/[\u00d7\u00b7\u22c5]/g, '*'],
+    [/[\u00f7:]/g, '/'],
+    [/\*\*/g, '^'],
+    [/\u00b2/g, '^2'],
+    [/[\u00b5\u03bc]/g, 'u'],
+    [/\u03c0/g, 'pi'],
+    [/\u221a/g, 'sqrt'],
+    [/[\u00a0\u2009\u202f]/g, ' '],
+    [/\u00bd/g, '(1/2)'],
+    [/\u2153/g, '(1/3)'],
+    [/\u00bc/g, '(1/4)'],
   ];
 
   /** What one of each unit that may be written is in the unit that was asked for. */
@@ -102,7 +111,9 @@
     const name = written.replace(/\s/g, '').toLowerCase();
     if (Object.hasOwn(known, name)) return known[name];
     if (unit === '') throw new Unread(`“${shown(written)}” is not expected here: the answer is a plain number.`);
-    throw new Unread(`“${shown(written)}” is not a unit for this answer; it is asked for in ${rub.lessons.words.unitName(unit)}.`);
+    throw new Unread(
+      `“${shown(written)}” is not a unit for this answer; it is asked for in ${rub.lessons.words.unitName(unit)}.`,
+    );
   }
 
   /**

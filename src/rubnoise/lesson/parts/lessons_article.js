@@ -3,7 +3,10 @@
 (() => {
   const { lessons } = globalThis.rub;
   const { list, state, words, STEPS } = lessons;
-  const LOCKED = { experiment: 'Opens when you have made your prediction.', after: 'Opens when the experiment has been run.' };
+  const LOCKED = {
+    experiment: 'Opens when you have made your prediction.',
+    after: 'Opens when the experiment has been run.',
+  };
 
   /** Return a new element with attributes (text: its text, html: its content) and children. */
   function make(tag, attributes = {}, ...children) {
@@ -21,7 +24,12 @@
   function part(name, title, locked, ...body) {
     const id = `lesson-${name}`;
     const content = locked ? [make('p', { class: 'lesson-locked', text: locked })] : body;
-    return make('section', { class: `lesson-part ${id}`, 'aria-labelledby': id }, make('h4', { id, text: title }), ...content);
+    return make(
+      'section',
+      { class: `lesson-part ${id}`, 'aria-labelledby': id },
+      make('h4', { id, text: title }),
+      ...content,
+    );
   }
 
   function radio(group, option, html, checked, disabled) {
@@ -33,7 +41,9 @@
   function prediction(lesson, index) {
     const { said, stake, step } = state.lessons[index];
     const done = step > STEPS.asked;
-    const options = lesson.prediction.options.map((each) => radio('prediction', each, each.text, each.id === said, done));
+    const options = lesson.prediction.options.map((each) =>
+      radio('prediction', each, each.text, each.id === said, done),
+    );
     const form = make('form', { id: 'lesson-predict', novalidate: true });
     form.append(make('fieldset', {}, make('legend', { text: 'What do you expect?' }), ...options));
     if (lesson.prediction.stake) form.append(stakeField(stake, done));
@@ -44,12 +54,28 @@
 
   function predictionButtons(lesson) {
     const name = lesson.prediction.stake ? 'Place the bet' : 'Predict';
-    return [make('button', { type: 'submit', text: name }), make('button', { type: 'button', 'data-act': 'skip', class: 'quiet', text: 'Skip (teacher)' })];
+    return [
+      make('button', { type: 'submit', text: name }),
+      make('button', { type: 'button', 'data-act': 'skip', class: 'quiet', text: 'Skip (teacher)' }),
+    ];
   }
 
   function stakeField(stake, disabled) {
-    const input = make('input', { type: 'number', id: 'lesson-stake', min: 1, max: 10, step: 1, value: stake || 5, disabled });
-    return make('p', { class: 'lesson-field' }, make('label', { for: 'lesson-stake', text: 'Chips on it (1 to 10)' }), input);
+    const input = make('input', {
+      type: 'number',
+      id: 'lesson-stake',
+      min: 1,
+      max: 10,
+      step: 1,
+      value: stake || 5,
+      disabled,
+    });
+    return make(
+      'p',
+      { class: 'lesson-field' },
+      make('label', { for: 'lesson-stake', text: 'Chips on it (1 to 10)' }),
+      input,
+    );
   }
 
   function noted(index) {
@@ -64,32 +90,56 @@
     const { text, runs, watch } = lesson.experiment;
     const begun = step >= STEPS.run;
     const buttons = runs.map((run, i) => make('button', { type: 'button', 'data-run': i, text: `▶ ${run.label}` }));
-    return part('experiment', 'Experiment', locked,
+    return part(
+      'experiment',
+      'Experiment',
+      locked,
       make('p', { html: text }),
-      make('div', { class: 'lesson-buttons' }, ...buttons,
-        begun && make('button', { type: 'button', class: 'quiet', 'data-act': 'ahead', text: 'Slide 200 lives ahead' })),
+      make(
+        'div',
+        { class: 'lesson-buttons' },
+        ...buttons,
+        begun && make('button', { type: 'button', class: 'quiet', 'data-act': 'ahead', text: 'Slide 200 lives ahead' }),
+      ),
       make('p', { class: 'lesson-verdict', id: 'lesson-running', role: 'status' }),
       make('p', { text: 'What to watch:' }),
       make('ul', {}, ...watch.map((html) => make('li', { html }))),
-      seenTable(lesson, index));
+      seenTable(lesson, index),
+    );
   }
 
   /** Return the table of what the run has shown so far; the law's column waits until it gives no answer away. */
   function seenTable(lesson, index) {
     const { step, said } = state.lessons[index];
     const open = step === STEPS.passed || said === 'skipped';
-    const head = ['quantity', 'seen so far', open ? 'the law' : ''].filter(Boolean).map((text) => make('th', { scope: 'col', text }));
+    const head = ['quantity', 'seen so far', open ? 'the law' : '']
+      .filter(Boolean)
+      .map((text) => make('th', { scope: 'col', text }));
     const rows = lesson.experiment.table.map((row, i) => {
       const unit = row.unit ? `, ${words.unitName(row.unit)}` : '';
-      return make('tr', {}, make('th', { scope: 'row', html: row.label + unit }), make('td', { 'data-seen': i }),
-        open && make('td', { 'data-exact': i }));
+      return make(
+        'tr',
+        {},
+        make('th', { scope: 'row', html: row.label + unit }),
+        make('td', { 'data-seen': i }),
+        open && make('td', { 'data-exact': i }),
+      );
     });
-    return make('div', { class: 'lesson-scroll' }, make('table', { class: 'lesson-table' }, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows)));
+    return make(
+      'div',
+      { class: 'lesson-scroll' },
+      make('table', { class: 'lesson-table' }, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows)),
+    );
   }
 
   function law(lesson, index) {
     const locked = state.lessons[index].step < STEPS.run ? LOCKED.after : '';
-    const details = make('details', { id: 'lesson-why' }, make('summary', { text: 'Show the law' }), make('div', { id: 'lesson-law-text' }));
+    const details = make(
+      'details',
+      { id: 'lesson-why' },
+      make('summary', { text: 'Show the law' }),
+      make('div', { id: 'lesson-law-text' }),
+    );
     return part('law', 'The law', locked, make('p', { id: 'lesson-said', html: comparison(index) }), details);
   }
 
@@ -110,9 +160,13 @@
   function checkForm(check) {
     const id = `check-${check.id}`;
     const body = check.options ? choices(check, id) : check.met ? [prompt(check)] : number(check, id);
-    return make('form', { class: 'lesson-check', 'data-check': check.id, novalidate: true }, ...body,
+    return make(
+      'form',
+      { class: 'lesson-check', 'data-check': check.id, novalidate: true },
+      ...body,
       make('button', { type: 'submit', text: 'Check' }),
-      make('p', { class: 'lesson-verdict', role: 'status', id: `${id}-verdict` }));
+      make('p', { class: 'lesson-verdict', role: 'status', id: `${id}-verdict` }),
+    );
   }
 
   const prompt = (check, tag = 'p', attributes = {}) => make(tag, { 'data-prompt': check.id, ...attributes });
@@ -124,27 +178,59 @@
 
   function number(check, id) {
     const name = words.unitName(check.unit);
-    const input = make('input', { type: 'text', id, inputmode: 'text', autocomplete: 'off', maxlength: 40, size: 12, 'aria-describedby': `${id}-form` });
+    const input = make('input', {
+      type: 'text',
+      id,
+      inputmode: 'text',
+      autocomplete: 'off',
+      maxlength: 40,
+      size: 12,
+      'aria-describedby': `${id}-form`,
+    });
     const form = `${name ? `in ${name}, ` : ''}within ${words.share(check.tolerance)}`;
-    return [prompt(check, 'label', { for: id }), make('p', { class: 'lesson-field' }, input,
-      make('span', { id: `${id}-form`, class: 'lesson-quiet', text: form }))];
+    return [
+      prompt(check, 'label', { for: id }),
+      make(
+        'p',
+        { class: 'lesson-field' },
+        input,
+        make('span', { id: `${id}-form`, class: 'lesson-quiet', text: form }),
+      ),
+    ];
   }
 
   function footer(index) {
     const next = list[index + 1];
     const previous = list[index - 1];
-    return make('nav', { class: 'lesson-buttons', 'aria-label': 'Between lessons' },
-      previous && make('button', { type: 'button', class: 'quiet', 'data-open': index - 1, text: `← ${index}. ${previous.title}` }),
+    return make(
+      'nav',
+      { class: 'lesson-buttons', 'aria-label': 'Between lessons' },
+      previous &&
+        make('button', {
+          type: 'button',
+          class: 'quiet',
+          'data-open': index - 1,
+          text: `← ${index}. ${previous.title}`,
+        }),
       make('button', { type: 'button', class: 'quiet', 'data-act': 'restart', text: 'Start this lesson again' }),
-      next && make('button', { type: 'button', 'data-open': index + 1, text: `${index + 2}. ${next.title} →` }));
+      next && make('button', { type: 'button', 'data-open': index + 1, text: `${index + 2}. ${next.title} →` }),
+    );
   }
 
   /** Return the list of lessons, with a tick beside those that were passed. */
   function contents() {
     const items = list.map((lesson, i) => {
       const passed = state.lessons[i].step === STEPS.passed;
-      const button = make('button', { type: 'button', 'data-open': i, 'aria-current': i === state.open ? 'step' : false }, `${i + 1}. ${lesson.title}`);
-      if (passed) button.append(make('span', { class: 'lesson-done', text: ' ✓' }), make('span', { class: 'lesson-unseen', text: ' done' }));
+      const button = make(
+        'button',
+        { type: 'button', 'data-open': i, 'aria-current': i === state.open ? 'step' : false },
+        `${i + 1}. ${lesson.title}`,
+      );
+      if (passed)
+        button.append(
+          make('span', { class: 'lesson-done', text: ' ✓' }),
+          make('span', { class: 'lesson-unseen', text: ' done' }),
+        );
       return make('li', {}, button);
     });
     return make('nav', { 'aria-label': 'Lessons' }, make('ol', { class: 'lesson-list' }, ...items));
@@ -154,11 +240,18 @@
   function article() {
     const index = state.open;
     const lesson = list[index];
-    return make('article', { class: 'lesson', 'data-lesson': lesson.id, 'aria-labelledby': 'lesson-title' },
+    return make(
+      'article',
+      { class: 'lesson', 'data-lesson': lesson.id, 'aria-labelledby': 'lesson-title' },
       make('h3', { id: 'lesson-title', tabindex: -1, text: `${index + 1}. ${lesson.title}` }),
       make('p', { class: 'lesson-question', html: lesson.question }),
-      prediction(lesson, index), experiment(lesson, index), law(lesson, index), checks(lesson, index),
-      make('p', { class: 'lesson-verdict', id: 'lesson-end', role: 'status' }), footer(index));
+      prediction(lesson, index),
+      experiment(lesson, index),
+      law(lesson, index),
+      checks(lesson, index),
+      make('p', { class: 'lesson-verdict', id: 'lesson-end', role: 'status' }),
+      footer(index),
+    );
   }
 
   lessons.page = { make, contents, article, seenTable };

@@ -31,7 +31,9 @@
     fill('#lesson-law-text', () => lesson.law(exact, rub.world));
     lesson.checks.forEach((check) => {
       ask(check, check.prompt(exact, rub.world));
-      check.options?.forEach((each) => fill(`label[for="check-${check.id}-${each.id}"]`, () => each.text(exact, rub.world)));
+      check.options?.forEach((each) =>
+        fill(`label[for="check-${check.id}-${each.id}"]`, () => each.text(exact, rub.world)),
+      );
     });
     tellSeen(exact);
   }

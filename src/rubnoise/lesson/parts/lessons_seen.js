@@ -45,7 +45,11 @@
   class Watch {
     constructor(exact, pulse) {
       Object.assign(this, { pulse, spacing: exact.spacing, life: exact.lifeMean, step: exact.lifeMean / LOOKS_A_LIFE });
-      Object.assign(this, { area: new Sums(exact.areaMean), counts: new Sums(exact.countMean), window: new Sums(exact.countMean) });
+      Object.assign(this, {
+        area: new Sums(exact.areaMean),
+        counts: new Sums(exact.countMean),
+        window: new Sums(exact.countMean),
+      });
       for (const name of ['gaps', 'born', 'lives', 'met', 'alive', 'ages', 'beyond']) this[name] = new Sums(0);
       this.live = [];
       this.next = 0;
@@ -116,13 +120,14 @@
     compare(left) {
       const { past, shared, looks } = this;
       past[looks % past.length] = left;
-      for (let lag = 0; lag < past.length && lag <= looks; lag += 1) shared[lag] += left * past[(looks - lag) % past.length];
+      for (let lag = 0; lag < past.length && lag <= looks; lag += 1)
+        shared[lag] += left * past[(looks - lag) % past.length];
     }
 
     /** Return the correlation of the area with itself so many lives on. */
     correlation(lives) {
       const lag = Math.round(lives * LOOKS_A_LIFE);
-      return (this.shared[lag] / (this.looks - lag)) / (this.shared[0] / this.looks);
+      return this.shared[lag] / (this.looks - lag) / (this.shared[0] / this.looks);
     }
 
     /** Return the statistics by name. */

@@ -5,7 +5,7 @@
   const { contact } = lessons;
   const { say, share, um, um2 } = lessons.words;
 
-  /* Births at random are Poisson; a stretch of n + p regular spacings has n births or n + 1, the latter with chance p. */
+  /* Births at random are Poisson. A stretch of n + p regular spacings has n births, or with chance p one more. */
   function birthsVariance(f, world) {
     const births = f.lifeMean / f.spacing;
     const part = births % 1;
@@ -16,8 +16,8 @@
     id: 'one-life',
     title: 'One life',
     question: `Two equal discs of diameter <var>d</var> slide over each other along the line through their centres. At
-      full overlap they share a whole disc, (π/4) <var>d</var>² = ${say(Math.PI / 4)} <var>d</var>². How large is the area they
-      share on average, from first touch to last?`,
+      full overlap they share a whole disc, (π/4) <var>d</var>² = ${say(Math.PI / 4)} <var>d</var>². How large is the
+      area they share on average, from first touch to last?`,
     prediction: {
       options: [
         { id: 'peak', text: `nearly the whole disc, about 0.75 <var>d</var>²` },
@@ -30,26 +30,38 @@
     experiment: {
       pace: 0.25, // lives a second
       text: `One junction at a time: each is born where the one before it dies.`,
-      runs: [{ label: 'Run one life after another', set: contact({ meanArea: 40, meanCount: 1, births: 'regular' }), show: 'area' }],
+      runs: [
+        {
+          label: 'Run one life after another',
+          set: contact({ meanArea: 40, meanCount: 1, births: 'regular' }),
+          show: 'area',
+        },
+      ],
       watch: [
         `The area starts and ends softly and has a sharp top, where the centres meet.`,
-        `Choose a junction and read its life curve. Is the time above the mean line as long as the time below it?`,
+        `Choose a junction on the stage: its card has its life curve, its largest area and its mean one.`,
+        `Is the trace above the line of the mean for as long as it is below?`,
       ],
       table: [
         { label: 'mean area', unit: 'um^2', seen: (s) => s.areaMean, exact: (f) => f.areaMean },
-        { label: 'mean area over <var>d</var>²', seen: (s, f) => s.areaMean / f.diameter ** 2, exact: (f) => f.areaMean / f.diameter ** 2 },
+        {
+          label: 'mean area over <var>d</var>²',
+          seen: (s, f) => s.areaMean / f.diameter ** 2,
+          exact: (f) => f.areaMean / f.diameter ** 2,
+        },
       ],
     },
     law: (f) => `
-      <p>Cut both discs into thin strips along the sliding direction. At a height <var>y</var> from the centre line a strip is
-        <var>w</var> = √(<var>d</var>² − 4<var>y</var>²) long. Two strips of length <var>w</var> that pass each other share
-        at most <var>w</var>, rising and falling evenly over a path of 2<var>w</var>: added up over the path, <var>w</var>².</p>
-      <p class="formula">∫ <var>A</var> d<var>s</var> = ∫ <var>w</var>² d<var>y</var>
-        = ∫<sub>−<var>d</var>/2</sub><sup><var>d</var>/2</sup> (<var>d</var>² − 4<var>y</var>²) d<var>y</var>
-        = <var>d</var>³ − <var>d</var>³/3 = (2/3) <var>d</var>³</p>
-      <p>A life is 2<var>d</var> long, so the mean area over a life is <strong><var>d</var>²/3</strong>: ${um2(f.diameter ** 2 / 3)}
-        for the ${um(f.diameter)} of this experiment. Half of the peak would be the answer for a triangle; the lens
-        is hollower at both ends. The paper prints 0.327 <var>d</var>², which is 1.9 % low.</p>`,
+      <p>Cut both discs into thin strips along the sliding direction. At a height <var>y</var> from the centre line a
+        strip is <var>w</var> = √(<var>d</var>² − 4<var>y</var>²) long. Two strips of length <var>w</var> that pass each
+        other share at most <var>w</var>, rising and falling evenly over a path of 2<var>w</var>: added up over the
+        path, <var>w</var>².</p>
+      <p class="formula">∫ <var>A</var> d<var>s</var> = ∫ <var>w</var>² d<var>y</var> =
+        ∫<sub>−<var>d</var>/2</sub><sup><var>d</var>/2</sup> (<var>d</var>² − 4<var>y</var>²) d<var>y</var> =
+        <var>d</var>³ − <var>d</var>³/3 = (2/3) <var>d</var>³</p>
+      <p>A life is 2<var>d</var> long, so the mean area over a life is <strong><var>d</var>²/3</strong>:
+        ${um2(f.diameter ** 2 / 3)} for the ${um(f.diameter)} of this experiment. Half of the peak would be the answer
+        for a triangle; the lens is hollower at both ends. The paper prints 0.327 <var>d</var>², which is 1.9 % low.</p>`,
     checks: [
       {
         id: 'fraction',
@@ -57,7 +69,11 @@
         expected: () => 1 / 3,
         tolerance: 0.015,
         hints: [
-          [() => 0.327, `0.327 is the rounded figure of the paper (its Eq. 6). The integral gives a simple fraction: (2/3) <var>d</var>³ over a life of 2<var>d</var>.`],
+          [
+            () => 0.327,
+            `0.327 is the rounded figure of the paper (its Eq. 6). The integral gives a simple fraction: (2/3)
+              <var>d</var>³ over a life of 2<var>d</var>.`,
+          ],
           [() => Math.PI / 4, `That is the largest area, at full overlap.`],
           [() => Math.PI / 8, `That is half of the peak: right for a triangle, but the lens is hollower at both ends.`],
           [() => 2 / 3, `(2/3) <var>d</var>³ is the integral over the life. Divide it by the life, 2<var>d</var>.`],
@@ -67,7 +83,9 @@
       {
         id: 'area',
         unit: 'um^2',
-        prompt: (f) => `One disc has a diameter of ${um(2 * f.diameter)}, twice that of the experiment. What is its mean area over its life?`,
+        prompt: (f) =>
+          `One disc has a diameter of ${um(2 * f.diameter)}, twice that of the experiment. What is its mean area over
+            its life?`,
         expected: (f) => (2 * f.diameter) ** 2 / 3,
         tolerance: 0.02,
         hints: [
@@ -82,9 +100,9 @@
   lessons.add({
     id: 'births',
     title: 'Births at random',
-    question: `Asperities meet at places that nobody arranged. Say that in every small step of sliding a junction is born with
-      the same small chance, whatever happened before. Look at the gaps between one birth and the next: which gaps are
-      the most common?`,
+    question: `Asperities meet at places that nobody arranged. Say that in every small step of sliding a junction is
+      born with the same small chance, whatever happened before. Look at the gaps between one birth and the next: which
+      gaps are the most common?`,
     prediction: {
       options: [
         { id: 'mean', text: `those near the mean gap, with shorter and longer ones equally rare` },
@@ -108,20 +126,27 @@
       ],
       table: [
         { label: 'mean gap', unit: 'um', seen: (s) => s.gapMean, exact: (f) => f.spacing },
-        { label: 'share of gaps longer than the mean', seen: (s) => s.gapsBeyondMean, exact: (f, world) => (world.births === 'regular' ? 0 : Math.exp(-1)) },
+        {
+          label: 'share of gaps longer than the mean',
+          seen: (s) => s.gapsBeyondMean,
+          exact: (f, world) => (world.births === 'regular' ? 0 : Math.exp(-1)),
+        },
         { label: 'births in one life: mean', seen: (s) => s.birthsMean, exact: (f) => f.lifeMean / f.spacing },
         { label: 'births in one life: variance', seen: (s) => s.birthsVariance, exact: birthsVariance },
       ],
     },
     law: (f) => `
-      <p>Let births come at the rate λ, one every 1/λ = ${um(f.spacing)} on average. Cut a stretch <var>g</var> into <var>n</var> steps;
-        each stays without a birth with chance 1 − λ<var>g</var>/<var>n</var>, and all of them do with</p>
-      <p class="formula">(1 − λ<var>g</var>/<var>n</var>)<sup><var>n</var></sup> → e<sup>−λ<var>g</var></sup> = P(gap &gt; <var>g</var>)</p>
-      <p>So gaps are <strong>exponential</strong>: their density λ e<sup>−λ<var>g</var></sup> is highest at 0, and their standard
-        deviation is as large as their mean. Of the <var>n</var> steps of a stretch <var>w</var>, each has a birth with chance
-        λ<var>w</var>/<var>n</var>, by itself: their number has the mean λ<var>w</var> and the variance
-        <var>n</var> (λ<var>w</var>/<var>n</var>)(1 − λ<var>w</var>/<var>n</var>) → λ<var>w</var>. It is a <strong>Poisson</strong> number:
-        variance equal to mean. Regular births have equal gaps, and any two stretches of one length differ by one birth at most.</p>`,
+      <p>Let births come at the rate λ, one every 1/λ = ${um(f.spacing)} on average. Cut a stretch <var>g</var> into
+        <var>n</var> steps; each stays without a birth with chance 1 − λ<var>g</var>/<var>n</var>, and all of them do
+        with</p>
+      <p class="formula">(1 − λ<var>g</var>/<var>n</var>)<sup><var>n</var></sup> → e<sup>−λ<var>g</var></sup> = P(gap
+        &gt; <var>g</var>)</p>
+      <p>So gaps are <strong>exponential</strong>: their density λ e<sup>−λ<var>g</var></sup> is highest at 0, and their
+        standard deviation is as large as their mean. Of the <var>n</var> steps of a stretch <var>w</var>, each has a
+        birth with chance λ<var>w</var>/<var>n</var>, by itself: their number has the mean λ<var>w</var> and the
+        variance <var>n</var> (λ<var>w</var>/<var>n</var>)(1 − λ<var>w</var>/<var>n</var>) → λ<var>w</var>. It is a
+        <strong>Poisson</strong> number: variance equal to mean. Regular births have equal gaps, and any two stretches
+        of one length differ by one birth at most.</p>`,
     checks: [
       {
         id: 'longer',
@@ -129,7 +154,10 @@
         expected: () => Math.exp(-1),
         tolerance: 0.03,
         hints: [
-          [() => 0.5, `Half of the gaps are longer than the <em>median</em>. A few very long gaps pull the mean above it.`],
+          [
+            () => 0.5,
+            `Half of the gaps are longer than the <em>median</em>. A few very long gaps pull the mean above it.`,
+          ],
           [() => 1 - Math.exp(-1), `That is the share of gaps <em>shorter</em> than the mean.`],
           [() => 0, `That is what regular births would have.`],
         ],
@@ -137,7 +165,9 @@
       },
       {
         id: 'swing',
-        prompt: () => `On average 100 births fall into a stretch of sliding. By how much does their number typically differ from 100 (its standard deviation)?`,
+        prompt: () =>
+          `On average 100 births fall into a stretch of sliding. By how much does their number typically differ from 100
+            (its standard deviation)?`,
         expected: () => Math.sqrt(100),
         tolerance: 0.02,
         hints: [
@@ -153,8 +183,8 @@
   lessons.add({
     id: 'count',
     title: 'The live count',
-    question: `Births at random, each junction alive over twice its diameter, and about 20 alive at any place. By how much does
-      the number of live junctions typically differ from 20?`,
+    question: `Births at random, each junction alive over twice its diameter, and about 20 alive at any place. By how
+      much does the number of live junctions typically differ from 20?`,
     prediction: {
       options: [
         { id: 'one', text: `by about 1: births and deaths balance` },
@@ -173,7 +203,8 @@
       ],
       watch: [
         `The count wanders in the band of one standard deviation about its mean, and leaves it for a third of the way.`,
-        `Unequal sizes change the length of lives, and yet neither the mean nor the swing of the count changes to speak of.`,
+        `Unequal sizes change the length of lives, and yet neither the mean nor the swing of the count changes to speak
+          of.`,
       ],
       table: [
         { label: 'mean count', seen: (s) => s.countMean, exact: (f) => f.countMean },
@@ -182,18 +213,24 @@
       ],
     },
     law: (f) => `
-      <p><strong>Little's law.</strong> Over a long path <var>S</var> there are λ<var>S</var> births, and each adds its life to the
-        area under the count: ∫ <var>N</var> d<var>s</var> = λ<var>S</var> × mean life. Divide by <var>S</var>:</p>
-      <p class="formula">mean count = birth rate × mean life = ${um(f.lifeMean)} / ${um(f.spacing)} = ${say(f.countMean)}</p>
-      <p>It holds for births of any kind. <strong>M/G/∞</strong>: births at random (M, for memoryless), lives of any law (G, for general), no
-        limit to the number alive (∞). Of the births at a distance <var>y</var> back, those with a life longer than <var>y</var> are still
-        alive; picking some of a random sprinkling by chance leaves a random sprinkling, so the count is a Poisson number,</p>
+      <p><strong>Little's law.</strong> Over a long path <var>S</var> there are λ<var>S</var> births, and each adds its
+        life to the area under the count: ∫ <var>N</var> d<var>s</var> = λ<var>S</var> × mean life. Divide by
+        <var>S</var>:</p>
+      <p class="formula">mean count = birth rate × mean life = ${um(f.lifeMean)} / ${um(f.spacing)} =
+        ${say(f.countMean)}</p>
+      <p>It holds for births of any kind. <strong>M/G/∞</strong>: births at random (M, for memoryless), lives of any law
+        (G, for general), no limit to the number alive (∞). Of the births at a distance <var>y</var> back, those with a
+        life longer than <var>y</var> are still alive; picking some of a random sprinkling by chance leaves a random
+        sprinkling, so the count is a Poisson number,</p>
       <p class="formula">variance = mean = λ ∫ P(life &gt; <var>y</var>) d<var>y</var> = λ × mean life</p>
-      <p>Only the mean life enters. Standard deviation ${say(f.countStd)}, which is ${share(1 / f.countStd)} of the mean.</p>`,
+      <p>Only the mean life enters. Standard deviation ${say(f.countStd)}, which is ${share(1 / f.countStd)} of the
+        mean.</p>`,
     checks: [
       {
         id: 'little',
-        prompt: (f) => `Now there are ${say(f.countMean)} alive on average. Let births come twice as often and lives last three times as long: how many then?`,
+        prompt: (f) =>
+          `Now there are ${say(f.countMean)} alive on average. Let births come twice as often and lives last three times
+            as long: how many then?`,
         expected: (f) => 6 * f.countMean,
         tolerance: 0.02,
         hints: [
@@ -209,9 +246,7 @@
         prompt: () => `Which mean count makes the standard deviation of the count a tenth of the mean?`,
         expected: () => 100,
         tolerance: 0.02,
-        hints: [
-          [() => 10, `With 10 it is √10 = ${say(Math.sqrt(10))}, nearly a third of the mean.`],
-        ],
+        hints: [[() => 10, `With 10 it is √10 = ${say(Math.sqrt(10))}, nearly a third of the mean.`]],
         hint: `The standard deviation is √<var>N</var>, so relative to the mean it is 1/√<var>N</var>.`,
       },
     ],

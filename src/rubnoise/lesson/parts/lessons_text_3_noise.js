@@ -1,10 +1,9 @@
 'use strict';
-/* Lessons 6 to 8: memory, the slider, many small or few large. */
+/* Lessons 6 and 7: memory, the slider. */
 (() => {
-  const rub = globalThis.rub;
-  const { lessons } = rub;
+  const { lessons } = globalThis.rub;
   const { contact } = lessons;
-  const { say, share, um, um2 } = lessons.words;
+  const { say, um } = lessons.words;
   /* The contact and slider of the paper's Fig. 5, in um, um/s, MPa, kg, N/m and N s/m. */
   const FIG5 = {
     ...contact({ spread: 0.2, calibration: 'paper' }),
@@ -14,49 +13,12 @@
     stiffness: 300,
     damping: 0.05,
   };
-  /* A soft metal on a heavy slider, damped by a twentieth: constant speed is a fair assumption for the bet. */
-  const HEAVY = { speed: 1000, strength: 40, mass: 0.5, stiffness: 30000, damping: 0.1 * Math.sqrt(30000 * 0.5) };
-  const FEW = 5;
-  const MANY = 80;
-  const side = (meanCount) => ({ ...contact({ meanCount }), ...HEAVY });
-
-  /** Return the settings of the bet's two contacts, with the knobs that the bet leaves alone. */
-  const sides = (world) => [FEW, MANY].map((meanCount) => ({ ...world, ...contact({ meanCount }) }));
-
-  /** Return a quantity of the few over that of the many, exactly. */
-  function ratioOf(quantity, world) {
-    const [few, many] = sides(world).map((settings) => rub.theory.exact(settings)[quantity]);
-    return few / many;
-  }
-
-  /** Return the options whose stated ratio is nearest to a ratio, on a scale of factors. */
-  function nearest(options, ratio) {
-    return options.reduce((best, each) => (Math.abs(Math.log(each.value / ratio)) < Math.abs(Math.log(best.value / ratio)) ? each : best));
-  }
-
-  /** Return how a bet ends: what both contacts show over many lives, and who wins. */
-  function settle({ said, stake }, world) {
-    const [few, many] = sides(world).map((settings) => lessons.measured(settings)).map((told) => told.areaStd / told.areaMean);
-    const shown = `Over ${lessons.MOST_LIVES} lives each, the area of the few strays by ${share(few)} of its mean, that of the many by
-      ${share(many)}: <strong>${say(few / many)} to one</strong>.`;
-    if (!stake) return shown;
-    const won = nearest(BETS, few / many).id === said;
-    return `${shown} ${won ? `You win ${stake} chips!` : `Your ${stake} chips are lost.`}`;
-  }
-
-  const BETS = [
-    { id: 'many', text: `the many: more births, more noise`, value: 1 / 4 },
-    { id: 'same', text: `neither: the mean area is the same`, value: 1 },
-    { id: 'twice', text: `the few, about twice as noisy`, value: 2 },
-    { id: 'four', text: `the few, about 4 times as noisy`, value: 4, right: true },
-    { id: 'sixteen', text: `the few, about ${MANY / FEW} times as noisy`, value: MANY / FEW },
-  ];
 
   lessons.add({
     id: 'memory',
     title: 'Memory',
-    question: `The real contact area has just been measured, and it is above its mean. How far does the surface have to slide until
-      that tells nothing any more about the area?`,
+    question: `The real contact area has just been measured, and it is above its mean. How far does the surface have to
+      slide until that tells nothing any more about the area?`,
     prediction: {
       options: [
         { id: 'gap', text: `one gap between births` },
@@ -72,7 +34,7 @@
       runs: [{ label: 'Run and compare with itself', set: contact({ spread: 0 }), show: 'memory' }],
       watch: [
         `The correlation with itself falls as the lag grows, and stays about zero from one life on.`,
-        `The spectrum: flat for waves much longer than a life, then it falls steeply, with dips of its own.`,
+        `Press “spectrum” above that picture: flat for waves much longer than a life, then it falls steeply, with dips of its own.`,
       ],
       table: [0, 1 / 4, 1 / 2, 3 / 4, 1, 3 / 2].map((lives) => ({
         label: `correlation at a lag of ${lives === 0 ? '0' : `${say(lives)} lives`}`,
@@ -81,14 +43,15 @@
       })),
     },
     law: (f) => `
-      <p>The area here and the area a lag τ further on have in common only the junctions alive at both places; everything else is
-        independent. So</p>
+      <p>The area here and the area a lag τ further on have in common only the junctions alive at both places;
+        everything else is independent. So</p>
       <p class="formula"><var>R</var>(τ) = λ ∫ <var>A</var>(<var>s</var>) <var>A</var>(<var>s</var> + τ) d<var>s</var>,
         and <var>R</var>(τ) = 0 for τ ≥ 2<var>d</var> = ${um(f.lifeMean)}</p>
-      <p>The memory ends <strong>exactly at one life</strong>: Rabinowicz read the size of junctions from a measured friction force in
-        this way (1956). The spectrum is the same in other words, <var>S</var>(<var>k</var>) = λ |<var>Â</var>(<var>k</var>)|². Long waves
-        see each life as a mere point, hence a flat start: <var>S</var>(0) = λ (∫ <var>A</var> d<var>s</var>)². Short waves see the sharp top,
-        where the slope jumps by 2<var>d</var>: a jump of slope has the transform 2<var>d</var>/<var>k</var>², so that</p>
+      <p>The memory ends <strong>exactly at one life</strong>: Rabinowicz read the size of junctions from a measured
+        friction force in this way (1956). The spectrum is the same in other words, <var>S</var>(<var>k</var>) = λ
+        |<var>Â</var>(<var>k</var>)|². Long waves see each life as a mere point, hence a flat start: <var>S</var>(0) = λ
+        (∫ <var>A</var> d<var>s</var>)². Short waves see the sharp top, where the slope jumps by 2<var>d</var>: a jump
+        of slope has the transform 2<var>d</var>/<var>k</var>², so that</p>
       <p class="formula"><var>S</var>(<var>k</var>) → 4 λ <var>d</var>²/<var>k</var>⁴</p>
       <p>up to a swing from the softer corners at birth and death. There is no floor: the constant level the paper
         reports at high wavenumbers comes from how a spectrum is estimated.</p>`,
@@ -96,8 +59,8 @@
       {
         id: 'end',
         unit: 'um',
-        prompt: (f) => `A friction force was measured elsewhere. Its autocovariance reaches zero at a lag of ${um(1.5 * f.lifeMean)} and stays there.
-          How large are the junctions' diameters?`,
+        prompt: (f) => `A friction force was measured elsewhere. Its autocovariance reaches zero at a lag of
+          ${um(1.5 * f.lifeMean)} and stays there. How large are the junctions' diameters?`,
         expected: (f) => 0.75 * f.lifeMean,
         tolerance: 0.01,
         hints: [
@@ -109,7 +72,8 @@
       },
       {
         id: 'tail',
-        prompt: () => `In the tail, at twice the wavenumber: by which factor is the spectral density smaller, on average?`,
+        prompt: () =>
+          `In the tail, at twice the wavenumber: by which factor is the spectral density smaller, on average?`,
         expected: () => [16, 1 / 16],
         tolerance: 0.01,
         hints: [
@@ -125,8 +89,8 @@
   lessons.add({
     id: 'slider',
     title: 'The slider',
-    question: `The friction force, strength times area, pushes a mass on a spring with a little damping. The force wanders without
-      any rhythm of its own. What does the mass do?`,
+    question: `The friction force, strength times area, pushes a mass on a spring with a little damping. The force
+      wanders without any rhythm of its own. What does the mass do?`,
     prediction: {
       options: [
         { id: 'copy', text: `it follows the force, a little later` },
@@ -144,34 +108,47 @@
         { label: 'Ten times the damping', set: { ...FIG5, damping: 10 * FIG5.damping }, show: 'slider' },
       ],
       watch: [
-        `The displacement rings although the force does not. Count its periods a second.`,
-        `With more damping it rings less. Listen to it with the sound panel.`,
+        `The displacement rings although the force does not. Measure one swing on the axis of distance: with the
+          sliding speed it becomes a time, nearly the same every time.`,
+        `With more damping it rings less. Listen to it under “Ear”.`,
         `Compare the spread of the slider's velocity with the sliding speed.`,
       ],
       table: [
-        { label: 'standard deviation of the displacement', unit: 'um', seen: (s) => s.displacementStd, exact: (f) => f.displacementStd },
-        { label: 'standard deviation of the velocity over sliding speed', seen: (s, f, world) => s.velocityStd / world.speed, exact: (f) => f.oneWay },
+        {
+          label: 'standard deviation of the displacement',
+          unit: 'um',
+          seen: (s) => s.displacementStd,
+          exact: (f) => f.displacementStd,
+        },
+        {
+          label: 'standard deviation of the velocity over sliding speed',
+          seen: (s, f, world) => s.velocityStd / world.speed,
+          exact: (f) => f.oneWay,
+        },
       ],
     },
     law: (f) => `
-      <p>A spring-mass system answers each frequency by itself: spectrum of the motion = spectrum of the force × response,</p>
-      <p class="formula"><var>S</var><sub>x</sub>(ω) = ψ² <var>S</var>(ω/<var>V</var>)/<var>V</var> × 1/|<var>k</var> − <var>m</var>ω² + i<var>c</var>ω|²</p>
-      <p>The response has a sharp peak at ω₀ = √(<var>k</var>/<var>m</var>), here ${say(f.naturalFrequency)} Hz. The force has a bit of everything;
-        the slider picks its own rhythm out of it. If the force's spectrum is about flat across the peak, with the height
-        <var>S</var><sub>F</sub>,</p>
-      <p class="formula">Var <var>x</var> ≈ <var>S</var><sub>F</sub>(ω₀)/(2<var>c</var><var>k</var>),
-        Var <var>x</var>′ ≈ <var>S</var><sub>F</sub>(ω₀)/(2<var>c</var><var>m</var>)</p>
-      <p>Little damping, much vibration. All of this takes the sliding distance as <var>V</var><var>t</var>, as if the slider's own motion
-        did not count. That is fair while its velocity is small beside <var>V</var>. Exactly, the standard deviation of the velocity is
-        <strong>${say(f.oneWay)} times the sliding speed</strong>, so constant speed is ${f.oneWay < 0.1 ? 'a fair assumption here' : 'no fair assumption here'}.
+      <p>A spring-mass system answers each frequency by itself: spectrum of the motion = spectrum of the force ×
+        response,</p>
+      <p class="formula"><var>S</var><sub>x</sub>(ω) = ψ² <var>S</var>(ω/<var>V</var>)/<var>V</var> × 1/|<var>k</var> −
+        <var>m</var>ω² + i<var>c</var>ω|²</p>
+      <p>The response has a sharp peak at ω₀ = √(<var>k</var>/<var>m</var>), here ${say(f.naturalFrequency)} Hz. The
+        force has a bit of everything; the slider picks its own rhythm out of it. If the force's spectrum is about flat
+        across the peak, with the height <var>S</var><sub>F</sub>,</p>
+      <p class="formula">Var <var>x</var> ≈ <var>S</var><sub>F</sub>(ω₀)/(2<var>c</var><var>k</var>), Var <var>x</var>′
+        ≈ <var>S</var><sub>F</sub>(ω₀)/(2<var>c</var><var>m</var>)</p>
+      <p>Little damping, much vibration. All of this takes the sliding distance as <var>V</var><var>t</var>, as if the
+        slider's own motion did not count. That is fair while its velocity is small beside <var>V</var>. Exactly, the
+        standard deviation of the velocity is <strong>${say(f.oneWay)} times the sliding speed</strong>, so constant
+        speed is ${f.oneWay < 0.1 ? 'a fair assumption here' : 'no fair assumption here'}.
         ${f.oneWay < 0.1 ? '' : 'The junctions would feel the slider run ahead and fall back; it would stick and slip.'}
         The faster the sliding, the fairer: a flat spectrum makes the ratio fall as <var>V</var><sup>−3/2</sup>.</p>`,
     checks: [
       {
         id: 'rhythm',
         unit: 'Hz',
-        prompt: (f, world) => `The spring stays, ${say(world.stiffness)} N/m, and the mass is made four times as large, ${say(4 * world.mass)} kg.
-          At which frequency does the slider ring then, in Hz?`,
+        prompt: (f, world) => `The spring stays, ${say(world.stiffness)} N/m, and the mass is made four times as large,
+          ${say(4 * world.mass)} kg. At which frequency does the slider ring then, in Hz?`,
         expected: (f) => f.naturalFrequency / 2,
         tolerance: 0.02,
         hints: [
@@ -184,73 +161,13 @@
       },
       {
         id: 'fair',
-        prompt: () => `Turn the knobs until constant sliding speed is a fair assumption: the velocity's standard deviation below a tenth of the sliding speed, with friction still acting. Then check.`,
-        met: (f) => f.oneWay > 0 && f.oneWay < 0.1,
-        hint: (f) => `It is ${say(f.oneWay)} times the sliding speed now. ${f.oneWay > 0 ? "Which knob makes the junctions' changes too quick for the slider to follow?" : 'Without friction there is nothing to test.'}`,
-      },
-    ],
-  });
-
-  lessons.add({
-    id: 'bet',
-    title: 'Many small or few large',
-    question: `Two contacts have the same mean real contact area: one of ${FEW} large junctions, one of ${MANY} small ones. Which of
-      them is noisier, and how many times? Place a bet before you see it.`,
-    prediction: {
-      stake: true,
-      options: BETS,
-    },
-    needs: { births: 'poisson', pulse: 'lens' },
-    experiment: {
-      pace: 1, // lives a second
-      text: `One after the other, over many lives each. The bet is settled by what the two runs show, not by the formula.`,
-      runs: [
-        { label: `${FEW} large junctions`, set: side(FEW), show: 'area' },
-        { label: `${MANY} small junctions`, set: side(MANY), show: 'area' },
-      ],
-      watch: [
-        `The same scale for both: the area of the few goes up and down in large steps, that of the many hums along its mean.`,
-        `Listen to both.`,
-      ],
-      table: [
-        { label: 'standard deviation of the area over its mean', seen: (s) => s.areaStd / s.areaMean, exact: (f) => f.areaStd / f.areaMean },
-        { label: 'standard deviation of the displacement', unit: 'um', seen: (s) => s.displacementStd, exact: (f) => f.displacementStd },
-      ],
-    },
-    settle,
-    law: (f, world) => `
-      <p>By Campbell's theorem the standard deviation is ${say(f.areaStd / f.areaMean * Math.sqrt(f.countMean))}/√<var>N</var> of the mean, so at the same mean area</p>
-      <p class="formula">few / many = √(${MANY}/${FEW}) = ${say(Math.sqrt(MANY / FEW))}</p>
-      <p>A large junction is a large piece that comes and goes at once; many small ones come and go independently, and their ups and
-        downs cancel, all but a share of 1/√<var>N</var>. This is the paper's conclusion, as a law. On the stage now:
-        ${share(f.areaStd / f.areaMean)} of ${um2(f.areaMean)}.</p>
-      <p>The slider tells them apart too: exactly ${say(ratioOf('displacementStd', world))} to one in the standard deviation of its
-        displacement. Smaller junctions also live shorter lives, which spreads the noise over higher frequencies:
-        <var>S</var>(0) = λ(∫ <var>A</var> d<var>s</var>)² = (2/9) <var>N</var> <var>d</var>⁵ falls as <var>N</var><sup>−3/2</sup>, by
-        ${say((MANY / FEW) ** 1.5)} from ${FEW} to ${MANY}. So the spectrum does depend on number and size, in level and in
-        corner; the paper took the two for negligible.</p>`,
-    checks: [
-      {
-        id: 'factor',
-        prompt: () => `A surface is made rougher so that, at the same mean area, there are 40 junctions instead of 10. By which factor does the standard deviation of the area fall?`,
-        expected: () => [2, 1 / 2],
-        tolerance: 0.01,
-        hints: [
-          [() => 4, `Four times as many, but independent: only the variance falls so much.`],
-          [() => 1 / 4, `Four times as many, but independent: only the variance falls so much.`],
-          [() => 16, `That is the square of the ratio; it takes the root.`],
-        ],
-        hint: `It goes as 1/√<var>N</var>.`,
-      },
-      {
-        id: 'why',
-        prompt: () => `Why are many small junctions quieter?`,
-        options: [
-          { id: 'weak', text: () => `a small junction is weaker, so the mean force is smaller`, hint: `The mean area is the same, and with it the mean force.` },
-          { id: 'cancel', text: () => `they come and go independently, and their ups and downs mostly cancel`, right: true },
-          { id: 'fast', text: () => `they come and go too fast to be noticed by the area`, hint: `The area counts every one of them, whatever their speed.` },
-          { id: 'order', text: () => `many junctions arrange themselves more regularly`, hint: `Their births are as random as ever.` },
-        ],
+        prompt: () =>
+          `Turn the knobs until constant sliding speed is a fair assumption: the velocity's standard deviation below a
+            tenth of the sliding speed. Then check.`,
+        met: (f) => f.oneWay < 0.1,
+        hint: (f) =>
+          `It is ${say(f.oneWay)} times the sliding speed now. Which knob makes the junctions come and go too quickly
+            for the slider to follow?`,
       },
     ],
   });

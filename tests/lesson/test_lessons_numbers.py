@@ -1,0 +1,205 @@
+"""Every figure that a lesson shows: the law's are those of the Python package, the run's follow from its rows."""
+
+from bisect import bisect_left
+from math import exp, sqrt
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.overlap import junction_area
+from tests.lesson.node import FIGURE_5
+from tests.lesson.worlds import scenario_of
+from tests.verification.seeds import seed_of
+
+LOOKS = 40
+LIVES = 60
+LAWS = """
+() => rub.lessons.list.map((lesson) => lesson.experiment.runs.map((run) => {
+  rub.set(run.set);
+  const exact = rub.exact();
+  const figures = lesson.experiment.table.map((row) => row.exact(exact, rub.world));
+  return { world: { ...rub.world }, figures };
+}))
+"""
+SEEN = """
+(settings) => {
+  rub.set(settings);
+  rub.run.goTo(60 * rub.exact().lifeMean);
+  const told = rub.lessons.seen(rub.exact());
+  const { rows, distance } = rub.run;
+  const { lifeMean: life, spacing } = rub.exact();
+  const shared = [0, 0.25, 0.5, 1, 1.5].map((lives) => told.correlation(lives));
+  return { told: { ...told, shared }, rows, distance, life, spacing, areaMean: rub.exact().areaMean };
+}
+"""
+MEASURED = "(settings) => rub.lessons.measured({ ...rub.world, ...settings })"
+
+
+def swing(exact):
+    return exact.area.std / exact.area.mean
+
+
+def correlations(exact):
+    life = 2 * exact.mean_diameter
+    return list(exact.autocovariance(np.array([0, 0.25, 0.5, 0.75, 1, 1.5]) * life) / exact.area.variance)
+
+
+def births(exact):
+    per_life = 2 * exact.mean_diameter / exact.model.mean_birth_spacing
+    if isinstance(exact.model.births, RegularBirths):
+        return [exact.model.mean_birth_spacing, 0, per_life, 0]
+    return [exact.model.mean_birth_spacing, exp(-1), per_life, per_life]
+
+
+LESSONS = [
+    lambda exact: [exact.area.mean, exact.area.mean / exact.model.calibrated_diameter**2],
+    births,
+    lambda exact: [exact.count_mean, exact.count_std, 2 * exact.mean_diameter / exact.model.mean_birth_spacing],
+    lambda exact: [exact.mean_diameter, exact.length_biased_mean_diameter, 0.5, exact.count_mean],
+    lambda exact: [exact.area.mean, exact.area.std, swing(exact), exact.area.skewness],
+    correlations,
+    lambda exact: [exact.slider.displacement_std, exact.slider.one_way_validity],
+    lambda exact: [swing(exact), exact.slider.displacement_std],
+]
+
+
+def test_the_laws_column_is_the_theory_of_the_package(walk):
+    shown = walk.page.evaluate(LAWS)
+    for figures_of, runs in zip(LESSONS, shown, strict=True):
+        for run in runs:
+            expected = figures_of(rubnoise.exact(scenario_of(run["world"])))
+            assert run["figures"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def spread(values):
+    return np.mean((values - np.mean(values)) ** 2)
+
+
+def figures(found):
+    """Work out again from the rows what was seen, one place and one birth after the other."""
+    birth, diameter = (np.array([row[name] for row in found["rows"]]) for name in ("birth", "diameter"))
+    life = found["life"]
+    places = np.arange(int(found["distance"] / life * LOOKS) + 1) * life / LOOKS
+    ages = places[:, None] - birth
+    alive = (ages >= 0) & (ages < 2 * diameter)
+    area = np.where(alive, junction_area(ages, diameter), 0).sum(axis=1)
+    inside = (birth > 0) & (birth <= places[-1])
+    born, gaps = birth[inside], np.diff(birth[inside])
+    windows = np.histogram(born, np.arange(0, int(born[-1] / life) + 1) * life)[0]
+    ends = sorted(birth + 2 * diameter)
+    met = [int(np.sum(birth < each)) - bisect_left(ends, each) for each in born]
+    left = area - found["areaMean"]
+    lags = [int(LOOKS * lives) for lives in (0, 0.25, 0.5, 1, 1.5)]
+    return {
+        "areaSkewness": np.mean((area - area.mean()) ** 3) / spread(area) ** 1.5,
+        "gapMean": gaps.mean(),
+        "gapsBeyondMean": np.mean(gaps > found["spacing"]),
+        "birthsMean": windows.mean(),
+        "birthsVariance": spread(windows),
+        "bornMean": diameter[inside].mean(),
+        "lifeMean": 2 * diameter[inside].mean(),
+        "liveMean": np.broadcast_to(diameter, alive.shape)[alive].mean(),
+        "ageMean": (ages / (2 * diameter))[alive].mean(),
+        "metMean": np.mean(met),
+        "shared": [np.mean(left[lag:] * left[: len(left) - lag]) / np.mean(left**2) for lag in lags],
+    }
+
+
+@pytest.mark.parametrize("spread_of_sizes", [0.0, 2.0])
+def test_what_is_seen_follows_from_the_rows(walk, spread_of_sizes):
+    seed = seed_of(f"lesson rows {spread_of_sizes}") % 2**48
+    settings = {"spread": spread_of_sizes, "calibration": "matched", "births": "poisson", "seed": seed}
+    found = walk.page.evaluate(SEEN, settings)
+    for name, expected in figures(found).items():
+        assert found["told"][name] == pytest.approx(expected, rel=1e-9), name
+
+
+def squared_error(settings):
+    """Return a bound on the variance of log(std/mean) over a run: those of log std and log mean, as if independent.
+
+    Var of a variance from a stretch S is (2 int R^2 + int C4) / S, C4 the joint fourth cumulant of A, A, A', A', whose
+    integral is lam E[(int A^2)^2]; Var of a mean is S(0) / S. Std and mean rise together, so that the sum is a bound.
+    """
+    exact = rubnoise.exact(scenario_of(settings))
+    model, length = exact.model, 400 * 2 * exact.mean_diameter
+    lags = np.linspace(0, 2 * exact.mean_diameter, 2001)
+    squares = 2 * 2 * np.trapezoid(exact.autocovariance(lags) ** 2, lags)
+    fourth = model.birth_rate * (model.pulse.life_integral(2) * model.calibrated_diameter**5) ** 2
+    of_variance = (squares + fourth) / length / exact.area.variance**2
+    of_mean = float(exact.spectral_density(0.0)) / length / exact.area.mean**2
+    return of_variance / 4 + of_mean
+
+
+def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
+    seed = seed_of("lesson bet") % 2**48
+    sides = [
+        {**FIGURE_5, "meanCount": count, "spread": 0.0, "calibration": "matched", "seed": seed} for count in (5.0, 80.0)
+    ]
+    told = [walk.page.evaluate(MEASURED, settings) for settings in sides]
+    few, many = (each["areaStd"] / each["areaMean"] for each in told)
+    error = sqrt(sum(squared_error(settings) for settings in sides))
+    assert abs(np.log(few / many) - np.log(4)) <= 4 * error
+    assert abs(np.log(few / many) - np.log(2)) > 4 * error
+    assert abs(np.log(few / many) - np.log(16)) > 4 * error
+
+
+@pytest.mark.parametrize(("option", "outcome"), [("four", "You win 7 chips!"), ("sixteen", "Your 7 chips are lost.")])
+def test_chips_are_won_and_lost(walk, option, outcome):
+    walk.open("8. Many small")
+    walk.article.locator(f"#prediction-{option}").check()
+    walk.article.locator("#lesson-stake").fill("11")
+    walk.article.locator("#lesson-predict [type=submit]").click()
+    assert "from 1 to 10 chips" in walk.article.inner_text()
+    walk.article.locator("#lesson-stake").fill("7")
+    walk.article.locator("#lesson-predict [type=submit]").click()
+    walk.run(0)
+    assert "chips" not in walk.article.locator("#lesson-running").inner_text()
+    walk.run(1)
+    assert outcome in walk.article.locator("#lesson-running").inner_text()
+
+
+SPELLINGS = {
+    "": {
+        "0.33": 0.33, "0,33": 0.33, ".5": 0.5, "1/3": 1 / 3, "⅓": 1 / 3, "33 %": 0.33, "3.3e-1": 0.33,
+        "\u22122": -2, "2^-1": 0.5, "√20": sqrt(20), "sqrt(20)": sqrt(20), "1/e": exp(-1), "e^-1": exp(-1),
+        "pi/8": np.pi / 8, "2·10^2": 200, "1 000": 1000, "(1+2)*3": 9, "-3^2": -9, "6:3": 2,
+    },
+    "um": {"11,06 µm": 11.06, "11.06 um": 11.06, "0.01106 mm": 11.06, "8": 8},
+    "um^2": {"160 µm²": 160, "160 um^2": 160, "0.00016 mm^2": 160},
+    "Hz": {"19.5 Hz": 19.5, "19.5": 19.5, "122.5 rad/s": 122.5 / 2 / np.pi},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", SPELLINGS)
+def test_numbers_are_read_as_they_are_written(walk, unit):
+    read = walk.page.evaluate(
+        "([texts, unit]) => texts.map((t) => rub.answers.read(t, unit))", [[*SPELLINGS[unit]], unit]
+    )
+    assert [each.get("value") for each in read] == pytest.approx([*SPELLINGS[unit].values()])
+
+
+UNREAD = [
+    "",
+    "  ",
+    "about a third",
+    "1.234,5",
+    "1,2,3",
+    "(1/2",
+    "1/0",
+    "3 kg",
+    "7 Hz m",
+    "alert(1)",
+    "<b>1</b>",
+    "((((",
+    "1 1/2",
+]
+
+
+@pytest.mark.parametrize("text", UNREAD)
+def test_what_is_no_number_is_refused_with_a_reason(walk, text):
+    told = walk.page.evaluate("(text) => rub.answers.read(text, 'um')", text)
+    assert "value" not in told
+    assert len(told["problem"]) > 10
+    assert "<" not in told["problem"]
