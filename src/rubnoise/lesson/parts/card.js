@@ -11,6 +11,7 @@
     rub.run.selected = known ? id : -1;
     rub.stack.forget();
     card.write();
+    card.status.textContent = known ? `junction ${id}: diameter ${said(rub.run.rows[id].diameter, 6)} µm` : '';
     rub.tell('select', known ? rub.run.rows[id] : null);
   };
 
@@ -81,8 +82,8 @@
     cells[cells.length - 1].textContent = `${said(rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter), 6)} µm²`;
   };
 
-  card.begin = (panel, hint) => {
-    Object.assign(card, { panel, hint, list: panel.querySelector('dl'), pen: pen(panel.querySelector('canvas')) });
+  card.begin = (panel, hint, status) => {
+    Object.assign(card, { panel, hint, status, list: panel.querySelector('dl'), pen: pen(panel.querySelector('canvas')) });
   };
 
   rub.card = card;

@@ -82,7 +82,7 @@
     rub.stage.begin(find('stage'));
     rub.traces.begin({ area: find('area'), count: find('count'), force: find('force'), slider: find('slider') });
     rub.histogram.begin(find('histogram'));
-    rub.card.begin(find('card'), find('card-hint'));
+    rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
     rub.panels.begin();

@@ -32,6 +32,11 @@
       }
     }
 
+    /** Make junctions so many times stronger from now on. */
+    strengthen(factor) {
+      this.world.strength *= factor;
+    }
+
     junction(id, diameter) {
       const birth = this.next;
       return { id, birth, diameter, death: birth + 2 * diameter, strength: this.world.strength };
@@ -70,6 +75,11 @@
         };
       });
       this.next = 0;
+    }
+
+    /** Make those stronger who have not been handed out. */
+    strengthen(factor) {
+      for (let i = this.next; i < this.rows.length; i += 1) this.rows[i].strength *= factor;
     }
 
     /** Append to rows every junction born up to a distance. */

@@ -2,7 +2,8 @@
 /* The run on the page: where it is, how it plays, who is alive, what has been seen so far. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const TICKS_PER_LIFE = 100;
+  /* No fraction of whole numbers: ticks would keep meeting regular births in the same phase. */
+  const TICKS_PER_LIFE = 30 * (1 + Math.sqrt(5));
   const MOST_LIVES = 2000;
   const MOST_ROWS = 100000;
 

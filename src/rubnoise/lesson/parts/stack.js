@@ -3,7 +3,7 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const { ink, colourOf } = rub.plot;
-  const MOST_RECTANGLES = 15000;
+  const MOST_RECTANGLES = 8000;
   const canvas = document.createElement('canvas');
   const ctx = canvas.getContext('2d');
   const live = [];

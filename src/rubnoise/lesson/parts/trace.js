@@ -84,6 +84,17 @@
       }
     }
 
+    /* Whoever is not born yet gets the new strength too. */
+    strengthen(factor) {
+      if (factor === 1) return;
+      this.source.strengthen(factor);
+      for (const row of this.rows) row.strength *= factor;
+      for (let i = 0; i < this.ready; i += 1) {
+        this.force[i] *= factor;
+        this.impulse[i] *= factor;
+      }
+    }
+
     sumUp(from) {
       for (let i = from; i < this.ready; i += 1) {
         this.total('area', i, this.area[i]);
@@ -100,8 +111,9 @@
       this.sums[name][i] = value + (i ? this.sums[name][i - 1] : 0);
     }
 
-    /** Give the same contact another slider. */
+    /** Give the same contact another slider, and its junctions the strength of the settings. */
     reslide(world, start) {
+      this.strengthen(world.strength / this.world.strength);
       this.world = world;
       this.start = start;
       this.slide(0);

@@ -19,8 +19,8 @@
   transport.step = () => {
     const event = rub.run.stepEvent();
     if (!event) return;
-    find('status').textContent = `${event.kind} of junction ${event.row.id} at ${said(event.distance, 6)} µm`;
     rub.select(event.row.id);
+    find('status').textContent = `${event.kind} of junction ${event.row.id} at ${said(event.distance, 6)} µm`;
   };
 
   /** Change how fast it slides, in um a second of the clock on the wall. */

@@ -1,0 +1,239 @@
+"""Knobs, keys and clicks: each does what it says, and nothing else."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.lesson.opened import CALM, opened, until
+
+PREDICTIONS = """(() => {
+  const e = rub.exact();
+  const names = ['diameter', 'lengthBiasedMean', 'countMean', 'countStd', 'areaMean', 'areaStd', 'forceMean',
+    'displacementMean', 'displacementStd', 'oneWay', 'naturalFrequency', 'dampingRatio'];
+  return Object.fromEntries(names.map((name) => [name, e[name]]));
+})()"""
+CONTACT = {"areaStd", "displacementStd", "oneWay"}
+FORCES = {"forceMean", "displacementMean", "displacementStd", "oneWay"}
+CHANGES = {
+    "meanArea": CONTACT | FORCES | {"diameter", "lengthBiasedMean", "areaMean"},
+    "meanCount": CONTACT | FORCES | {"diameter", "lengthBiasedMean", "countMean", "countStd", "areaMean"},
+    "spread": CONTACT | FORCES | {"lengthBiasedMean", "areaMean"},
+    "speed": {"displacementStd", "oneWay"},
+    "strength": FORCES,
+    "mass": {"displacementStd", "oneWay", "naturalFrequency", "dampingRatio"},
+    "stiffness": {"displacementMean", "displacementStd", "oneWay", "naturalFrequency", "dampingRatio"},
+    "damping": {"displacementStd", "oneWay", "dampingRatio"},
+}
+ROWS = "JSON.stringify(rub.run.rows.slice(0, 30))"
+
+
+@pytest.fixture
+def page(browser: Any, lesson_file: str) -> Iterator[Any]:
+    """Return the page of Figure 5, standing still."""
+    with opened(browser, lesson_file, **CALM) as found:
+        yield found
+
+
+@pytest.mark.parametrize("knob", CHANGES)
+def test_a_knob_changes_what_it_should(page: Any, knob: str) -> None:
+    before, rows = page.evaluate(PREDICTIONS), page.evaluate(ROWS)
+    page.locator(f"#knob-{knob}").focus()
+    page.keyboard.press("PageUp")
+    after = page.evaluate(PREDICTIONS)
+    assert {name for name in before if after[name] != pytest.approx(before[name], rel=1e-9)} == CHANGES[knob]
+    assert (page.evaluate(ROWS) != rows) == (knob in {"meanArea", "meanCount", "spread", "strength"})
+    force = page.evaluate("rub.run.goTo(50), rub.run.trace.force[100] / rub.run.trace.area[100]")
+    assert force == pytest.approx(page.evaluate("rub.world.strength"), rel=1e-9)
+    shown = page.locator("#number-displacement-std td").first.inner_text().replace("\u2212", "-")
+    assert float(shown) == pytest.approx(after["displacementStd"], rel=1e-5)
+
+
+@pytest.mark.parametrize(("knob", "value"), [("births", "regular"), ("pulse", "triangle")])
+def test_a_choice_changes_the_contact(page: Any, knob: str, value: str) -> None:
+    before = page.evaluate(PREDICTIONS)
+    page.locator(f"#knob-{knob}").select_option(value)
+    after = page.evaluate(PREDICTIONS)
+    assert after["areaStd"] != pytest.approx(before["areaStd"], rel=1e-3)
+    gaps = page.evaluate("rub.run.goTo(200), rub.run.seen().gaps")
+    assert (max(gaps) - min(gaps) < 1e-9) == (value == "regular")
+    peak = page.evaluate("rub.run.trace.pulse.area(0.5, 1)")
+    assert peak == pytest.approx(0.3927 if value == "triangle" else 0.3071, abs=1e-4)
+
+
+def test_a_number_is_taken_in_its_unit_and_a_wrong_one_is_refused(page: Any) -> None:
+    number = page.locator("#exact-speed")
+    number.fill("2.5")
+    number.press("Enter")
+    assert page.evaluate("rub.world.speed") == 2500
+    number.fill("-1")
+    number.press("Enter")
+    assert page.evaluate("rub.world.speed") == 2500
+    assert number.input_value() == "2.5"
+    assert page.locator("#status").inner_text() == "speed: a number from 1 to 10000000"
+    assert page.evaluate("rub.set({ spread: NaN })") is False
+    assert page.evaluate("rub.set({ pulse: 'cone' })") is False
+    assert page.evaluate("rub.set({ calibration: 'matched', spread: 4 })") is False
+    assert page.evaluate("rub.world.spread") == 0.2
+
+
+def test_settings_are_shared_in_the_address_and_reset(page: Any, browser: Any) -> None:
+    page.evaluate("rub.set({ meanCount: 40, pulse: 'triangle' })")
+    until(page, "location.hash.length > 1")
+    assert page.url.endswith("#meanCount=40&pulse=triangle")
+    with opened(browser, page.url, **CALM) as other:
+        assert other.evaluate("[rub.world.meanCount, rub.world.pulse]") == [40, "triangle"]
+        assert other.evaluate(ROWS) == page.evaluate(ROWS)
+        assert other.locator("#exact-meanCount").input_value() == "40"
+    page.locator("#reset").click()
+    until(page, "location.hash === ''")
+    assert page.evaluate("rub.world.meanCount") == 20
+
+
+def test_an_address_of_nonsense_leaves_the_page_as_it_is(browser: Any, lesson_file: str) -> None:
+    with opened(browser, f"{lesson_file}#meanCount=many&pulse=<b>&speed=1e99&x=y", **CALM) as page:
+        assert page.evaluate("Object.keys(rub.given).every((key) => rub.world[key] === rub.given[key])")
+
+
+def test_a_click_shows_the_row_of_the_junction(page: Any) -> None:
+    page.evaluate("rub.run.goTo(57.3)")
+    for index in (0, 5, 11):
+        row = page.evaluate(f"rub.run.living[{index}]")
+        x, y = page.evaluate(f"rub.stage.pointOf(rub.run.living[{index}])")
+        page.locator("#stage").click(position={"x": x, "y": y})
+        shown = dict(zip(*[iter(page.locator("#card dl > *").all_inner_texts())] * 2, strict=True))
+        assert shown["row"] == str(row["id"])
+        for label, value in {"born at": row["birth"], "diameter": row["diameter"], "dies at": row["death"]}.items():
+            number, unit = shown[label].replace("\u2212", "-").split()
+            assert float(number) == pytest.approx(value, rel=1e-5)
+            assert unit == "µm"
+        accent = page.evaluate("rub.run.selected")
+        assert accent == row["id"]
+    page.locator("#stage").click(position={"x": 1, "y": 1})
+    assert page.locator("#card").is_hidden()
+
+
+def test_one_event_at_a_time(page: Any) -> None:
+    before = page.evaluate("rub.run.living.map((row) => row.id)")
+    for _ in range(12):
+        page.locator("#step").click()
+        after = page.evaluate("rub.run.living.map((row) => row.id)")
+        told = page.locator("#status").inner_text().split()
+        changed = set(after) ^ set(before)
+        assert changed == {int(told[3])}
+        assert told[0] == ("birth" if len(after) > len(before) else "death")
+        before = after
+
+
+def test_births_and_deaths_are_told_once_each(page: Any) -> None:
+    page.evaluate("""() => {
+      window.told = [];
+      rub.on('birth', (row) => told.push(['birth', row.id]));
+      rub.on('death', (row) => told.push(['death', row.id]));
+      rub.run.slideTo(0);
+      for (let s = 0; s < 60; s += 0.37) rub.run.slideTo(s);
+    }""")
+    told, distance = page.evaluate("told"), page.evaluate("rub.run.distance")
+    rows = page.evaluate("rub.run.rows")
+    expected = [("birth", row["id"]) for row in rows if 0.0 < row["birth"] <= distance]
+    expected += [("death", row["id"]) for row in rows if row["death"] <= distance]
+    assert sorted(map(tuple, told)) == sorted(expected)
+
+
+def test_back_and_forth_the_same_is_seen(page: Any) -> None:
+    there = page.evaluate("rub.run.goTo(300), [rub.run.living.map((row) => row.id), rub.run.moments()]")
+    page.evaluate("rub.run.goTo(1500)")
+    assert page.evaluate("rub.run.goTo(300), [rub.run.living.map((row) => row.id), rub.run.moments()]") == there
+
+
+def test_everything_by_keyboard_alone(page: Any) -> None:
+    page.locator("#stage").focus()
+    page.keyboard.press("Space")
+    until(page, "rub.run.playing && rub.run.distance > 0")
+    page.keyboard.press("k")
+    assert page.evaluate("rub.run.playing") is False
+    page.keyboard.press("ArrowRight")
+    first = page.evaluate("rub.run.selected")
+    page.keyboard.press("n")
+    assert page.evaluate("rub.run.selected") != first
+    page.keyboard.press("ArrowLeft")
+    assert page.evaluate("rub.run.selected") == first
+    assert page.locator("#status").inner_text().startswith(f"junction {first}: diameter")
+    page.keyboard.press("Escape")
+    assert page.evaluate("rub.run.selected") == -1
+    page.keyboard.press("e")
+    assert page.locator("#status").inner_text().split()[0] in {"birth", "death"}
+    pace = page.evaluate("rub.run.pace")
+    page.keyboard.press("+")
+    assert page.evaluate("rub.run.pace") == 1.5 * pace
+    page.keyboard.press("0")
+    assert page.evaluate("rub.run.distance") == 0
+    reached = set()
+    for _ in range(80):
+        page.keyboard.press("Tab")
+        reached.add(page.evaluate("document.activeElement.id"))
+    assert {
+        "stage",
+        "play",
+        "step",
+        "pace",
+        "scrubber",
+        "knob-meanArea",
+        "knob-births",
+        "reset",
+        "sound-play",
+    } <= reached
+
+
+def test_typing_a_number_is_not_a_command(page: Any) -> None:
+    page.evaluate("rub.run.goTo(10)")
+    page.locator("#exact-meanArea").focus()
+    page.keyboard.press("0")
+    assert page.evaluate("rub.run.distance") == 10
+
+
+def test_the_scrubber_goes_anywhere(page: Any) -> None:
+    page.locator("#scrubber").fill("1000")
+    assert page.evaluate("rub.run.distance") == 10000
+    assert page.locator("#where").inner_text() == "10000 of 20000 µm"
+
+
+@pytest.mark.parametrize("name", ["gaps", "sizes", "spectrum", "memory"])
+def test_every_picture_can_be_shown(page: Any, name: str) -> None:
+    page.evaluate("rub.run.goTo(500)")
+    page.evaluate(f"rub.show('{name}')")
+    assert page.locator(f"#tab-{name}").get_attribute("aria-selected") == "true"
+    inked = "[...rub.panels.pen.ctx.getImageData(0, 0, 400, 200).data].filter((value) => value > 0).length"
+    assert page.evaluate(inked) > 1000
+    assert page.locator("#panel").get_attribute("class") == "shown"
+    page.evaluate("rub.show('area')")
+    assert page.locator("#panel-area").get_attribute("class") == "shown"
+
+
+@pytest.mark.parametrize("what", ["velocity", "force"])
+def test_the_ear_hears_the_trace(page: Any, what: str) -> None:
+    page.locator("#sound-what").select_option(what)
+    made = page.evaluate("(() => { const s = rub.sound.samples(48000); return { ...s, samples: [...s.samples] }; })()")
+    assert made["factor"] == 8  # 39 Hz times 8 is the first above 200 Hz
+    samples = made["samples"]
+    assert max(map(abs, samples)) == pytest.approx(0.8, rel=1e-6)
+    assert sum(samples) / len(samples) == pytest.approx(0.0, abs=1e-6)
+    assert made["length"] == pytest.approx(20000.0, rel=1e-3)
+    assert len(samples) == pytest.approx(20.0 / 8.0 * 48000.0, rel=1e-3)
+    column = page.evaluate(f"[...rub.run.trace.{what}]")
+    ticks_a_sample = 8 * 1000.0 / (48000.0 * page.evaluate("rub.run.trace.tick"))
+    for i in (10, 5000, 100000):
+        at = i * ticks_a_sample
+        value = column[int(at)] + (at % 1) * (column[int(at) + 1] - column[int(at)])
+        assert samples[i] == pytest.approx(0.8 * (value - made["mean"]) / made["peak"], abs=1e-6)
+    page.locator("#sound-speed").select_option("1")
+    assert page.evaluate("rub.sound.samples(48000).factor") == 1
+
+
+def test_what_is_heard_is_said(page: Any) -> None:
+    page.locator("#sound-play").click()
+    told = page.locator("#sound-mapping").inner_text()
+    assert "The slider\u2019s 38.98 Hz sound as 311.9 Hz." in told
+    assert "20 s heard in 2.5 s" in told
+    page.locator("#sound-play").click()
+    assert page.locator("#sound-play").inner_text() == "♪ listen"
