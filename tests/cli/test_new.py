@@ -16,7 +16,9 @@ ELSEWHERE = ("extends", "damping_ratio")  # one needs another file, the other ex
 def _everything() -> str:
     """Return the template with every optional key set."""
     lines = [line for line in template().splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
-    return OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"').replace("constant\"", "weibull\"")
+    return (
+        OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"').replace('constant"', 'weibull"')
+    )
 
 
 def test_the_template_is_written_checked_and_run(here: Path) -> None:

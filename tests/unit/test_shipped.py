@@ -10,5 +10,5 @@ def test_a_scenario_of_the_paper_is_found_and_can_be_read() -> None:
 
 
 def test_what_is_not_there_is_named() -> None:
-    with pytest.raises(Refused, match="scenarios/paper/fig99.toml: not found"):
+    with pytest.raises(Refused, match=r"scenarios/paper/fig99\.toml: not found"):
         shipped("paper/fig99.toml")
