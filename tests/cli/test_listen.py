@@ -235,3 +235,12 @@ def test_a_speed_up_is_suggested_where_little_is_heard(
     assert hearing.middle == pytest.approx(natural, rel=0.002)
     assert hearing.audible == pytest.approx(audible, abs=1e-6)
     assert hearing.better(speed_up) == better
+
+
+def test_the_middle_of_a_slow_tone_is_found_too(result: Path, here: Path) -> None:
+    told = {}
+    for speed_up in ("1", "0.05"):
+        answer = call("listen", "x.h5", "--speed-up", speed_up, "-o", "a.wav", "--force", "--what", "force")
+        assert answer.code == 0
+        [told[speed_up]] = [each.split()[-2] for each in answer.out.splitlines() if "half of the power" in each]
+    assert float(told["0.05"]) == pytest.approx(0.05 * float(told["1"]), rel=0.01)

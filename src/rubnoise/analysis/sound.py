@@ -26,9 +26,6 @@ PEAK: Final = 10.0 ** (-3.0 / 20.0)
 """How far the loudest sample goes of full scale: 3 dB below it."""
 
 PANEL_ROWS: Final = 65_536
-RESOLUTION: Final = 2.0
-"""Distance in Hz, as heard, of the lines of the spectrum that tells what can be heard."""
-
 _SEGMENTS: Final = 8
 _MOST_TICKS: Final = 1 << 17
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
@@ -192,5 +189,5 @@ def _out_of_reach(speed_up: float, tick_duration: float, rate: int) -> str:
 def _welch_sum(sound: Sound) -> WelchSum | None:
     """Return what makes a spectrum of the rows, over w as heard; None for fewer than 16 of them a segment."""
     apart = sound.tick_duration / sound.speed_up
-    ticks = 2 * int(min(0.5 / (RESOLUTION * apart), sound.rows / (_SEGMENTS + 1), _MOST_TICKS))
+    ticks = 2 * min(sound.rows // (_SEGMENTS + 1), _MOST_TICKS)
     return WelchSum(ticks, apart) if ticks >= 16 else None
