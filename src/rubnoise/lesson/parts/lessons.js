@@ -40,6 +40,12 @@
     ...values,
   });
 
+  /** Return std/mean times sqrt(N) of equal lenses born at random: sqrt(2 c_2)/c_1. */
+  function swing() {
+    const { lifeIntegral } = rub.model.pulses.lens;
+    return Math.sqrt(2 * lifeIntegral(2)) / lifeIntegral(1);
+  }
+
   const list = [];
   const state = { open: 0, lessons: [] };
 
@@ -110,5 +116,19 @@
 
   const NAMES = { births: 'births', pulse: 'pulse', spread: 'spread', meanCount: 'mean count' };
 
-  rub.lessons = { STEPS, contact, list, state, words, add, fresh, saidOption, written, recall, remember, misfit };
+  rub.lessons = {
+    STEPS,
+    contact,
+    swing,
+    list,
+    state,
+    words,
+    add,
+    fresh,
+    saidOption,
+    written,
+    recall,
+    remember,
+    misfit,
+  };
 })();

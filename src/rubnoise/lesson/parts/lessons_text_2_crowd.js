@@ -4,12 +4,9 @@
   const { lessons } = globalThis.rub;
   const { contact } = lessons;
   const { say, share, um, um2 } = lessons.words;
-  /* c_n of the lens: the integral of A^n over a life is c_n d^(2n+1). */
-  const AREA = 2 / 3;
-  const AREA_SQUARED = Math.PI / 3 - 32 / 45;
+
   /* Var[d] = E[d] (E[d^2]/E[d] - E[d]). */
   const bornStd = (f) => Math.sqrt(f.diameterMean * (f.lengthBiasedMean - f.diameterMean));
-  const SWING = Math.sqrt(2 * AREA_SQUARED) / AREA;
 
   lessons.add({
     id: 'alive',
@@ -163,7 +160,7 @@
         d<var>s</var> = λ (π/3 − 32/45) <var>d</var>⁵</p>
       <p>With λ = <var>N</var>/(2<var>d</var>) the diameter drops out of the ratio:</p>
       <p class="formula">standard deviation / mean = (3/2) √((2π/3 − 64/45)/<var>N</var>) =
-        ${SWING.toFixed(4)}/√<var>N</var></p>
+        ${lessons.swing().toFixed(4)}/√<var>N</var></p>
       <p>which is ${share(f.areaStd / f.areaMean)} for the ${say(f.countMean)} junctions on the stage: ${um2(f.areaStd)}
         of ${um2(f.areaMean)}. It exceeds 1/√<var>N</var>, the swing of the count, because the areas differ from
         junction to junction as well. The skewness, λ ∫ <var>A</var>³ d<var>s</var> over variance to the power 3/2,
@@ -185,7 +182,7 @@
           ],
           [(f) => f.areaStd / f.areaMean, `That is the ratio before the change.`],
         ],
-        hint: `It is ${SWING.toFixed(4)}/√<var>N</var>; give it as a share, such as 0.5 or 50 %.`,
+        hint: `It is ${lessons.swing().toFixed(4)}/√<var>N</var>; give it as a share, such as 0.5 or 50 %.`,
       },
       {
         id: 'bell',

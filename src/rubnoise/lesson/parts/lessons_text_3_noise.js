@@ -34,7 +34,8 @@
       runs: [{ label: 'Run and compare with itself', set: contact({ spread: 0 }), show: 'memory' }],
       watch: [
         `The correlation with itself falls as the lag grows, and stays about zero from one life on.`,
-        `Press “spectrum” above that picture: flat for waves much longer than a life, then it falls steeply, with dips of its own.`,
+        `Press “spectrum” above that picture: flat for waves much longer than a life, then it falls steeply, with dips
+          of its own.`,
       ],
       table: [0, 1 / 4, 1 / 2, 3 / 4, 1, 3 / 2].map((lives) => ({
         label: `correlation at a lag of ${lives === 0 ? '0' : `${say(lives)} lives`}`,
@@ -108,8 +109,8 @@
         { label: 'Ten times the damping', set: { ...FIG5, damping: 10 * FIG5.damping }, show: 'slider' },
       ],
       watch: [
-        `The displacement rings although the force does not. Measure one swing on the axis of distance: with the
-          sliding speed it becomes a time, nearly the same every time.`,
+        `The displacement rings although the force does not. Measure one swing on the axis of distance: with the sliding
+          speed it becomes a time, nearly the same every time.`,
         `With more damping it rings less. Listen to it under “Ear”.`,
         `Compare the spread of the slider's velocity with the sliding speed.`,
       ],

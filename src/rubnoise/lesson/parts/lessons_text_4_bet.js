@@ -6,7 +6,7 @@
   const { contact } = lessons;
   const { say, share, um2 } = lessons.words;
   /* A soft metal on a heavy slider of damping ratio 0.05: constant speed is a fair assumption for the bet. */
-  const HEAVY = { speed: 1000, strength: 40, mass: 0.5, stiffness: 30000, damping: 0.1 * Math.sqrt(30000 * 0.5) };
+  const HEAVY = { speed: 1000, strength: 40, mass: 0.5, stiffness: 30000, damping: 12.25 };
   const FEW = 5;
   const MANY = 80;
   const side = (meanCount) => ({ ...contact({ meanCount }), ...HEAVY });
@@ -83,9 +83,8 @@
     },
     settle,
     law: (f, world) => `
-      <p>By Campbell's theorem the standard deviation is
-        ${say((f.areaStd / f.areaMean) * Math.sqrt(f.countMean))}/√<var>N</var> of the mean, so at the same mean
-        area</p>
+      <p>By Campbell's theorem the standard deviation is ${lessons.swing().toFixed(4)}/√<var>N</var> of the mean, so at
+        the same mean area</p>
       <p class="formula">few / many = √(${MANY}/${FEW}) = ${say(Math.sqrt(MANY / FEW))}</p>
       <p>A large junction is a large piece that comes and goes at once; many small ones come and go independently, and
         their ups and downs cancel, all but a share of 1/√<var>N</var>. This is the paper's conclusion, as a law. On the
