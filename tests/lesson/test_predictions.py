@@ -72,6 +72,22 @@ def test_spectrum_and_autocovariance_are_those_of_the_package(world: dict[str, A
     np.testing.assert_allclose(value, theory.autocovariance(lags), rtol=TOLERANCE, atol=scale)
 
 
+@pytest.mark.parametrize("world", [WORLDS[0], WORLDS[1], WORLDS[3], WORLDS[6]], ids=told_apart)
+def test_the_distribution_is_that_of_the_package(world: dict[str, Any]) -> None:
+    theory = rubnoise.exact(scenario_of(world))
+    top = theory.area.mean + 4.5 * theory.area.std
+    body = "return rub.theory.areaDensity(rub.model.contact(world), top);"
+    found = np.array(answer(body, world=world, top=top))
+    areas = np.linspace(0.0, top, found.size)
+    expected = theory.distribution().density(areas[12:])
+    # The blur of a 400th of the range takes a little from the peak, and more where the density has corners.
+    np.testing.assert_allclose(found[12:], expected, rtol=0.0, atol=0.005 * expected.max())
+    normal = np.exp(-0.5 * ((areas - theory.area.mean) / theory.area.std) ** 2) / (
+        theory.area.std * np.sqrt(2.0 * np.pi)
+    )
+    assert np.abs(found - normal).max() > 0.03 * expected.max()
+
+
 def test_triangles_of_one_size_at_regular_spacing_are_constant() -> None:
     world = world_with(births="regular", pulse="triangle", calibration="exact", spread=0.0)
     found = answer(NUMBERS, world=world)

@@ -17,6 +17,7 @@ _FIRST: Final = (
     "transform.js",
     "theory.js",
     "theory_regular.js",
+    "theory_density.js",
     "world.js",
     "slider.js",
     "trace.js",

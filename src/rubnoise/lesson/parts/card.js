@@ -59,13 +59,25 @@
     const { ctx, width, height } = card.pen;
     card.pen.clear();
     const box = { left: 40, top: 18, right: width - 8, bottom: height - 18 };
-    const y = leftAxis(ctx, box, 0, 1.1 * rub.stage.largest(), 'area of this junction, µm²');
+    const y = leftAxis(
+      ctx,
+      box,
+      0,
+      1.1 * Math.max(rub.stage.largest(), 0.25 * Math.PI * row.diameter ** 2),
+      'area of this junction, µm²',
+    );
     const x = lowerAxis(ctx, box, 0, 2 * row.diameter, 'since birth, µm');
     const { area } = rub.run.trace.pulse;
     ctx.strokeStyle = ink.accent;
     ctx.lineWidth = 2;
     const along = (i) => (i / 80) * 2 * row.diameter;
-    line(ctx, 0, 80, (i) => x(along(i)), (i) => y(area(along(i), row.diameter)));
+    line(
+      ctx,
+      0,
+      80,
+      (i) => x(along(i)),
+      (i) => y(area(along(i), row.diameter)),
+    );
     const age = rub.run.distance - row.birth;
     if (age < 0 || age > 2 * row.diameter) return;
     ctx.fillStyle = ink.ink;
@@ -79,11 +91,18 @@
     const row = chosen();
     if (!row) return;
     const cells = card.list.querySelectorAll('dd');
-    cells[cells.length - 1].textContent = `${said(rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter), 6)} µm²`;
+    cells[cells.length - 1].textContent =
+      `${said(rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter), 6)} µm²`;
   };
 
   card.begin = (panel, hint, status) => {
-    Object.assign(card, { panel, hint, status, list: panel.querySelector('dl'), pen: pen(panel.querySelector('canvas')) });
+    Object.assign(card, {
+      panel,
+      hint,
+      status,
+      list: panel.querySelector('dl'),
+      pen: pen(panel.querySelector('canvas')),
+    });
   };
 
   rub.card = card;

@@ -49,8 +49,8 @@
   }
 
   /**
-   * Return the two-sided spectral density of A_r in um^4 per rad/um by Welch's method, about the exact mean: Hann windows
-   * of 1024 ticks, each half over the one before.
+   * Return the two-sided spectral density of A_r in um^4 per rad/um by Welch's method, about the exact mean: Hann
+   * windows of 1024 ticks, each half over the one before.
    */
   estimates.spectrum = () => {
     welch = current(welch, () => ({ sums: new Float64Array(SEGMENT / 2), segments: 0 }));
@@ -82,7 +82,8 @@
     const mean = rub.exact().areaMean;
     for (; shared.done <= rub.run.ticksSeen; shared.done += 1) {
       const now = trace.area[shared.done] - mean;
-      for (let i = 0; i < LAGS && i * stride <= shared.done; i += 1) sums[i] += now * (trace.area[shared.done - i * stride] - mean);
+      for (let i = 0; i < LAGS && i * stride <= shared.done; i += 1)
+        sums[i] += now * (trace.area[shared.done - i * stride] - mean);
     }
     const pairs = (i) => Math.max(1, shared.done - i * stride);
     const lag = Array.from(sums, (_, i) => i * stride * trace.tick);

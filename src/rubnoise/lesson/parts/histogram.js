@@ -2,7 +2,7 @@
 /* How often each area has been met so far, beside the trace of the area and on the same scale. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen } = rub.plot;
+  const { ink, pen, line } = rub.plot;
   const BINS = 48;
   const histogram = { counts: new Float64Array(BINS), ticks: 0, top: 0, trace: null };
 
@@ -25,7 +25,7 @@
     return rub.numbers.normalDensity((area - areaMean) / areaStd) / areaStd;
   }
 
-  /** Draw the bars, and the bell curve over them. */
+  /** Draw the bars, and what is exact over them. */
   histogram.draw = () => {
     update();
     const { ctx, width, height } = histogram.pen;
@@ -42,11 +42,44 @@
       const density = histogram.counts[i] / (histogram.ticks * bin);
       ctx.fillRect(box.left, y((i + 1) * bin), x(density) - box.left, y(i * bin) - y((i + 1) * bin) - 0.5);
     }
-    if (areaStd === 0) return;
+    if (areaStd > 0) drawLaws(ctx, x, y);
+  };
+
+  /** Draw the exact density, which is known for births at random, and the bell curve, dashed where both are there. */
+  function drawLaws(ctx, x, y) {
+    const known = exactDensity();
+    const at = (i) => (i / 240) * histogram.top;
     ctx.strokeStyle = ink.exact;
     ctx.lineWidth = 1.5;
-    rub.plot.line(ctx, 0, 120, (i) => x(bell((i / 120) * histogram.top)), (i) => y((i / 120) * histogram.top));
-  };
+    ctx.setLineDash(known ? [3, 3] : []);
+    line(
+      ctx,
+      0,
+      240,
+      (i) => x(bell(at(i))),
+      (i) => y(at(i)),
+    );
+    ctx.setLineDash([]);
+    if (known)
+      line(
+        ctx,
+        0,
+        240,
+        (i) => x(Math.max(0, known[i])),
+        (i) => y(at(i)),
+      );
+  }
+
+  /* Computed once for each setting. */
+  function exactDensity() {
+    if (rub.world.births !== 'poisson') return null;
+    const exact = rub.exact();
+    if (histogram.of !== exact) {
+      histogram.of = exact;
+      histogram.density = rub.theory.areaDensity(exact.contact, histogram.top);
+    }
+    return histogram.density;
+  }
 
   histogram.begin = (canvas) => {
     histogram.pen = pen(canvas);

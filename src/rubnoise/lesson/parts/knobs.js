@@ -43,7 +43,8 @@
 
   function choiceMarkup([key, label, options]) {
     const items = Object.entries(options).map(([value, text]) => `<option value="${value}">${text}</option>`);
-    return `<div class="knob choice"><label for="knob-${key}">${label}</label><select id="knob-${key}">${items.join('')}</select></div>`;
+    const choice = `<select id="knob-${key}">${items.join('')}</select>`;
+    return `<div class="knob choice"><label for="knob-${key}">${label}</label>${choice}</div>`;
   }
 
   function connect([key, , unit, factor, low, high]) {
@@ -73,7 +74,8 @@
 
   /** Make the knobs. */
   knobs.begin = (place) => {
-    place.innerHTML = KNOBS.slice(0, 3).map(markup).join('') + CHOICES.map(choiceMarkup).join('') + KNOBS.slice(3).map(markup).join('');
+    place.innerHTML =
+      KNOBS.slice(0, 3).map(markup).join('') + CHOICES.map(choiceMarkup).join('') + KNOBS.slice(3).map(markup).join('');
     KNOBS.forEach(connect);
     for (const [key] of CHOICES) {
       const choice = document.getElementById(`knob-${key}`);

@@ -92,7 +92,7 @@
       return normalDensity((diameter - this.mean) / this.std) / (this.std * this.mass);
     }
 
-    /** Return diameters (nodes) and their probabilities (weights), on at least so many panels, kept for the next call. */
+    /** Return diameters (nodes) and probabilities (weights), on at least so many panels, kept for the next call. */
     rule(count) {
       const known = this.rules.get(count);
       if (known) return known;

@@ -36,7 +36,13 @@
     ctx.strokeStyle = ink.exact;
     ctx.lineWidth = 2;
     const at = (i) => low + ((high - low) * i) / 200;
-    line(ctx, 0, 200, (i) => x(at(i)), (i) => y(Math.min(top, f(at(i)))));
+    line(
+      ctx,
+      0,
+      200,
+      (i) => x(at(i)),
+      (i) => y(Math.min(top, f(at(i)))),
+    );
   }
 
   function upright(at, x, y, top) {
@@ -54,10 +60,18 @@
     const { spacing } = rub.exact();
     const { run } = rub;
     const seen = [];
-    for (let i = run.after(0) + 1; i < run.after(run.distance); i += 1) seen.push(run.rows[i].birth - run.rows[i - 1].birth);
+    for (let i = run.after(0) + 1; i < run.after(run.distance); i += 1)
+      seen.push(run.rows[i].birth - run.rows[i - 1].birth);
     const regular = rub.world.births === 'regular';
     const top = (regular ? 9 : 1.5) / spacing;
-    const [x, y] = bars(seen, 0, 5 * spacing, top, [`density of ${seen.length} gaps, 1/µm`, 'gap between births, µm'], ink.band);
+    const [x, y] = bars(
+      seen,
+      0,
+      5 * spacing,
+      top,
+      [`density of ${seen.length} gaps, 1/µm`, 'gap between births, µm'],
+      ink.band,
+    );
     if (regular) upright(spacing, x, y, top);
     else curve((gap) => Math.exp(-gap / spacing) / spacing, 0, 5 * spacing, x, y, top);
   }
@@ -69,7 +83,7 @@
     const law = contact.sizes;
     const reach = Math.max(4 * law.std, 0.1 * law.mean);
     const [low, high] = [Math.max(0, law.mean - reach), law.mean + reach];
-    const top = law.std > 0 ? (1.5 * law.density(law.mean)) : 2 / reach;
+    const top = law.std > 0 ? 1.5 * law.density(law.mean) : 2 / reach;
     const titles = [`density of ${liveDiameters.length} looks at the living, 1/µm`, 'diameter, µm'];
     const [x, y] = bars(liveDiameters, low, high, top, titles, ink.band);
     if (law.std === 0) return upright(law.mean, x, y, top);
@@ -94,9 +108,16 @@
     const y = leftAxis(ctx, box(), zero - 7, zero + 0.7, titles[0]);
     const x = lowerAxis(ctx, box(), Math.log10(low), Math.log10(high), titles[1]);
     clipped(() => {
-      strokes(estimate.wavenumber.map((k, i) => [Math.log10(k), Math.log10(estimate.density[i])]), x, y, ink.ink, 1);
+      strokes(
+        estimate.wavenumber.map((k, i) => [Math.log10(k), Math.log10(estimate.density[i])]),
+        x,
+        y,
+        ink.ink,
+        1,
+      );
       strokes(points, x, y, ink.exact, 2);
-      if (rub.world.births === 'regular') for (const each of lines().slice(0, 12)) upright(Math.log10(each.wavenumber), x, () => box().top + 8, 1);
+      if (rub.world.births === 'regular')
+        for (const each of lines().slice(0, 12)) upright(Math.log10(each.wavenumber), x, () => box().top + 8, 1);
     });
     if (!estimate.segments) hint('the first estimate comes after ten lives');
   }
@@ -115,7 +136,13 @@
     const y = leftAxis(ctx, box(), -0.5, 1.05, 'autocovariance over variance');
     const x = lowerAxis(ctx, box(), 0, high, 'lag, µm');
     clipped(() => {
-      strokes(estimate.lag.map((lag, i) => [lag, estimate.value[i]]), x, y, ink.ink, 1);
+      strokes(
+        estimate.lag.map((lag, i) => [lag, estimate.value[i]]),
+        x,
+        y,
+        ink.ink,
+        1,
+      );
       strokes(points, x, y, ink.exact, 2);
     });
   }
@@ -136,7 +163,13 @@
     if (!points.length) return;
     ctx.strokeStyle = colour;
     ctx.lineWidth = width;
-    line(ctx, 0, points.length - 1, (i) => x(points[i][0]), (i) => y(points[i][1]));
+    line(
+      ctx,
+      0,
+      points.length - 1,
+      (i) => x(points[i][0]),
+      (i) => y(points[i][1]),
+    );
   }
 
   function hint(text) {

@@ -70,7 +70,7 @@
   function roundNumbers(low, high, about) {
     const rough = (high - low) / about;
     const power = 10 ** Math.floor(Math.log10(rough));
-    const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough * 0.999);
+    const step = power * [1, 2, 5, 10].find((factor) => factor * power >= 0.7 * rough);
     const found = [];
     for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i += 1) found.push(i * step);
     return found;

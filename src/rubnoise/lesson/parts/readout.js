@@ -29,7 +29,8 @@
   /** Make the table. */
   readout.begin = (body) => {
     body.innerHTML = LINES.map(
-      ([id, label, unit]) => `<tr id="number-${id}"><th scope="row">${label}</th><td></td><td></td><td>${unit}</td></tr>`,
+      ([id, label, unit]) =>
+        `<tr id="number-${id}"><th scope="row">${label}</th><td></td><td></td><td>${unit}</td></tr>`,
     ).join('');
     readout.cells = LINES.map(([id]) => [...document.getElementById(`number-${id}`).querySelectorAll('td')]);
   };

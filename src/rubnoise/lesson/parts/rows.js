@@ -18,7 +18,8 @@
       this.longest = 2 * this.contact.sizes.high;
       this.count = 0;
       const { spacing } = this.contact;
-      this.first = -this.longest + spacing * (world.births === 'regular' ? this.gaps.uniform() : this.gaps.exponential());
+      this.first =
+        -this.longest + spacing * (world.births === 'regular' ? this.gaps.uniform() : this.gaps.exponential());
       this.next = this.first;
     }
 

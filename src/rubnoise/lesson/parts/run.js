@@ -29,14 +29,22 @@
     },
 
     begin(world, contact) {
-      const source = rub.replaying ? new rub.model.Replay(rub.lesson.record, world) : new rub.model.Births({ ...world });
+      const source = rub.replaying
+        ? new rub.model.Replay(rub.lesson.record, world)
+        : new rub.model.Births({ ...world });
       const record = rub.replaying ? rub.lesson.record : null;
       const tick = record ? record.tick : contact.meanLife / TICKS_PER_LIFE;
       const most = Math.min(rub.lesson.distance, MOST_LIVES * contact.meanLife, MOST_ROWS * contact.spacing);
       this.end = record ? record.distance : most;
       this.longest = source.longest;
       this.window = 4 * contact.meanLife;
-      this.trace = new rub.Trace({ ...world }, source, tick, Math.floor(this.end / tick + 1e-9), startOf(world, contact));
+      this.trace = new rub.Trace(
+        { ...world },
+        source,
+        tick,
+        Math.floor(this.end / tick + 1e-9),
+        startOf(world, contact),
+      );
       this.distance = 0;
       this.selected = -1;
       this.trace.until(1);

@@ -1,5 +1,5 @@
 'use strict';
-/* Settings in the address: what differs from the page's own stands behind #, and a copy of the address brings it back. */
+/* Settings in the address: what differs from the page's own stands behind #, so that a copy brings it back. */
 (() => {
   const rub = (globalThis.rub ??= {});
 

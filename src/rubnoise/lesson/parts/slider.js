@@ -3,7 +3,7 @@
 (() => {
   const rub = (globalThis.rub ??= {});
 
-  /** Return even e^(-at) cosh(st) and odd e^(-at) sinh(st)/s, s^2 = a^2 - k/m, of the free motion; s may be imaginary. */
+  /** Return e^(-at) cosh(st) and e^(-at) sinh(st)/s, s^2 = a^2 - k/m, of the free motion; s may be imaginary. */
   function freeMotion(rate, square, time) {
     if (Math.abs(square) * time * time < 1e-10) {
       const decay = Math.exp(-rate * time);
@@ -28,7 +28,17 @@
     const rate = damping / (2 * mass);
     const own = stiffness / mass;
     const [even, odd] = freeMotion(rate, rate * rate - own, time);
-    const p = { xx: even + rate * odd, xv: odd, vx: -own * odd, vv: even - rate * odd, time, damping, stiffness, x: 0, v: 0 };
+    const p = {
+      xx: even + rate * odd,
+      xv: odd,
+      vx: -own * odd,
+      vv: even - rate * odd,
+      time,
+      damping,
+      stiffness,
+      x: 0,
+      v: 0,
+    };
     const { nodes, weights } = rub.numbers.panels([0, 0.5, 1], 16);
     nodes.forEach((y, i) => {
       const [still, moved] = freeMotion(rate, rate * rate - own, time * (1 - y));

@@ -29,8 +29,10 @@
     run.trace.until(Math.ceil((begin + length) / tick));
     const column = run.trace[find('sound-what').value];
     const stride = (factor * world.speed) / (rate * tick); // ticks a sample
-    const count = Math.floor((Math.min(length, (run.trace.ready - 2) * tick - begin) / tick) / stride);
-    const values = Float32Array.from({ length: Math.max(0, count) }, (_, i) => between(column, begin / tick + i * stride));
+    const count = Math.floor(Math.min(length, (run.trace.ready - 2) * tick - begin) / tick / stride);
+    const values = Float32Array.from({ length: Math.max(0, count) }, (_, i) =>
+      between(column, begin / tick + i * stride),
+    );
     return { ...levelled(values), begin, length: count * stride * tick, factor };
   };
 
@@ -83,10 +85,15 @@
     return undefined;
   };
 
+  function named(factor) {
+    if (factor === 1) return '1 time: true speed';
+    return factor < 1 ? `1/${1 / factor} times` : `${factor} times`;
+  }
+
   sound.begin = () => {
     find('sound-speed').innerHTML =
       '<option value="auto">until audible</option>' +
-      FACTORS.map((factor) => `<option value="${factor}">${factor < 1 ? `1/${1 / factor}` : factor} times${factor === 1 ? ': true speed' : ''}</option>`).join('');
+      FACTORS.map((factor) => `<option value="${factor}">${named(factor)}</option>`).join('');
     find('sound-play').addEventListener('click', sound.toggle);
     rub.on('settings', () => sound.source && sound.stop());
   };

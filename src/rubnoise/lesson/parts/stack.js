@@ -59,10 +59,20 @@
 
   /** Paint the columns from one up to another, the first at x, each so many pixels of the page wide. */
   stack.paint = (target, from, to, x, y, pixel) => {
-    for (let column = from; column <= to; ) {
+    for (let column = from; column <= to;) {
       const start = column % stack.width;
       const count = Math.min(to - column + 1, stack.width - start);
-      target.drawImage(canvas, start, 0, count, stack.height, x + (column - from) * pixel, y, count * pixel, stack.height * pixel);
+      target.drawImage(
+        canvas,
+        start,
+        0,
+        count,
+        stack.height,
+        x + (column - from) * pixel,
+        y,
+        count * pixel,
+        stack.height * pixel,
+      );
       column += count;
     }
   };

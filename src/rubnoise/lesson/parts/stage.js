@@ -9,9 +9,9 @@
   let wide = 1;
   let high = 1;
 
-  /** Return where on the stage a junction meets, in um: a row number's place in a sequence that fills the plane evenly. */
+  /** Return where a junction meets, in um: its row number's place in a sequence that fills the stage evenly. */
   function placeOf(row, into) {
-    const margin = rub.run.longest / 4;
+    const margin = 0.9 * rub.exact().contact.diameter;
     into[0] = margin + ((row.id * 0.7548776662466927 + 0.37) % 1) * Math.max(0, wide - 2 * margin);
     into[1] = margin + ((row.id * 0.5698402909980532 + 0.21) % 1) * Math.max(0, high - 2 * margin);
     return into;
@@ -22,7 +22,7 @@
   /** Measure the stage: how many um it shows. */
   function measure() {
     const { countMean, contact } = rub.exact();
-    const area = ROOMY * Math.max(3, countMean) * 0.25 * Math.PI * contact.diameter ** 2;
+    const area = ROOMY * Math.max(6, countMean) * 0.25 * Math.PI * contact.diameter ** 2;
     scale = Math.sqrt((stage.pen.width * stage.pen.height) / area);
     wide = stage.pen.width / scale;
     high = stage.pen.height / scale;
@@ -145,14 +145,23 @@
     ctx.lineWidth = 3;
     const offset = Math.abs(rub.run.distance - row.birth - row.diameter) * scale;
     ctx.beginPath();
-    ctx.ellipse(place[0] * scale, place[1] * scale, 0.5 * (offset + row.diameter * scale) + 4, 0.5 * row.diameter * scale + 4, 0, 0, 2 * Math.PI);
+    ctx.ellipse(
+      place[0] * scale,
+      place[1] * scale,
+      0.5 * (offset + row.diameter * scale) + 4,
+      0.5 * row.diameter * scale + 4,
+      0,
+      0,
+      2 * Math.PI,
+    );
     ctx.stroke();
     ctx.lineWidth = 1;
   }
 
-  /** Return the area in um^2 at the upper end of the colours: that of a junction of the mean diameter at full overlap. */
+  /** Return the area in um^2 at the upper end of the colours: full overlap of a junction as large as few are. */
   function largest() {
-    return 0.25 * Math.PI * rub.exact().contact.diameter ** 2;
+    const { mean, std } = rub.exact().contact.sizes;
+    return 0.25 * Math.PI * (mean + 2 * std) ** 2;
   }
 
   /** Return the live row whose circles hold a point of the stage, the one whose middle is nearest; or null. */

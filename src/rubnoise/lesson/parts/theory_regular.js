@@ -4,7 +4,7 @@
   const rub = (globalThis.rub ??= {});
   const { panels, ordered, piecewise } = rub.numbers;
 
-  /** Return ages between which the mean life is smooth: octaves of distance from mid-life and death, as sizes blur them. */
+  /** Return ages between which the mean life is smooth: octaves of distance from mid-life and from death. */
   function turnsOf({ sizes, diameter }) {
     const longest = 2 * sizes.high;
     if (sizes.std === 0) return [0, diameter, longest];
@@ -36,8 +36,8 @@
   }
 
   /**
-   * Return the first three cumulants of A at an age and the chance to be alive, as functions of the age: by themselves for
-   * one size, else interpolated in the root of the age, in which the birth is smooth.
+   * Return the first three cumulants of A at an age and the chance to be alive, as functions of the age: by themselves
+   * for one size, else interpolated in the root of the age, in which the birth is smooth.
    */
   function lifeOf(contact, turns) {
     const at = (age) => {
@@ -55,7 +55,8 @@
 
   /** Return the edges of panels of the phase: where a life is at one of its turns that are closer than a spacing. */
   function phaseEdges({ spacing }, turns) {
-    const near = (i) => turns[i] - (turns[i - 1] ?? -Infinity) < spacing || (turns[i + 1] ?? Infinity) - turns[i] < spacing;
+    const near = (i) =>
+      turns[i] - (turns[i - 1] ?? -Infinity) < spacing || (turns[i + 1] ?? Infinity) - turns[i] < spacing;
     const one = turns.length === 3;
     const within = turns.filter((turn, i) => one || near(i)).map((turn) => turn % spacing);
     return ordered([0, ...within, spacing]);
@@ -104,7 +105,7 @@
     return { square: x * x + y * y, spread: square };
   }
 
-  /** Return the spread where mid-life and death are blurred over many waves, and the birth alone is left of the mean. */
+  /** Return the spread where mid-life and death are blurred over many waves: of the mean the birth alone is left. */
   function blurredSpread(contact, k) {
     const { sizes, pulse, birthRate } = contact;
     const part = (i) => rub.theory.average(sizes, 0, (d) => d ** 3 * pulse.birth(k * d)[i]);
@@ -112,8 +113,8 @@
   }
 
   /**
-   * Return the lines at k_n = 2 pi n / spacing with the power lam^2 |E[A^(k_n)]|^2 of each: as many as it takes until what
-   * is left, which falls at least as n^-3 for lives of one size and faster for others, is 1e-10 of the variance.
+   * Return the lines at k_n = 2 pi n / spacing with the power lam^2 |E[A^(k_n)]|^2 of each: as many as it takes until
+   * what is left, which falls at least as n^-3 for lives of one size and faster for others, is 1e-10 of the variance.
    */
   function linesOf(contact, variance) {
     const found = [];
@@ -131,7 +132,9 @@
   function sharedCovariance(contact, mean, turns, lag) {
     const last = 2 * contact.sizes.high - lag;
     if (last <= 0) return 0;
-    const edges = ordered([0, last, ...turns, ...turns.map((turn) => turn - lag)].filter((edge) => edge >= 0 && edge <= last));
+    const edges = ordered(
+      [0, last, ...turns, ...turns.map((turn) => turn - lag)].filter((edge) => edge >= 0 && edge <= last),
+    );
     const { nodes, weights } = panels(edges, 10);
     let sum = 0;
     for (let i = 0; i < nodes.length; i += 1) sum += weights[i] * mean(nodes[i]) * mean(nodes[i] + lag);

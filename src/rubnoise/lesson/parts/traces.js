@@ -43,7 +43,13 @@
     ctx.strokeStyle = colour;
     ctx.lineWidth = 1.5;
     ctx.lineJoin = 'round';
-    line(ctx, first, rub.run.ticksSeen, (i) => x(i * tick), (i) => y(values[i]));
+    line(
+      ctx,
+      first,
+      rub.run.ticksSeen,
+      (i) => x(i * tick),
+      (i) => y(values[i]),
+    );
   }
 
   function frame(name, low, high, title) {
@@ -77,7 +83,12 @@
     const spacing = rub.run.window / columns;
     const height = Math.max(1, Math.round((box.bottom - box.top) * scale));
     const { stack } = rub;
-    if (stack.width !== columns || stack.height !== height || stack.spacing !== spacing || stack.top !== traces.topArea()) {
+    if (
+      stack.width !== columns ||
+      stack.height !== height ||
+      stack.spacing !== spacing ||
+      stack.top !== traces.topArea()
+    ) {
       stack.begin(columns, height, traces.topArea(), spacing);
     }
     const to = Math.floor(rub.run.distance / spacing) - 1;
@@ -108,7 +119,12 @@
   function drawSlider(seen) {
     const { displacementMean, displacementStd } = rub.exact();
     const reach = Math.max(3.5 * displacementStd, 0.05 * displacementMean);
-    const { ctx, box, x, y } = frame('slider', displacementMean - reach, displacementMean + reach, 'slider displacement, µm');
+    const { ctx, box, x, y } = frame(
+      'slider',
+      displacementMean - reach,
+      displacementMean + reach,
+      'slider displacement, µm',
+    );
     ctx.save();
     ctx.beginPath();
     ctx.rect(box.left, box.top, box.right - box.left, box.bottom - box.top);

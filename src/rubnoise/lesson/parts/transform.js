@@ -85,5 +85,9 @@
   }
 
   Object.assign(rub.model.pulses.lens, { transform: lens, meanSquare: lensMeanSquare, birth: lensBirth });
-  Object.assign(rub.model.pulses.triangle, { transform: triangle, meanSquare: triangleMeanSquare, birth: triangleBirth });
+  Object.assign(rub.model.pulses.triangle, {
+    transform: triangle,
+    meanSquare: triangleMeanSquare,
+    birth: triangleBirth,
+  });
 })();

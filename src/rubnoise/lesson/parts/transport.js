@@ -28,7 +28,9 @@
     rub.run.pace = Math.min(FASTEST, Math.max(SLOWEST, pace));
     find('pace').value = stepOf(rub.run.pace);
     const lives = rub.run.pace / rub.exact().lifeMean;
-    const text = `${said(rub.run.pace, 2)} µm/s: ${said(lives, 2)} lives a second, ${said(rub.world.speed / rub.run.pace, 2)} times slower than true`;
+    const slower = rub.world.speed / rub.run.pace;
+    const beside = slower >= 1 ? `${said(slower, 2)} times slower` : `${said(1 / slower, 2)} times faster`;
+    const text = `${said(rub.run.pace, 2)} µm/s: ${said(lives, 2)} lives a second, ${beside} than true`;
     find('pace-said').textContent = text;
     find('pace').setAttribute('aria-valuetext', text);
   };
@@ -53,7 +55,7 @@
     '-': () => transport.pace(rub.run.pace / 1.5),
     n: () => rub.card.move(1),
     p: () => rub.card.move(-1),
-    '0': () => rub.run.goTo(0),
+    0: () => rub.run.goTo(0),
     Escape: () => rub.select(-1),
   };
   const ON_STAGE = {
