@@ -210,6 +210,15 @@ def test_every_picture_can_be_shown(page: Any, name: str) -> None:
     assert page.locator("#panel-area").get_attribute("class") == "shown"
 
 
+def test_the_exact_law_follows_a_knob_that_has_come_to_rest(page: Any) -> None:
+    until(page, "rub.histogram.density !== null")
+    first = page.evaluate("rub.histogram.density[120]")
+    page.evaluate("rub.set({ meanCount: 5 })")
+    until(page, f"rub.histogram.density !== null && rub.histogram.density[120] !== {first!r}")
+    mass = page.evaluate("rub.histogram.density.reduce((sum, value) => sum + value) * rub.histogram.top / 240")
+    assert mass == pytest.approx(1.0, abs=0.02)  # but for the atom exp(-5) at no area
+
+
 @pytest.mark.parametrize("what", ["velocity", "force"])
 def test_the_ear_hears_the_trace(page: Any, what: str) -> None:
     page.locator("#sound-what").select_option(what)

@@ -4,6 +4,7 @@
   const rub = (globalThis.rub ??= {});
   const { ink, pen, line } = rub.plot;
   const BINS = 48;
+  const RESTED = 200; // ms
   const histogram = { counts: new Float64Array(BINS), ticks: 0, top: 0, trace: null };
 
   /** Count the ticks passed since the last time, or all of them where the run has gone back or is another. */
@@ -70,15 +71,22 @@
       );
   }
 
-  /* Computed once for each setting. */
+  /* Computed once for each setting, and not before a knob has come to rest: it takes longer than a frame. */
   function exactDensity() {
     if (rub.world.births !== 'poisson') return null;
     const exact = rub.exact();
     if (histogram.of !== exact) {
-      histogram.of = exact;
-      histogram.density = rub.theory.areaDensity(exact.contact, histogram.top);
+      Object.assign(histogram, { of: exact, density: null });
+      clearTimeout(histogram.waiting);
+      histogram.waiting = setTimeout(compute, RESTED, exact, histogram.top);
     }
     return histogram.density;
+  }
+
+  function compute(exact, top) {
+    if (histogram.of !== exact) return;
+    histogram.density = rub.theory.areaDensity(exact.contact, top);
+    rub.tell('density', top);
   }
 
   histogram.begin = (canvas) => {

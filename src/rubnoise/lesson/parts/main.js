@@ -89,7 +89,7 @@
     rub.transport.begin();
     rub.sound.begin();
     rub.on('settings', settingsChanged);
-    for (const event of ['jump', 'select', 'reset', 'tick']) {
+    for (const event of ['jump', 'select', 'reset', 'tick', 'density']) {
       rub.on(event, () => {
         dirty = true;
       });
