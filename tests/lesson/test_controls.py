@@ -57,6 +57,7 @@ def test_a_choice_changes_the_contact(page: Any, knob: str, value: str) -> None:
     assert after["areaStd"] != pytest.approx(before["areaStd"], rel=1e-3)
     gaps = page.evaluate("rub.run.goTo(200), rub.run.seen().gaps")
     assert (max(gaps) - min(gaps) < 1e-9) == (value == "regular")
+    assert page.locator("#sketch").is_visible() == (value == "triangle")
     peak = page.evaluate("rub.run.trace.pulse.area(0.5, 1)")
     assert peak == pytest.approx(0.3927 if value == "triangle" else 0.3071, abs=1e-4)
 

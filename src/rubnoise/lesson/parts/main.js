@@ -70,6 +70,7 @@
     rub.stack.forget();
     rub.card.write();
     find('replaying').hidden = !rub.replaying;
+    find('sketch').hidden = rub.world.pulse !== 'triangle';
     dirty = true;
   }
 
