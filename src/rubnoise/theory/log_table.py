@@ -14,6 +14,7 @@ _LAST = 4  # highest coefficients that have to be negligible
 _MOST_HALVINGS = 40
 _MOST_PANELS = 1024  # halved at once; more than that means noise
 _AT_ONCE = 2**15
+_NARROWEST = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +48,8 @@ def log_table(functions: Callable[[Doubles], Doubles], edges: Doubles, tolerance
     Panels are halved until the highest coefficients of each function are below its tolerance.
     """
     ends = np.log(edges)
+    # Edges that differ by rounding alone would make a panel of no width, and be found in place of the one beside it.
+    ends = ends[np.append(True, np.diff(ends) > _NARROWEST)]
     lows, highs = ends[:-1], ends[1:]
     kept_lows: list[Doubles] = []
     kept: list[Doubles] = []
