@@ -106,10 +106,7 @@ def _check_places(folder: Path, files: Sequence[Path], *, force: bool) -> None:
 
 
 def _write(file: Path, picture: bytes, *, force: bool) -> None:
-    from rubnoise.storage.output import check_output, give_final_name, sole_writer
+    from rubnoise.storage.whole import whole_file
 
-    paths = check_output(file, force=force)
-    with sole_writer(paths):
-        check_output(file, force=force)
-        paths.part.write_bytes(picture)
-        give_final_name(paths, force=force)
+    with whole_file(file, force=force) as part:
+        part.write_bytes(picture)

@@ -115,12 +115,11 @@ def _life(file: Path, number: int) -> "Life":
 def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
     from rubnoise.cli.layout import printable
     from rubnoise.figures.life import life_png
-    from rubnoise.storage.output import check_output, give_final_name, sole_writer
+    from rubnoise.storage.output import check_output
+    from rubnoise.storage.whole import whole_file
 
-    paths = check_output(path, force=force)
+    check_output(path, force=force)
     picture = life_png(life, printable(file.name))
-    with sole_writer(paths):
-        check_output(path, force=force)
-        paths.part.write_bytes(picture)
-        give_final_name(paths, force=force)
+    with whole_file(path, force=force) as part:
+        part.write_bytes(picture)
     print(path)

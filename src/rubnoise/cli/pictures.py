@@ -25,12 +25,9 @@ def check_picture(path: Path, *, force: bool) -> "Format":
 
 def write_picture(path: Path, draw: "Callable[[Format], bytes]", *, force: bool) -> None:
     """Draw a picture in the format of its file's ending, write the file whole or not at all, and print its name."""
-    from rubnoise.storage.output import check_output, give_final_name, sole_writer
+    from rubnoise.storage.whole import whole_file
 
     picture = draw(check_picture(path, force=force))
-    paths = check_output(path, force=force)
-    with sole_writer(paths):
-        check_output(path, force=force)
-        paths.part.write_bytes(picture)
-        give_final_name(paths, force=force)
+    with whole_file(path, force=force) as part:
+        part.write_bytes(picture)
     print(path)

@@ -1,17 +1,17 @@
 """Results for tools that read no HDF5, or would rather not: as CSV, Parquet or netCDF."""
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import disk_usage
 from typing import Final, Literal
 
-from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, needing
-from rubnoise.storage.output import OutputAppearedError, OutputPaths, check_output, give_final_name, sole_writer
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused, needing
+from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.table import TABLES, Table, origin
+from rubnoise.storage.whole import whole_file
 
 Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
@@ -90,26 +90,5 @@ def _writer(kind: Kind) -> Write:
 
 def _export(file: RunFile, each: Export, write: Write, *, force: bool, between: Callable[[], None]) -> None:
     tables = [Table.of(file, name) for name in each.groups]
-    paths = check_output(each.path, force=force)
-    with sole_writer(paths):
-        check_output(each.path, force=force)
-        try:
-            write(paths.part, tables, origin(file), between)
-            _settle(paths, force=force)
-        except OutputAppearedError:
-            raise
-        except BaseException as problem:
-            paths.part.unlink(missing_ok=True)
-            if isinstance(problem, OSError):
-                raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
-            raise
-
-
-def _settle(paths: OutputPaths, *, force: bool) -> None:
-    """See the whole part onto the disk, and give it its name."""
-    descriptor = os.open(paths.part, os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-    give_final_name(paths, force=force)
+    with whole_file(each.path, force=force) as part:
+        write(part, tables, origin(file), between)
