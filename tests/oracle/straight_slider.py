@@ -10,9 +10,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from tests.oracle import theta_slider
 from tests.oracle.oscillator import Doubles, Motion, Oscillator
 from tests.oracle.slow_contact import Rows, triangle_area
-from tests.oracle.theta_slider import PHASE_PER_PANEL, impulse_response, pieces, transition_minus_one
+from tests.oracle.theta_slider import impulse_response, pieces
 
 NODES = 20
 
@@ -36,18 +37,5 @@ def add_impulses(
 
 
 def motion(slider: Oscillator, speed: float, ticks: Doubles, rows: Rows, start: tuple[float, float]) -> Motion:
-    """Return the motion at equally spaced ticks (um) of a slider that begins at ticks[0] with start = (x um, v um/s).
-
-    speed in um/s; m x'' + c x' + k x = sum psi_i A_i(V t).
-    """
-    tick = (ticks[-1] - ticks[0]) / (len(ticks) - 1)
-    panels = max(1, int(np.ceil(slider.fastest_rate * tick / speed / PHASE_PER_PANEL)))
-    impulses = np.zeros((2, len(ticks) - 1))
-    for row in range(len(rows.birth)):
-        add_impulses(slider, speed, ticks, rows, row, impulses, panels)
-    change = np.array(transition_minus_one(slider, tick / speed))
-    states = [np.array(start)]
-    for impulse in impulses.T:
-        states.append(states[-1] + (change @ states[-1] + impulse))
-    x, v = np.array(states).T
-    return Motion(displacement=x, velocity=v)
+    """Return the motion as `theta_slider.motion` does, under triangular lives."""
+    return theta_slider.motion(slider, speed, ticks, rows, start, add_impulses)

@@ -7,6 +7,7 @@ on every piece between ticks, births, mid-lives and deaths. Between ticks the mo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import mpmath
@@ -99,16 +100,23 @@ def add_impulses(
         np.add.at(impulses[1], cell, (impulse * rate).sum(axis=1))
 
 
-def motion(slider: Oscillator, speed: float, ticks: Doubles, rows: Rows, start: tuple[float, float]) -> Motion:
+def motion(
+    slider: Oscillator,
+    speed: float,
+    ticks: Doubles,
+    rows: Rows,
+    start: tuple[float, float],
+    add: Callable[[Oscillator, float, Doubles, Rows, int, Doubles, int], None] = add_impulses,
+) -> Motion:
     """Return the motion at equally spaced ticks (um) of a slider that begins at ticks[0] with start = (x um, v um/s).
 
-    speed in um/s; m x'' + c x' + k x = sum psi_i A_i(V t).
+    speed in um/s; m x'' + c x' + k x = sum psi_i A_i(V t); ``add`` adds the impulses of one junction.
     """
     tick = (ticks[-1] - ticks[0]) / (len(ticks) - 1)
     panels = max(1, int(np.ceil(slider.fastest_rate * tick / speed / PHASE_PER_PANEL)))
     impulses = np.zeros((2, len(ticks) - 1))
     for row in range(len(rows.birth)):
-        add_impulses(slider, speed, ticks, rows, row, impulses, panels)
+        add(slider, speed, ticks, rows, row, impulses, panels)
     change = np.array(transition_minus_one(slider, tick / speed))
     states = [np.array(start)]
     for impulse in impulses.T:
