@@ -10,7 +10,7 @@ from rubnoise.scenario import build, load
 from rubnoise.scenario.points import Point, canonical, run_id
 from rubnoise.scenario.sweep import Sweep, expand, load_either, load_sweep
 from rubnoise.streams import SEED_LIMIT
-from tests.unit.sweeps import GRID, HEAD, sweep_of
+from tests.unit.sweeps import GRID, HEAD, sweep_of, sweep_refusal
 
 COUNT = "interface.mean_junction_count"
 AREA = "interface.mean_real_contact_area"
@@ -51,7 +51,7 @@ def test_a_point_is_the_scenario_that_a_file_of_its_own_would_be(tmp_path: Path)
             "title": "swept",
             "interface": {"mean_real_contact_area": point.values[AREA], "mean_junction_count": point.values[COUNT]},
             "sliding": {"distance": "2 mm"},
-            "run": {"seed": point.seed},
+            "run": {"seed": point.seed, "engine": "batch"},
         }
         assert point.scenario.resolved() == build(own).resolved()
         assert point.scenario.model().calibrated_diameter == pytest.approx(
@@ -127,6 +127,19 @@ def test_how_a_run_is_written_changes_its_name_and_not_its_seed(tmp_path: Path) 
     assert fine.run_id != coarse.run_id
     retitled = expand(sweep_of(tmp_path, table, "title=another"))
     assert [(p.seed, p.run_id) for p in retitled] == [(p.seed, p.run_id) for p in (fine, coarse)]
+
+
+def test_the_engine_of_a_sweep_is_batch_unless_the_file_names_one_and_changes_no_name(tmp_path: Path) -> None:
+    told = {
+        engine: [(p.scenario.run.engine, p.seed, p.run_id) for p in expand(sweep_of(tmp_path, GRID, *changes))]
+        for engine, changes in (("batch", ()), ("events", ("run.engine=events",)))
+    }
+    assert {engine for engine, _, _ in told["batch"]} == {"batch"}
+    assert told["events"] == [("events", seed, name) for _, seed, name in told["batch"]]
+
+
+def test_a_run_that_is_no_table_is_refused(tmp_path: Path) -> None:
+    assert "run: needs a table" in sweep_refusal(tmp_path, GRID, head="run = 3\n" + HEAD)
 
 
 def test_the_name_of_a_run_is_that_of_its_scenario(tmp_path: Path) -> None:

@@ -63,8 +63,12 @@ def derived_seed(scenario: Scenario, replicate: int) -> int:
 
 
 def run_id(scenario: Scenario) -> str:
-    """Return the name of a run, 16 hexadecimal digits of the SHA-256 of its scenario, seed and all but the title."""
-    return sha256(canonical(scenario, without=("title",))).hexdigest()[:_ID_DIGITS]
+    """Return the name of a run, 16 hexadecimal digits of the SHA-256 of its scenario with the seed.
+
+    The title has no part in it, nor has the engine, since both engines give the same bits.
+    """
+    run = scenario.run.model_copy(update={"engine": type(scenario.run).model_fields["engine"].default})
+    return sha256(canonical(replace(scenario, run=run), without=("title",))).hexdigest()[:_ID_DIGITS]
 
 
 def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:

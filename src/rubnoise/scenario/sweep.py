@@ -24,16 +24,22 @@ _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
 class Sweep:
     """A file with a `[sweep]` table: its points, each a whole scenario, and how many runs of each are wanted.
 
-    ``keys`` are the swept ones with dots, ``warnings`` what is allowed and doubtful, each ready to print.
+    ``keys`` are the swept ones with dots, ``side_by_side`` those of them in `[sweep.zip]`, ``warnings`` what is allowed
+    and doubtful, each ready to print.
     """
 
     name: str
     text: str
     title: str
     keys: tuple[str, ...]
+    side_by_side: tuple[str, ...]
     cases: tuple[Case, ...]
     replicates: int
     warnings: tuple[str, ...]
+
+
+_ENGINE_OF_SWEEPS = "batch"
+"""Many runs are made by the faster engine where the file names none; it gives the same bits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,8 +52,11 @@ class Choice(Overlay):
 
     @property
     def data(self) -> dict[str, Any]:
-        """The values under their keys."""
+        """The values under their keys, and the engine of sweeps where the file names none."""
         data: dict[str, Any] = {}
+        run = self.origin.data.get("run", {})
+        if isinstance(run, dict) and "engine" not in run:
+            data["run"] = {"engine": _ENGINE_OF_SWEEPS}
         for axis, index in zip(self.axes, self.indices, strict=True):
             data.setdefault(str(axis.path[0]), {})[axis.path[1]] = axis.values[index]
         return data
@@ -117,6 +126,7 @@ def _checked(given: Layers) -> Sweep:
         text=given.main.text,
         title=cases[0].scenario.title,
         keys=tuple(axis.key for axis in table.axes),
+        side_by_side=tuple(axis.key for axis in table.side_by_side),
         cases=tuple(cases),
         replicates=table.replicates,
         warnings=tuple(map(str, in_order(problems))),
