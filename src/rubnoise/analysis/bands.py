@@ -39,12 +39,11 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     which hold the mean, and next to the last are left out.
     Source: as for `rubnoise.theory.correlation.autocovariance`, for four places at once.
     """
-    bins = np.arange(_FIRST_BIN, seen.density.size - 2)
     shared = shared_variance(seen.ticks, seen.segments)
     probabilities, energies = _energies(model, seen.wavenumber)
     power = float(seen.wavenumber[1]) / pi
     found = []
-    for part in _split(bins, count):
+    for part in bands_of(seen.density.size, count):
         variance = _gaussian_variance(expected[part], shared) / seen.segments
         variance += _shot_variance(probabilities, energies[:, part].sum(axis=1)) / (model.birth_rate * length)
         level = power * float(expected[part].sum())
@@ -60,8 +59,12 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     return found
 
 
-def _split(bins: NDArray[np.int64], count: int) -> list[NDArray[np.int64]]:
-    """Cut bins into bands of equal ratio; bands without a bin fall away."""
+def bands_of(size: int, count: int) -> list[NDArray[np.int64]]:
+    """Return the bins of up to ``count`` bands of a spectrum of so many, of equal ratio; those without a bin fall away.
+
+    Bins next to k = 0, which hold the mean, and next to the last are in none.
+    """
+    bins = np.arange(_FIRST_BIN, size - 2)
     if not bins.size:
         return []
     edges = np.geomspace(bins[0] - 0.5, bins[-1] + 0.5, count + 1)[1:-1]

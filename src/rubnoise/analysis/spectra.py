@@ -91,7 +91,7 @@ class WelchSum:
 
         parts = sliding_window_view(row, self._window.size)[: (count - 1) * step + 1 : step]
         waves = rfft((parts - parts.mean(axis=1, keepdims=True)) * self._window, axis=1)
-        power = self._scale * np.square(np.abs(waves))
+        power = self._scale * (np.square(waves.real) + np.square(waves.imag))
         self._sums += power.sum(axis=0), np.square(power).sum(axis=0)
         self._segments += count
 
