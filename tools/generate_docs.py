@@ -23,7 +23,12 @@ PAGES = ("data-format.md", "scenarios.md")
 PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
-ROWS = {"junctions": "one a junction", "ticks": "one a tick", "curve": "one a point of the curve"}
+ROWS = {
+    "junctions": "one a junction",
+    "ticks": "one a tick",
+    "blocks": "one a block",
+    "curve": "one a point of the curve",
+}
 NEEDS: dict[Feature | None, str] = {
     None: "always",
     "speed": "with `sliding.speed`",
@@ -62,7 +67,8 @@ def _group(group: Group) -> Iterator[str]:
     scale = group.columns[0].name
     yield f"### /{group.name}"
     yield ""
-    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {NEEDS[group.needs]}."
+    since = ", but not in files of early development versions" if group.added else ""
+    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {NEEDS[group.needs]}{since}."
     yield f"Dimension scale: `{scale}`. Drawn by viewers: `{group.plotted}` against it."
     yield ""
     yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))

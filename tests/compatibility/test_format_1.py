@@ -76,6 +76,7 @@ def test_every_column_is_there_and_has_its_hash(path: Path) -> None:
         assert run.columns.keys() == {"junctions", "life_curve", *COLUMNS[path]}
         assert Counter(run.column("junctions", "state").tolist()) == STATES[path]
         assert run.extent.ticks == TICKS[path]
+        assert run.extent.blocks == 0
         assert run.damaged() == ()
 
 

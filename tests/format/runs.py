@@ -37,6 +37,7 @@ ORIGIN = Provenance(
 def describe(
     junctions: int = 7,
     ticks: int = 11,
+    blocks: int = 3,
     *,
     features: frozenset[Feature] = EVERYTHING,
     compression: Compression = "none",
@@ -44,7 +45,7 @@ def describe(
 ) -> RunDescription:
     return RunDescription(
         title="a small run of µm",
-        extent=Extent(junctions=junctions, ticks=ticks),
+        extent=Extent(junctions=junctions, ticks=ticks, blocks=blocks),
         features=features,
         compression=compression,
         scenario_toml=scenario_toml,

@@ -23,6 +23,7 @@ NAMES = {
     " death_time state",
     "trace": "distance real_contact_area junction_count friction_force",
     "slider": "time distance friction_force displacement velocity",
+    "blocks": "block birth_distance first_junction first_tick displacement velocity",
     "life_curve": "u area_fraction",
 }
 UNITS = {

@@ -115,6 +115,7 @@ def test_rows_may_overlap_those_written_and_go_on_behind_them(tmp_path: Path) ->
     rows = random_rows(description)
     with RunWriter(tmp_path / "run.h5", description) as writer:
         writer.write("trace", 0, rows["trace"])
+        writer.write("blocks", 0, rows["blocks"])
         writer.write("junctions", 0, {name: np.zeros_like(values[:6]) for name, values in rows["junctions"].items()})
         writer.write("junctions", 0, {name: values[:3] for name, values in rows["junctions"].items()})
         writer.write("junctions", 3, {name: values[3:] for name, values in rows["junctions"].items()})
@@ -124,7 +125,7 @@ def test_rows_may_overlap_those_written_and_go_on_behind_them(tmp_path: Path) ->
 
 def test_strided_columns_are_written_as_their_values(tmp_path: Path) -> None:
     description = describe(5, 8, features=BARE)
-    wide = random_rows(describe(10, 16, features=BARE))
+    wide = random_rows(describe(10, 16, 6, features=BARE))
     rows = {group: {name: values[::2] for name, values in columns.items()} for group, columns in wide.items()}
     write_run(tmp_path / "run.h5", description, rows)
     assert_holds(tmp_path / "run.h5", rows)
@@ -145,8 +146,8 @@ def test_rows_are_read_from_and_to_where_asked(tmp_path: Path) -> None:
 
 def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
     """Return the peak of traced memory of a run that is written block by block."""
-    description = describe(2000 * blocks, 20_000 * blocks, compression=compression)
-    block = random_rows(describe(2000, 20_000))
+    description = describe(2000 * blocks, 20_000 * blocks, blocks, compression=compression)
+    block = random_rows(describe(2000, 20_000, 1))
     tracemalloc.start()
     with RunWriter(path, description) as writer:
         for k in range(blocks):

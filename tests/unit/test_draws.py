@@ -8,7 +8,7 @@ import pytest
 from rubnoise.contact.calibration import Spread
 from rubnoise.contact.deviates import exponential
 from rubnoise.simulation import draws
-from rubnoise.simulation.draws import birth_distances, births_per_block, count_births, draw_block, first_birth, start
+from rubnoise.simulation.draws import birth_distances, births_by_block, births_per_block, draw_block, first_birth, start
 from rubnoise.streams import Stream, generator
 from tests.models import UNEQUAL, bare, model
 
@@ -38,7 +38,7 @@ def test_blocks_follow_each_other_without_a_gap() -> None:
         assert births.birth[0] == begin
         seen.extend(births.birth.tolist())
         block, begin = block + 1, births.next_birth
-    assert len(seen) == count_births(RUN, 4)
+    assert len(seen) == sum(births_by_block(RUN, 4))
     assert block == -(-len(seen) // 1000)
     assert seen[-1] <= RUN.distance < begin
 
@@ -46,14 +46,14 @@ def test_blocks_follow_each_other_without_a_gap() -> None:
 def test_a_birth_at_the_very_end_is_still_of_the_run() -> None:
     birth, _ = birth_distances(RUN, 4, 0, first_birth(RUN, 4))
     at = replace(RUN, distance=float(birth[10]))
-    assert count_births(at, 4) == 11
+    assert sum(births_by_block(at, 4)) == 11
     assert draw_block(at, 4, 0, first_birth(at, 4)).next_birth == birth[11]
-    assert count_births(replace(RUN, distance=float(np.nextafter(birth[10], 0.0))), 4) == 10
+    assert sum(births_by_block(replace(RUN, distance=float(np.nextafter(birth[10], 0.0))), 4)) == 10
 
 
 def test_no_birth_within_the_run() -> None:
     run = bare(count=0.01, distance=1e-3, tick=1e-3)
-    assert count_births(run, 1) == 0
+    assert sum(births_by_block(run, 1)) == 0
     assert len(draw_block(run, 1, 0, first_birth(run, 1))) == 0
 
 

@@ -125,7 +125,7 @@ def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
 
 def test_a_compressed_run_needs_room_for_two_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = random_rows(describe(2000, 2000))
-    room = expected_bytes(Extent(junctions=2000, ticks=2000), EVERYTHING) + SLACK_BYTES
+    room = expected_bytes(Extent(junctions=2000, ticks=2000, blocks=3), EVERYTHING) + SLACK_BYTES
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=room))
     write_run(tmp_path / "raw.h5", describe(2000, 2000), rows)
     with pytest.raises(OutputRefused, match="and the disk has"):

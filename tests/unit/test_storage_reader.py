@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.record.sink import Extent
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.schema import CHUNK_ROWS
 from tests.format.runs import BARE, Compression, describe, random_rows, write_run
@@ -204,6 +205,15 @@ def test_a_missing_group_is_refused(path: Path, name: str) -> None:
         file.move(name, "elsewhere")
         file[name] = h5py.SoftLink("/elsewhere")
     assert_refused(path, f"/{name} is missing")
+
+
+def test_a_file_of_before_has_no_blocks(path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        del file["blocks"]
+    with open_run(path) as run:
+        assert "blocks" not in run.columns
+        assert run.extent == Extent(junctions=7, ticks=11, blocks=0)
+        assert run.damaged() == ()
 
 
 def test_a_slider_without_a_force_is_refused(path: Path) -> None:

@@ -7,11 +7,12 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS
-from rubnoise.storage.schema import GROUPS, JUNCTIONS, LIFE_CURVE, SLIDER, TRACE, Feature, Group
+from rubnoise.storage.schema import BLOCKS, GROUPS, JUNCTIONS, LIFE_CURVE, SLIDER, TRACE, Feature, Group
 
 ALWAYS = {
     "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
     "trace": ["distance", "real_contact_area", "junction_count"],
+    "blocks": ["block", "birth_distance", "first_junction", "first_tick"],
     "life_curve": ["u", "area_fraction"],
 }
 
@@ -37,8 +38,9 @@ def test_a_strength_adds_strengths_and_force() -> None:
 
 
 def test_a_slider_adds_its_motion() -> None:
-    motion = stored("speed", "strength", "slider")["slider"]
-    assert motion == ["time", "distance", "friction_force", "displacement", "velocity"]
+    whole = stored("speed", "strength", "slider")
+    assert whole["slider"] == ["time", "distance", "friction_force", "displacement", "velocity"]
+    assert whole["blocks"] == [*ALWAYS["blocks"], "displacement", "velocity"]
     assert "slider" not in stored("speed", "strength")
 
 
@@ -60,16 +62,18 @@ def test_flags_are_the_states_of_the_record() -> None:
     assert dict(state.flags) == {member.value: (member.name or "").lower() for member in JunctionState if member.value}
 
 
-@pytest.mark.parametrize(("group", "rows"), [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 5), (LIFE_CURVE, CURVE_ROWS)])
+@pytest.mark.parametrize(
+    ("group", "rows"), [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 5), (BLOCKS, 2), (LIFE_CURVE, CURVE_ROWS)]
+)
 def test_rows_follow_the_extent(group: Group, rows: int) -> None:
-    assert row_count(group, Extent(junctions=3, ticks=5)) == rows
+    assert row_count(group, Extent(junctions=3, ticks=5, blocks=2)) == rows
 
 
 def test_bytes_are_those_of_the_columns() -> None:
     features: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
-    grown = expected_bytes(Extent(junctions=1001, ticks=501), features) - expected_bytes(
-        Extent(junctions=1, ticks=1), features
+    grown = expected_bytes(Extent(junctions=1001, ticks=501, blocks=21), features) - expected_bytes(
+        Extent(junctions=1, ticks=1, blocks=1), features
     )
-    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4 + 5 * 8)
+    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4 + 5 * 8) + 20 * (6 * 8)
     curve = CURVE_ROWS * 2 * np.dtype("<f8").itemsize
-    assert expected_bytes(Extent(junctions=0, ticks=0), features) == STRUCTURE_BYTES + curve
+    assert expected_bytes(Extent(junctions=0, ticks=0, blocks=0), features) == STRUCTURE_BYTES + curve

@@ -6,6 +6,7 @@ import pytest
 from rubnoise.contact.calibration import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.sink import Extent
 from rubnoise.simulation import draws, panels
 from rubnoise.simulation.run import extent, finished, simulate
 from rubnoise.simulation.state import State
@@ -37,7 +38,7 @@ def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
         simulate(run, 5, again, state=first, commit=lambda state, later=later: later.append(state.pack()))
         assert later == states[-len(later) :]
         for group, columns in again.groups.items():
-            begin = first.junctions if group == "junctions" else first.ticks
+            begin = {"junctions": first.junctions, "blocks": first.block}.get(group, first.ticks)
             for column, values in columns.items():
                 assert values[begin:].tobytes() == whole[group][column][begin:].tobytes()
 
@@ -69,7 +70,37 @@ def test_the_extent_is_known_before_the_run():
         record, state = run_to_end(run, 2)
         assert record.extent.junctions == state.junctions == record["junctions"]["birth_distance"].size
         assert record.extent.ticks == state.ticks == run.tick_count + 1
+        assert record.extent.blocks == state.block == record["blocks"]["block"].size
         assert finished(run, state)
+
+
+def test_a_run_without_births_is_one_block():
+    run = model(count=0.01, distance=1e-3, tick=1e-3, start="empty")
+    record, state = run_to_end(run)
+    assert record.extent == Extent(junctions=0, ticks=2, blocks=1)
+    assert record["blocks"]["birth_distance"][0] > run.distance
+    assert state.block == 1
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_blocks_and_junctions_are_enough_to_make_every_state_again(name):
+    run = RUNS[name]
+    record, states = MemoryRecord(extent(run, 5)), [draws.start(run, 5)]
+    simulate(run, 5, record, commit=states.append)
+    blocks, junctions = record["blocks"], record["junctions"]
+    for state in states[:-1]:
+        row = {column: values[state.block] for column, values in blocks.items()}
+        assert row["block"] == state.block
+        assert (row["birth_distance"], row["first_junction"]) == (state.next_birth, state.junctions)
+        assert (row["first_tick"], row["displacement"], row["velocity"]) == (
+            state.ticks,
+            state.displacement,
+            state.velocity,
+        )
+        born = junctions["junction"] < row["first_junction"]
+        carried = born & (junctions["death_distance"] > (row["first_tick"] - 1) * run.tick)
+        for column, values in (("junction", state.live.junction), ("diameter", state.live.diameter)):
+            assert junctions[column][carried].tobytes() == values.tobytes()
 
 
 def test_a_short_run_is_the_beginning_of_a_long_one():
@@ -83,7 +114,7 @@ def test_a_short_run_is_the_beginning_of_a_long_one():
 
 def test_rows_are_written_once_and_in_order():
     run = model(distance=2000.0, tick=0.5)
-    seen = {"junctions": 0, "trace": 0, "slider": 0}
+    seen = {"junctions": 0, "trace": 0, "slider": 0, "blocks": 0}
 
     class Watchful:
         def write(self, group, first_row, columns):
@@ -91,4 +122,5 @@ def test_rows_are_written_once_and_in_order():
             seen[group] += next(iter(columns.values())).size
 
     simulate(run, 1, Watchful())
-    assert seen == {"junctions": extent(run, 1).junctions, "trace": run.tick_count + 1, "slider": run.tick_count + 1}
+    rows, ticks = extent(run, 1), run.tick_count + 1
+    assert seen == {"junctions": rows.junctions, "trace": ticks, "slider": ticks, "blocks": rows.blocks}

@@ -28,7 +28,7 @@ class MemoryRecord:
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Keep rows of a group (see Sink)."""
         kept = self.groups.setdefault(group, {})
-        rows = self.extent.junctions if group == "junctions" else self.extent.ticks
+        rows = {"junctions": self.extent.junctions, "blocks": self.extent.blocks}.get(group, self.extent.ticks)
         for name, values in columns.items():
             column = kept.get(name)
             if column is None:

@@ -15,13 +15,14 @@ class Extent:
 
     junctions: int
     ticks: int
+    blocks: int
 
 
 class Sink(Protocol):
     """Keeps columns of rows; groups and columns are named as in a result file."""
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows ``first_row``... of a group: "junctions", "trace" or "slider".
+        """Keep rows ``first_row``... of a group: "junctions", "trace", "slider" or "blocks".
 
         Rows come in order and without gaps; a row of "junctions" may come once more when its junction is ended early.
         """

@@ -60,6 +60,7 @@ def next_state(run: Run, state: State) -> State:
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     block_panels = list(panels(run.model, state, births, cells))
     motion = _motion(run, state)
+    _write_block(run, state)
     rows, events = run.play(
         state=state,
         births_of_block=births,
@@ -99,6 +100,19 @@ def _motion(run: Run, state: State) -> SliderMotion | None:
     if run.constants is None or model.sliding_speed is None:
         return None
     return SliderMotion(model.pulse, run.constants, model.sliding_speed, state.displacement, state.velocity)
+
+
+def _write_block(run: Run, state: State) -> None:
+    """Write down where a block begins: with the junctions' rows that is the state to compute it from again."""
+    columns = {
+        "block": np.array([state.block], dtype=np.int64),
+        "birth_distance": np.array([state.next_birth]),
+        "first_junction": np.array([state.junctions], dtype=np.int64),
+        "first_tick": np.array([state.ticks], dtype=np.int64),
+    }
+    if run.constants is not None:
+        columns |= {"displacement": np.array([state.displacement]), "velocity": np.array([state.velocity])}
+    run.sink.write("blocks", state.block, columns)
 
 
 def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Columns:

@@ -110,12 +110,8 @@ def draw_block(model: Model, seed: int, block: int, begin: float) -> BlockBirths
     )
 
 
-def count_births(model: Model, seed: int) -> int:
-    """Return how many junctions are born within the run: from the gaps alone, a block at a time."""
-    return sum(_births_by_block(model, seed))
-
-
-def _births_by_block(model: Model, seed: int) -> Iterator[int]:
+def births_by_block(model: Model, seed: int) -> Iterator[int]:
+    """Yield how many junctions each block with births has within the run: counted from the gaps alone."""
     block, begin = 0, first_birth(model, seed)
     while begin <= model.distance:
         birth, gaps = birth_distances(model, seed, block, begin)

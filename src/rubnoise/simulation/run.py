@@ -10,7 +10,7 @@ from rubnoise.record.sink import Extent, Sink
 from rubnoise.simulation.batch import play_at_once
 from rubnoise.simulation.block import Play, Run, Watch, next_state
 from rubnoise.simulation.cells import cells_per_tick, narrow
-from rubnoise.simulation.draws import count_births, start
+from rubnoise.simulation.draws import births_by_block, start
 from rubnoise.simulation.junctions import Intervention, play_block
 from rubnoise.simulation.observer import Observer, Telling
 from rubnoise.simulation.propagator import Propagator, propagator
@@ -22,7 +22,12 @@ Engine = Literal["events", "batch"]
 
 def extent(model: Model, seed: int) -> Extent:
     """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
-    return Extent(junctions=start(model, seed).junctions + count_births(model, seed), ticks=model.tick_count + 1)
+    born = list(births_by_block(model, seed))
+    return Extent(
+        junctions=start(model, seed).junctions + sum(born),
+        ticks=model.tick_count + 1,
+        blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
+    )
 
 
 @lru_cache(maxsize=8)

@@ -51,7 +51,13 @@ def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, 
 
 def row_count(group: Group, extent: Extent) -> int:
     """Return the number of rows in a group."""
-    return {"junctions": extent.junctions, "ticks": extent.ticks, "curve": CURVE_ROWS}[group.length]
+    lengths = {
+        "junctions": extent.junctions,
+        "ticks": extent.ticks,
+        "blocks": extent.blocks,
+        "curve": CURVE_ROWS,
+    }
+    return lengths[group.length]
 
 
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:

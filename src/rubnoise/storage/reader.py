@@ -57,7 +57,11 @@ class RunFile:
         _check_format(file)
         self.features: frozenset[Feature] = _features(file)
         self._datasets = _datasets(file, self.features, Path(path).stat().st_size)
-        self.extent = Extent(junctions=self.rows("junctions"), ticks=self.rows("trace"))
+        self.extent = Extent(
+            junctions=self.rows("junctions"),
+            ticks=self.rows("trace"),
+            blocks=self.rows("blocks") if "blocks" in self._datasets else 0,
+        )
         _check_lengths(self._datasets, self.extent)
 
     def __enter__(self) -> Self:
@@ -229,6 +233,8 @@ def _features(file: h5py.File) -> frozenset[Feature]:
 def _datasets(file: h5py.File, features: frozenset[Feature], file_size: int) -> dict[str, dict[str, h5py.Dataset]]:
     found: dict[str, dict[str, h5py.Dataset]] = {}
     for group in stored_groups(features):
+        if group.added and not has_hard_link(file, group.name):
+            continue
         owner = sound_group(file, group.name)
         columns = stored_columns(group, features)
         found[group.name] = {column.name: sound_dataset(owner, column, file_size) for column in columns}

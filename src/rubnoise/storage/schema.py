@@ -41,14 +41,18 @@ class Column:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:
-    """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it."""
+    """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
+
+    ``added``: files of the same format version that were written earlier do not have it.
+    """
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "curve"]
+    length: Literal["junctions", "ticks", "blocks", "curve"]
     columns: tuple[Column, ...]
     plotted: str
     needs: Feature | None = None
+    added: bool = False
 
 
 JUNCTIONS: Final = Group(
@@ -111,6 +115,34 @@ SLIDER: Final = Group(
     ),
 )
 
+BLOCKS: Final = Group(
+    name="blocks",
+    long_name="where every block of the run begins, and what is carried into it beside junctions",
+    length="blocks",
+    added=True,
+    plotted="birth_distance",
+    columns=(
+        Column(name="block", dtype="<i8", units="1", symbol="k", long_name="number of the block"),
+        Column(name="birth_distance", units="um", symbol="s_birth", long_name="first birth that belongs to the block"),
+        Column(name="first_junction", dtype="<i8", units="1", symbol="j_0", long_name="junctions born before it"),
+        Column(name="first_tick", dtype="<i8", units="1", symbol="i_0", long_name="ticks finished before it"),
+        Column(
+            name="displacement",
+            units="um",
+            symbol="x",
+            long_name="displacement of the slider at the last tick before it",
+            needs="slider",
+        ),
+        Column(
+            name="velocity",
+            units="um/s",
+            symbol="x'",
+            long_name="velocity of the slider at the last tick before it",
+            needs="slider",
+        ),
+    ),
+)
+
 LIFE_CURVE: Final = Group(
     name="life_curve",
     long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
@@ -122,4 +154,4 @@ LIFE_CURVE: Final = Group(
     ),
 )
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LIFE_CURVE)
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, BLOCKS, LIFE_CURVE)
