@@ -1,0 +1,193 @@
+"""The faults that `tools/mutants.py` puts into a copy of the program, each with the test that has to notice it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+_SENTINELS = "tests/verification/test_sentinels.py::"
+_ROWS = "tests/verification/test_sentinel_rows.py::"
+
+MOMENTS = f"{_SENTINELS}test_births_count_and_area_of_one_size"
+NEWBORN = f"{_SENTINELS}test_diameters_of_newborns"
+START = f"{_SENTINELS}test_who_is_alive_at_the_start"
+STREAMS = f"{_SENTINELS}test_streams_and_blocks_are_independent"
+BIRTHS = f"{_ROWS}test_births_are_those_that_the_streams_hold[batch]"
+LIVES = f"{_ROWS}test_every_life_lasts_two_diameters[batch]"
+TICKS = f"{_ROWS}test_ticks_lie_at_multiples_of_the_tick[batch]"
+LENSES = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[lenses-batch]"
+UNEQUAL = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[unequal strengths-batch]"
+MOTION = f"{_ROWS}test_the_motion_follows_from_the_rows[batch]"
+OVERLAP = "tests/unit/test_overlap.py"
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A text that stands exactly once in a file of src/rubnoise, and what stands there instead."""
+
+    file: str
+    old: str
+    new: str
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A fault by its name, the edits that make it, and the test that notices it.
+
+    ``identity``: whether the test asks for equality to rounding; otherwise it has to show |z| >= 8.
+    """
+
+    name: str
+    edits: tuple[Edit, ...]
+    test: str
+    identity: bool = False
+
+
+def one(name: str, test: str, file: str, old: str, new: str, *, identity: bool = False) -> Mutant:
+    """Return a mutant of a single edit."""
+    return Mutant(name, (Edit(file, old, new),), test, identity)
+
+
+_POISSON_GAP = "return self.mean_spacing * exponential(uniform)"
+_NEWBORN = "self.mean + self.std * normal_above(uniform, self._positive_mass)"
+_TICKS = "return np.arange(self.first, self.end, dtype=np.float64) * self.tick"
+_SINGLE = f"{_TICKS[:7]}({_TICKS[7:]}).astype(np.float32).astype(np.float64)"
+
+LAWS = (
+    one("0.327 for 1/3", MOMENTS, "contact/pulses.py", "return mpmath.mpf(1) / 3", 'return mpmath.mpf("0.327")'),
+    one("births 1 % too rare", MOMENTS, "contact/births.py", _POISSON_GAP, f"{_POISSON_GAP} * 1.01"),
+    one("births 1 % too many", MOMENTS, "contact/births.py", _POISSON_GAP, f"{_POISSON_GAP} * 0.99"),
+    one("regular gaps", MOMENTS, "contact/births.py", _POISSON_GAP, "return np.full(uniform.shape, self.mean_spacing)"),
+    one("uniform gaps", MOMENTS, "contact/births.py", _POISSON_GAP, "return 2.0 * self.mean_spacing * uniform"),
+    one(
+        "gap from d instead of 2d",
+        MOMENTS,
+        "scenario/build.py",
+        "mean_spacing=2.0 * diameter / interface.mean_junction_count",
+        "mean_spacing=diameter / interface.mean_junction_count",
+    ),
+    one(
+        "spread 5 % too wide",
+        f"{NEWBORN}[0.2 um]",
+        "contact/sizes.py",
+        _NEWBORN,
+        _NEWBORN.replace("self.std", "1.05 * self.std"),
+    ),
+    one(
+        "absolute spread taken as relative",
+        f"{NEWBORN}[0.2 um]",
+        "contact/spread.py",
+        "return self.absolute or 0.0",
+        "return (self.absolute or 0.0) * mean_diameter",
+    ),
+    one(
+        "relative spread taken as absolute",
+        f"{NEWBORN}[20 %]",
+        "contact/spread.py",
+        "return self.fraction * mean_diameter",
+        "return self.fraction",
+    ),
+    one(
+        "abs(d) for redraw",
+        f"{NEWBORN}[120 %]",
+        "contact/sizes.py",
+        _NEWBORN,
+        "np.abs(self.mean + self.std * normal_above(uniform, 1.0))",
+    ),
+)
+
+START_OF_A_RUN = (
+    one(
+        "empty start",
+        START,
+        "simulation/draws.py",
+        'live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()',
+        "live = LiveRows.none()",
+    ),
+    one(
+        "start sizes not length-biased",
+        START,
+        "contact/sizes.py",
+        "return _accepted(lambda n: self.draw(generator.random(n)), generator, largest, count)",
+        "return self.draw(generator.random(count))",
+    ),
+    one(
+        "start count fixed",
+        START,
+        "simulation/draws.py",
+        "count = _poisson(seed, 2.0 * model.birth_rate * model.sizes.moment(1))",
+        "count = round(2.0 * model.birth_rate * model.sizes.moment(1))",
+    ),
+    one(
+        "start ages of half a life",
+        START,
+        "simulation/draws.py",
+        "birth = -(2.0 * diameter) * uniforms(",
+        "birth = -diameter * uniforms(",
+    ),
+)
+
+STREAM_USE = (
+    one(
+        "births and sizes on one stream",
+        STREAMS,
+        "streams.py",
+        "key = np.array([seed, int(stream)], dtype=np.uint64)",
+        "key = np.array([seed, 2 if stream == 3 else int(stream)], dtype=np.uint64)",
+    ),
+    one(
+        "a block's stream reused",
+        STREAMS,
+        "streams.py",
+        "counter = np.array([0, 0, block, 0], dtype=np.uint64)",
+        "counter = np.array([0, 0, block // 2, 0], dtype=np.uint64)",
+    ),
+    one(
+        "first birth of a block dropped",
+        BIRTHS,
+        "simulation/draws.py",
+        """        birth=birth[:count],
+        gaps=gaps[:count],
+        diameter=_drawn(model, seed, Stream.DIAMETERS, block)[:count],
+        strength=_drawn(model, seed, Stream.STRENGTHS, block)[:count],
+""",
+        """        birth=birth[1:count],
+        gaps=gaps[1:count],
+        diameter=_drawn(model, seed, Stream.DIAMETERS, block)[1:count],
+        strength=_drawn(model, seed, Stream.STRENGTHS, block)[1:count],
+""",
+        identity=True,
+    ),
+    one(
+        "float32 births",
+        BIRTHS,
+        "simulation/draws.py",
+        "np.add.accumulate(np.concatenate([[begin], gaps])), gaps",
+        "np.add.accumulate(np.concatenate([[begin], gaps])).astype(np.float32).astype(np.float64), gaps",
+        identity=True,
+    ),
+)
+
+
+def _death_at(factor: str) -> tuple[Edit, ...]:
+    """Return a life of another length wherever the batch engine knows of it."""
+    return (
+        Edit("record/rows.py", "return birth + 2.0 * diameter", f"return birth + {factor} * diameter"),
+        Edit("simulation/state.py", "self.birth + 2.0 * self.diameter)", f"self.birth + {factor} * self.diameter)"),
+    )
+
+
+PLACES = (
+    Mutant("death at d", _death_at("1.0"), MOMENTS),
+    Mutant("death at 1.99 d", _death_at("1.99"), LIVES, identity=True),
+    one("float32 positions", TICKS, "simulation/panels.py", _TICKS, _SINGLE, identity=True),
+    one(
+        "off-by-one tick",
+        TICKS,
+        "simulation/panels.py",
+        _TICKS,
+        _TICKS.replace("self.first, self.end", "self.first + 1, self.end + 1"),
+        identity=True,
+    ),
+)
+
+MUTANTS = (*LAWS, *START_OF_A_RUN, *STREAM_USE, *PLACES)
