@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Generic, TypeVar, cast
 
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
 from rubnoise.scenario.points import Point
 from rubnoise.simulation.run import Engine, extent, simulate
+from rubnoise.sweep.engine import Course, Here
 
 Kept = TypeVar("Kept", bound=Sink)
 Result = TypeVar("Result")
@@ -26,8 +28,10 @@ class Measure(Generic[Kept, Result]):
 
 def run_points(points: Iterable[Point], measure: Measure[Kept, Result]) -> Iterator[tuple[Point, Result]]:
     """Run points in their order, and yield each with its result as soon as it is there."""
-    for point in points:
-        yield point, measured(point, measure)
+    for outcome in Course(points, partial(measured, measure=measure), Here()).outcomes():
+        if outcome.problem is not None:
+            raise outcome.problem
+        yield outcome.point, cast(Result, outcome.result)
 
 
 def measured(point: Point, measure: Measure[Kept, Result]) -> Result:

@@ -1,0 +1,199 @@
+"""Every point of a sweep carried out, wherever the work is done: the one loop over scenarios."""
+
+import pickle
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from dataclasses import dataclass
+from itertools import islice
+from operator import length_hint
+from typing import Any, Final, Generic, Protocol, TypeVar
+
+from rubnoise.errors import RubnoiseError, RunStopped
+from rubnoise.scenario.points import Point
+from rubnoise.sweep.pace import Pace
+
+Result = TypeVar("Result")
+BETWEEN: Final = 0.1
+"""Seconds after which a sweep that waits looks up, for signals and for whoever watches it."""
+
+
+class Workers(Protocol):
+    """Where points are carried out: in this process, in a pool of processes, on a cluster.
+
+    A future that raises stands for work that is lost: its worker is dead, or gave up.
+    """
+
+    @property
+    def lanes(self) -> int:
+        """How many messages are worked at once."""
+        ...
+
+    @property
+    def ahead(self) -> int:
+        """How many messages may wait for each lane."""
+        ...
+
+    @property
+    def most(self) -> int:
+        """How many points a message may hold."""
+        ...
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
+        """Have a function of a module called."""
+        ...
+
+
+class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
+    """Whoever handed out the work is gone."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome(Generic[Result]):
+    """How a point went: its result, or what went wrong."""
+
+    point: Point
+    result: Result | None = None
+    problem: Exception | None = None
+
+
+@dataclass(frozen=True)
+class Attempt(Generic[Result]):
+    """What came of the points of a message, in their order, and how long it took."""
+
+    results: list[Result | Exception]
+    seconds: float
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle it; of an exception that other processes could not make again, its text."""
+        return Attempt, (
+            [_portable(each) if isinstance(each, Exception) else each for each in self.results],
+            self.seconds,
+        )
+
+
+def _portable(problem: Exception) -> Exception:
+    try:
+        pickle.loads(pickle.dumps(problem))  # noqa: S301  (what was pickled the moment before)
+    except Exception:  # noqa: BLE001  (pickling calls code of any kind)
+        return RubnoiseError(f"{type(problem).__name__}: {problem}")
+    return problem
+
+
+def attempted(work: Callable[[Point], Result], points: Sequence[Point]) -> Attempt[Result]:
+    """Carry out points one after another; one that goes wrong does not keep the others from being tried."""
+    began = time.monotonic()
+    results: list[Result | Exception] = []
+    for point in points:
+        try:
+            results.append(work(point))
+        except RunStopped:
+            raise
+        except Exception as problem:  # noqa: BLE001  (whatever it is, it is told of this point)
+            results.append(problem)
+    return Attempt(results, time.monotonic() - began)
+
+
+def _nothing_to_find(_point: Point) -> None:
+    return None
+
+
+def _nobody() -> None:
+    return None
+
+
+class Course(Generic[Result]):
+    """The way through the points of a sweep, as far as somebody goes it."""
+
+    def __init__(
+        self,
+        points: Iterable[Point],
+        work: Callable[[Point], Result],
+        workers: Workers,
+        *,
+        recover: Callable[[Point], Result | None] = _nothing_to_find,
+        watch: Callable[[], None] = _nobody,
+    ) -> None:
+        """Stand before the first point.
+
+        ``recover`` finds the result of a point whose worker died after it was done; ``watch`` is called at least every
+        BETWEEN seconds, and may raise.
+        """
+        self._fresh = iter(points)
+        self._work = work
+        self._workers = workers
+        self._recover = recover
+        self._watch = watch
+        self._again: deque[Point] = deque()
+        self._tried: set[str] = set()
+        self._pace = Pace()
+        self._out: dict[Future[Attempt[Result]], Sequence[Point]] = {}
+
+    def outcomes(self) -> Iterator[Outcome[Result]]:
+        """Yield every point with its outcome as soon as it is there; left early, what waits is not begun.
+
+        A point whose worker dies is tried once more, alone. Raises WorkLost where no work can be handed out any more.
+        """
+        try:
+            self._hand_out()
+            while self._out:
+                done, _ = wait(self._out, timeout=BETWEEN, return_when=FIRST_COMPLETED)
+                self._watch()
+                for future in done:
+                    yield from self._returned(future)
+                self._hand_out()
+        finally:
+            for future in self._out:
+                future.cancel()
+
+    def _hand_out(self) -> None:
+        lanes = self._workers.lanes
+        while len(self._out) < lanes * (1 + self._workers.ahead) and (points := self._next(lanes)):
+            self._out[self._workers.submit(attempted, self._work, points)] = points
+
+    def _next(self, lanes: int) -> tuple[Point, ...]:
+        if self._again:
+            return (self._again.popleft(),)
+        size = self._pace.size(length_hint(self._fresh, 1), lanes)
+        return tuple(islice(self._fresh, min(size, self._workers.most)))
+
+    def _returned(self, future: "Future[Attempt[Result]]") -> Iterator[Outcome[Result]]:
+        points = self._out.pop(future)
+        try:
+            attempt = future.result()
+        except CancelledError as problem:
+            raise WorkLost("the scheduler is gone; the same command goes on from here") from problem
+        except Exception as problem:  # noqa: BLE001  (whatever it says, the worker did not come back)
+            yield from self._lost(points, problem)
+            return
+        self._pace.took(len(points), attempt.seconds)
+        for point, result in zip(points, attempt.results, strict=True):
+            if isinstance(result, Exception):
+                yield Outcome(point=point, problem=result)
+            else:
+                yield Outcome(point=point, result=result)
+
+    def _lost(self, points: Sequence[Point], problem: Exception) -> Iterator[Outcome[Result]]:
+        for point in points:
+            if (found := self._recover(point)) is not None:
+                yield Outcome(point=point, result=found)
+            elif point.run_id in self._tried:
+                yield Outcome(point=point, problem=problem)
+            else:
+                self._tried.add(point.run_id)
+                self._again.append(point)
+
+
+class Here:
+    """Work done in this process, when it is asked for and not before; problems are raised where they arise."""
+
+    lanes = 1
+    ahead = 0
+    most = 1
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
+        """Call a function now."""
+        done: Future[Any] = Future()
+        done.set_result(function(*arguments))
+        return done

@@ -1,0 +1,172 @@
+"""Worker processes on this machine, each of which may die without taking others with it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import dataclass
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from queue import SimpleQueue
+from threading import Thread
+from types import TracebackType
+from typing import Any, Final, Self
+
+from rubnoise.errors import RubnoiseError
+
+GRACE: Final = 10.0
+"""Seconds that a worker has to leave its run in an orderly way."""
+
+THREADS: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "NUMBA", "VECLIB_MAXIMUM")}
+"""One thread each: there are as many workers as processors."""
+
+_BEGIN: Final = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[2]); "
+    "from rubnoise.sweep.worker import serve; serve(int(sys.argv[1]))"
+)
+
+Call = tuple[Callable[..., Any], tuple[Any, ...]]
+
+
+class WorkerDied(RubnoiseError):  # noqa: N818  (says what happened)
+    """A worker process that ended in the middle of its work."""
+
+    def __init__(self, code: int) -> None:
+        """Keep the exit code; a negative one is the number of a signal."""
+        super().__init__(code)
+        self.code = code
+
+    def __str__(self) -> str:
+        """Say what ended the process."""
+        if self.code >= 0:
+            return f"its process ended with exit code {self.code}"
+        try:
+            name = signal.Signals(-self.code).name
+        except ValueError:
+            name = f"signal {-self.code}"
+        return f"its process was killed by {name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """A process and the line to it.
+
+    A fresh interpreter rather than one of the multiprocessing module: that one imports the main program once more,
+    which need not be ours, nor be written so that it may be imported.
+    """
+
+    process: "subprocess.Popen[bytes]"
+    line: "Connection[Any, Any]"
+
+    @classmethod
+    def begin(cls) -> Self:
+        """Start a process in a group of its own, which the keyboard's signals do not reach."""
+        ours, theirs = Pipe()
+        with theirs:
+            process = subprocess.Popen(  # noqa: S603  (this interpreter, and arguments made here)
+                [sys.executable, "-c", _BEGIN, str(theirs.fileno()), json.dumps(sys.path)],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                env=os.environ | THREADS,
+                process_group=0,
+            )
+        return cls(process, ours)
+
+    def call(self, call: Call) -> Any:
+        """Have a function called and return its value; raises what it raises, and WorkerDied."""
+        try:
+            self.line.send(call)
+            well, value = self.line.recv()
+        except (EOFError, OSError) as problem:
+            raise WorkerDied(self.process.wait()) from problem
+        if not well:
+            raise value
+        return value
+
+    def end(self, *, seconds: float) -> None:
+        """Hang up, and wait for the process so long; then kill it."""
+        self.line.close()
+        try:
+            self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+
+class Pool:
+    """So many worker processes, from now until the context is left; one that dies is replaced."""
+
+    ahead = 1
+    most = sys.maxsize
+
+    def __init__(self, jobs: int) -> None:
+        """Start the workers, which get ready while others prepare the work."""
+        self._calls: SimpleQueue[tuple[Future[Any], Call] | None] = SimpleQueue()
+        self._stopped = False
+        self._workers = [Worker.begin() for _ in range(jobs)]
+        self._threads = [Thread(target=self._serve, args=(lane,), daemon=True) for lane in range(jobs)]
+        for thread in self._threads:
+            thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is not None:
+            self._stop()
+        for _ in self._threads:
+            self._calls.put(None)
+        for thread in self._threads:
+            thread.join()
+
+    @property
+    def lanes(self) -> int:
+        """The number of workers."""
+        return len(self._workers)
+
+    @property
+    def processes(self) -> list[int]:
+        """Return the numbers of the workers' processes."""
+        return [worker.process.pid for worker in self._workers]
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":
+        """Have a function of a module called by the worker that is free first."""
+        future: Future[Any] = Future()
+        self._calls.put((future, (function, arguments)))
+        return future
+
+    def _serve(self, lane: int) -> None:
+        """Hand calls to one worker until there are no more; in a thread of its own."""
+        while (given := self._calls.get()) is not None:
+            future, call = given
+            if self._stopped or not future.set_running_or_notify_cancel():
+                continue
+            self._answer(lane, future, call)
+        self._workers[lane].end(seconds=GRACE)
+
+    def _answer(self, lane: int, future: "Future[Any]", call: Call) -> None:
+        try:
+            future.set_result(self._workers[lane].call(call))
+        except Exception as problem:  # noqa: BLE001  (whoever waits for it is told)
+            if isinstance(problem, WorkerDied) and not self._stopped:
+                self._workers[lane] = Worker.begin()
+            future.set_exception(problem)
+
+    def _stop(self) -> None:
+        """Ask every worker to leave its run at the next panel; kill those that do not."""
+        self._stopped = True
+        for worker in self._workers:
+            worker.process.terminate()
+        last = time.monotonic() + GRACE
+        for worker in self._workers:
+            try:
+                worker.process.wait(max(0.0, last - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                worker.process.kill()

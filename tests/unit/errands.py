@@ -1,0 +1,76 @@
+"""Functions that worker processes are sent: some of them end badly."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+from rubnoise.errors import Refused
+from rubnoise.scenario.points import Point
+
+
+def name_and_process(point: Point) -> tuple[str, int]:
+    """Return who was asked and who answered."""
+    return point.run_id, os.getpid()
+
+
+def fail_some(point: Point) -> str:
+    """Refuse every replicate of an odd number."""
+    if point.replicate % 2:
+        raise Refused(f"replicate {point.replicate} is odd")
+    return point.run_id
+
+
+class Awkward(Exception):  # noqa: N818
+    """An exception that pickle takes apart and cannot put together again."""
+
+    def __init__(self, *, what: str) -> None:
+        super().__init__(what)
+
+
+def be_awkward(point: Point) -> str:
+    raise Awkward(what=f"replicate {point.replicate}")
+
+
+def die_once(point: Point, folder: Path) -> str:
+    """Die by SIGKILL at the replicate 3, the first time that it is tried."""
+    mark = folder / point.run_id
+    if point.replicate == 3 and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return point.run_id
+
+
+def die(point: Point, folder: Path) -> str:
+    """Die by SIGSEGV at the replicate 3, and count how often it was tried."""
+    if point.replicate == 3:
+        with (folder / "tries").open("a", encoding="utf-8") as tries:
+            tries.write("x")
+        os.kill(os.getpid(), signal.SIGSEGV)
+    return point.run_id
+
+
+def leave(point: Point) -> str:
+    """End the process in an orderly way in the middle of the work."""
+    os._exit(7)
+
+
+def leave_a_result_and_die(point: Point, folder: Path) -> str:
+    """Do the work, write it down, and die before anybody hears of it."""
+    with (folder / point.run_id).open("a", encoding="utf-8") as done:
+        done.write("x")
+    if point.replicate == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return point.run_id
+
+
+def sleep(point: Point, folder: Path) -> str:
+    """Tell that the work began, and take long."""
+    (folder / point.run_id).touch()
+    time.sleep(60.0)
+    return point.run_id
+
+
+def threads(_point: Point) -> dict[str, str | None]:
+    """Return what the process was told of threads."""
+    return {name: os.environ.get(name) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")}

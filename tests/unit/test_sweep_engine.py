@@ -1,0 +1,182 @@
+"""Every point is carried out once, whoever dies meanwhile, in this process and in others."""
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Future
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rubnoise.errors import Refused, RubnoiseError, RunStopped
+from rubnoise.scenario.points import Point
+from rubnoise.scenario.sweep import expand
+from rubnoise.sweep import pool as pool_module
+from rubnoise.sweep.engine import Attempt, Course, Here, Outcome, WorkLost
+from rubnoise.sweep.pace import LONGEST, SECONDS, Pace
+from rubnoise.sweep.pool import Pool, WorkerDied
+from tests.unit import errands
+from tests.unit.sweeps import sweep_of
+
+
+def _points(folder: Path, replicates: int) -> tuple[Point, ...]:
+    return expand(sweep_of(folder, f"[sweep]\nreplicates = {replicates}\n"))
+
+
+@pytest.fixture
+def points(tmp_path: Path) -> tuple[Point, ...]:
+    return _points(tmp_path, 8)
+
+
+@pytest.fixture(scope="module")
+def pool() -> Iterator[Pool]:
+    with Pool(2) as workers:
+        yield workers
+
+
+def _results(outcomes: Iterator[Outcome[Any]]) -> dict[str, Any]:
+    """Return results by name; no point may come twice."""
+    found = [(outcome.point.run_id, outcome.result) for outcome in outcomes]
+    assert len(dict(found)) == len(found)
+    return dict(found)
+
+
+def test_every_point_is_carried_out_once_in_other_processes(pool: Pool, tmp_path: Path) -> None:
+    points = _points(tmp_path, 60)
+    found = _results(Course(points, errands.name_and_process, pool).outcomes())
+    assert found.keys() == {point.run_id for point in points}
+    assert all(name == own for name, (own, _) in found.items())
+    assert os.getpid() not in {process for _, process in found.values()}
+    assert {process for _, process in found.values()} <= set(pool.processes)
+
+
+@pytest.mark.parametrize("here", [True, False], ids=["here", "in a pool"])
+def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(
+    pool: Pool, points: tuple[Point, ...], *, here: bool
+) -> None:
+    outcomes = list(Course(points, errands.fail_some, Here() if here else pool).outcomes())
+    assert len(outcomes) == len(points)
+    for outcome in outcomes:
+        if outcome.point.replicate % 2:
+            assert isinstance(outcome.problem, Refused)
+            assert str(outcome.problem) == f"replicate {outcome.point.replicate} is odd"
+        else:
+            assert (outcome.problem, outcome.result) == (None, outcome.point.run_id)
+
+
+def test_a_problem_that_cannot_travel_is_told_in_words(pool: Pool, points: tuple[Point, ...]) -> None:
+    told = {outcome.point.replicate: outcome.problem for outcome in Course(points, errands.be_awkward, pool).outcomes()}
+    assert {type(problem) for problem in told.values()} == {RubnoiseError}
+    assert str(told[2]) == "Awkward: replicate 2"
+    [here, *_] = Course(points, errands.be_awkward, Here()).outcomes()
+    assert isinstance(here.problem, errands.Awkward)
+
+
+def test_a_point_whose_worker_is_killed_is_tried_once_more(
+    pool: Pool, points: tuple[Point, ...], tmp_path: Path
+) -> None:
+    before = pool.processes
+    outcomes = list(Course(points, partial(errands.die_once, folder=tmp_path), pool).outcomes())
+    assert {outcome.point.run_id: outcome.result for outcome in outcomes} == {p.run_id: p.run_id for p in points}
+    assert len(outcomes) == len(points)
+    assert len(set(before) & set(pool.processes)) == 1
+
+
+def test_a_point_that_kills_its_worker_twice_has_failed_and_the_others_have_not(
+    pool: Pool, points: tuple[Point, ...], tmp_path: Path
+) -> None:
+    outcomes = {o.point.replicate: o for o in Course(points, partial(errands.die, folder=tmp_path), pool).outcomes()}
+    died = outcomes.pop(3)
+    assert isinstance(died.problem, WorkerDied)
+    assert str(died.problem) == "its process was killed by SIGSEGV"
+    assert (tmp_path / "tries").read_text(encoding="utf-8") == "xx"
+    assert [outcome.problem for outcome in outcomes.values()] == [None] * 7
+
+
+def test_what_was_done_before_the_worker_died_is_not_done_again(pool: Pool, tmp_path: Path) -> None:
+    points = _points(tmp_path, 40)
+    done = tmp_path / "done"
+    done.mkdir()
+
+    def recover(point: Point) -> str | None:
+        return f"found {point.run_id}" if (done / point.run_id).exists() else None
+
+    found = _results(
+        Course(points, partial(errands.leave_a_result_and_die, folder=done), pool, recover=recover).outcomes()
+    )
+    assert found.keys() == {point.run_id for point in points}
+    assert found[points[3].run_id] == f"found {points[3].run_id}"
+    assert {mark.read_text(encoding="utf-8") for mark in done.iterdir()} == {"x"}
+
+
+def test_a_process_that_just_ends_is_told_by_its_exit_code(pool: Pool, points: tuple[Point, ...]) -> None:
+    [outcome] = Course(points[:1], errands.leave, pool).outcomes()
+    assert str(outcome.problem) == "its process ended with exit code 7"
+    assert str(WorkerDied(-250)) == "its process was killed by signal 250"
+
+
+def test_a_function_that_cannot_be_sent_fails_each_point(pool: Pool, points: tuple[Point, ...]) -> None:
+    outcomes = list(Course(points[:2], lambda point: point, pool).outcomes())
+    assert all("pickle" in str(outcome.problem).lower() for outcome in outcomes)
+    assert len(outcomes) == 2
+
+
+def test_workers_are_told_to_use_one_thread(pool: Pool, points: tuple[Point, ...]) -> None:
+    [outcome] = Course(points[:1], errands.threads, pool).outcomes()
+    assert outcome.result == {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+
+
+def test_who_watches_may_stop_it_and_no_process_stays(
+    points: tuple[Point, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pool_module, "GRACE", 0.2)
+    began, processes = time.monotonic(), []
+
+    def stop_once_begun() -> None:
+        if any((tmp_path / point.run_id).exists() for point in points):
+            raise RunStopped(2)
+
+    with pytest.raises(RunStopped), Pool(2) as workers:  # noqa: PT012  (leaving the pool is what is tested)
+        processes += workers.processes
+        list(Course(points, partial(errands.sleep, folder=tmp_path), workers, watch=stop_once_begun).outcomes())
+    assert time.monotonic() - began < 55.0
+    for process in processes:
+        with pytest.raises(ProcessLookupError):
+            os.kill(process, 0)
+
+
+class Deserted(Here):
+    """A scheduler that is gone."""
+
+    def submit(self, *_: Any) -> "Future[Any]":
+        lost: Future[Any] = Future()
+        lost.set_exception(CancelledError())
+        return lost
+
+
+def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...]) -> None:
+    with pytest.raises(WorkLost, match="the same command goes on from here"):
+        list(Course(points, errands.fail_some, Deserted()).outcomes())
+
+
+def test_messages_bring_a_second_of_work_and_shares_get_smaller_towards_the_end() -> None:
+    pace = Pace()
+    assert pace.size(1000, 2) == 1
+    pace.took(1, 0.02)
+    assert pace.size(1000, 2) == int(SECONDS / 0.02)
+    assert [pace.size(left, 2) for left in (100, 20, 3, 1)] == [25, 5, 1, 1]
+    for _ in range(6):
+        pace.took(4, 4.0)
+    assert pace.size(1000, 2) == 1
+    pace = Pace()
+    pace.took(1, 0.0)
+    assert pace.size(100_000, 2) == LONGEST
+
+
+def test_messages_to_this_process_hold_one_point() -> None:
+    assert (Here.lanes, Here.ahead, Here.most) == (1, 0, 1)
+    assert Attempt([1], 0.5) == Attempt([1], 0.5)
+    assert Pool.most == sys.maxsize
