@@ -1,0 +1,149 @@
+"""Whatever is stored is computed by operations that round the same everywhere; those that do not are named here.
+
+A library's exponential, power or sum may give another last bit on another processor or in another version; Python's own
+sum of floats did so with 3.12. The source of everything between a seed and a stored column is searched for them.
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.architecture.sources import PACKAGE
+
+UNSTORED = {"cost.py", "yardstick.py"}
+"""What a run will cost is told before it, and not kept."""
+
+FILES = sorted(path for folder in ("contact", "record", "simulation") for path in (PACKAGE / folder).rglob("*.py"))
+SEARCHED = [PACKAGE / "streams.py", PACKAGE / "model.py", *(path for path in FILES if path.name not in UNSTORED)]
+ELEMENTWISE = """
+arccos arccosh arcsin arcsinh arctan arctan2 arctanh cbrt cos cosh exp exp2 expm1 float_power hypot i0 log log10 log1p
+log2 logaddexp power sin sinc sinh tan tanh geomspace interp logspace
+"""
+SUMMING = """
+add.reduce add.reduceat average convolve corrcoef cov cumprod dot einsum fft inner linalg matmul mean multiply.reduce
+nanmean nanstd nansum nanvar outer polyfit prod std sum tensordot trapezoid var vdot vecdot
+"""
+NUMPY = {*ELEMENTWISE.split(), *SUMMING.split()}
+EXACT_MATH = {"ceil", "comb", "copysign", "factorial", "floor", "frexp", "fsum", "gcd", "inf", "isclose", "isfinite"}
+EXACT_MATH |= {"isinf", "isnan", "isqrt", "ldexp", "nan", "nextafter", "pi", "sqrt", "trunc", "ulp"}
+METHODS = {"cumprod", "dot", "mean", "prod", "std", "sum", "var"}
+BUILTINS = {"pow", "sum"}
+ALLOWED = {
+    "contact/births.py PoissonBirths.variance **": "for the theory alone",
+    "contact/lognormal.py lognormal_moment **": "of mpmath numbers, rounded once by who asks",
+    "contact/overlap.py junction_area np.arccos": "for curves and figures; columns come from the kernels' polynomials",
+    "contact/pulses.py TrianglePulse.life_integral **": "of the first power where anything is stored",
+    "contact/sizes.py FixedSizes.moment **": "of a fraction, rounded once",
+    "contact/sizes.py NormalSizes.density np.exp": "for the theory alone",
+    "contact/sizes_gamma.py ExponentialSizes.density np.exp": "for the theory alone",
+    "contact/sizes_gamma.py ExponentialSizes.moment **": "of a fraction, rounded once",
+    "contact/sizes_gamma.py GammaSizes.density np.exp": "for the theory alone",
+    "contact/sizes_gamma.py GammaSizes.density np.log": "for the theory alone",
+    "contact/sizes_gamma.py gamma_moment **": "of mpmath numbers, rounded once by who asks",
+    "contact/sizes_lognormal.py LognormalSizes.density np.exp": "for the theory alone",
+    "contact/sizes_lognormal.py LognormalSizes.density np.log": "for the theory alone",
+    "contact/spread.py sizes_for .std": "the standard deviation of a law, a number that is given",
+    "contact/strengths.py ConstantStrength.moment **": "of the first power where anything is stored",
+    "record/tally.py Moments._merge **": "for /summary, which no promise covers",
+    "record/tally.py Moments.add np.add.reduce": "for /summary, which no promise covers",
+    "record/tally.py Moments.excess_kurtosis **": "for /summary, which no promise covers",
+    "record/tally.py Moments.skewness **": "for /summary, which no promise covers",
+    "simulation/cells.py cmath.sqrt": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py math.hypot": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py _error **": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py _liveliness **": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py _rates **": "decides a whole number only: how often a tick is divided",
+    "simulation/run.py extent sum": "of whole numbers",
+}
+"""Where such an operation stands, and why no stored bit comes from it."""
+
+
+def inexact(text: str, file: str = "") -> set[str]:
+    """Return every operation in a source text that need not round the same everywhere, with file and function."""
+    return {" ".join(filter(None, (file, *found))) for found in _search(ast.parse(text), "", precise=False)}
+
+
+def _search(node: ast.AST, where: str, *, precise: bool) -> Iterator[tuple[str, str]]:
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        where = f"{where}.{node.name}".strip(".")
+        # Its powers are those of numbers of 40 digits and more, rounded once.
+        precise = precise or any(isinstance(each, ast.Import) and each.names[0].name == "mpmath" for each in node.body)
+    for name in _operations(node, precise=precise):
+        yield where, name
+    for child in ast.iter_child_nodes(node):
+        yield from _search(child, where, precise=precise)
+
+
+def _operations(node: ast.AST, *, precise: bool) -> Iterator[str]:
+    match node:
+        case ast.BinOp(op=ast.Pow(), left=left, right=right) | ast.AugAssign(op=ast.Pow(), target=left, value=right):
+            if not precise and not _is_power_of_two(left, right):
+                yield "**"
+        case ast.BinOp(op=ast.MatMult()):
+            yield "@"
+        case ast.ImportFrom(module=str(module), names=names):
+            for alias in names:
+                yield from _of_a_library(module, alias.name)
+        case ast.Import(names=names):
+            yield from (alias.name for alias in names if alias.name.partition(".")[0] == "scipy")
+        case ast.Call(func=ast.Name(id=name)) if name in BUILTINS:
+            yield name
+        case ast.Call(func=ast.Attribute(value=owner, attr=attr)) if attr in METHODS and ast.unparse(owner) != "np":
+            yield f".{attr}"
+        case ast.Attribute(value=owner, attr=attr):
+            yield from _of_an_owner(ast.unparse(owner), attr)
+
+
+def _of_an_owner(owner: str, attr: str) -> Iterator[str]:
+    if owner in {"math", "cmath"}:
+        yield from _of_a_library(owner, attr)
+    elif owner == "np" or owner.startswith("np."):
+        yield from (f"np.{name}" for name in {f"{owner}.{attr}".removeprefix("np.")} & NUMPY)
+
+
+def _of_a_library(module: str, name: str) -> Iterator[str]:
+    if module.partition(".")[0] == "scipy" or module == "cmath" or (module == "math" and name not in EXACT_MATH):
+        yield f"{module}.{name}"
+
+
+def _is_power_of_two(base: ast.expr, exponent: ast.expr) -> bool:
+    whole = exponent.operand if isinstance(exponent, ast.UnaryOp) else exponent
+    return isinstance(base, ast.Constant) and base.value == 2 and isinstance(whole, ast.Constant)
+
+
+def relative(path: Path) -> str:
+    return path.relative_to(PACKAGE).as_posix()
+
+
+@pytest.mark.parametrize("path", SEARCHED, ids=relative)
+def test_what_is_stored_comes_from_exact_operations(path: Path) -> None:
+    assert inexact(path.read_text(encoding="utf-8"), relative(path)) <= ALLOWED.keys()
+
+
+def test_every_exception_is_one() -> None:
+    found = set().union(*(inexact(path.read_text(encoding="utf-8"), relative(path)) for path in SEARCHED))
+    assert ALLOWED.keys() <= found
+    assert len(SEARCHED) > 30
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("def f(x):\n    return np.exp(x)", {"f np.exp"}),
+        ("class C:\n    def f(self):\n        return self.x ** 3", {"C.f **"}),
+        ("x **= 2", {"**"}),
+        ("a @ b", {"@"}),
+        ("np.add.reduce(a), a.sum(), sum(a)", {"np.add.reduce", ".sum", "sum"}),
+        ("from math import sqrt, exp", {"math.exp"}),
+        ("def f():\n    import scipy.special", {"f scipy.special"}),
+        ("from scipy.special import ndtri", {"scipy.special.ndtri"}),
+        ("math.sin(x) + cmath.sqrt(x)", {"math.sin", "cmath.sqrt"}),
+        ("np.linalg.norm(x)", {"np.linalg"}),
+        ("2.0**-53 + np.sqrt(x) + np.add.accumulate(x) + np.cumsum(n)", set()),
+        ("def f(x):\n    import mpmath\n    return float(mpmath.mpf(x) ** 2)", set()),
+    ],
+)
+def test_an_inexact_operation_is_found(text: str, found: set[str]) -> None:
+    assert inexact(text) == found
