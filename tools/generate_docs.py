@@ -16,6 +16,7 @@ from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.limits import TITLE_CHARACTERS
+from rubnoise.scenario.sweep_settings import Sweeping
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -95,6 +96,11 @@ def keys() -> Iterator[str]:
         yield from _keys(section.model_fields)
 
 
+def sweep() -> Iterator[str]:
+    """Yield the keys of a sweep beside its lists."""
+    yield from _keys(Sweeping.model_fields)
+
+
 def _need(table: FieldInfo) -> str:
     if table.is_required():
         return "This table is needed."
@@ -144,7 +150,7 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-PARTS: dict[str, Callable[[], Iterator[str]]] = {"columns": columns, "keys": keys}
+PARTS: dict[str, Callable[[], Iterator[str]]] = {"columns": columns, "keys": keys, "sweep": sweep}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -11,6 +11,7 @@ from rubnoise.scenario.checks import junction_bytes, tick_bytes
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.sweep import load_either
+from rubnoise.scenario.sweep_settings import Sweeping
 from rubnoise.storage.schema import JUNCTIONS, SLIDER, TRACE, Column
 from tests.unit.scenarios import BARE, WHOLE
 
@@ -55,7 +56,7 @@ def test_a_scenario_of_the_project_names_its_schema_and_loads_without_a_warning(
 def test_the_schema_of_a_sweep_takes_lists_of_what_each_key_takes() -> None:
     schema = json_schema()
     sweep = schema["properties"]["sweep"]["properties"]
-    assert set(sweep) == {"replicates", "grid", "zip"}
+    assert set(sweep) == {*Sweeping.model_fields, "grid", "zip"}
     for table in (sweep["grid"], sweep["zip"]):
         swept = {
             f"{name}.{key}": about

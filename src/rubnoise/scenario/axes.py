@@ -1,19 +1,20 @@
 """The `[sweep]` table: which keys take which values, and what is wrong with it before any point is looked at."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from math import prod
 from typing import Any
 
 from rubnoise.scenario import limits
-from rubnoise.scenario.fields import Number, Range, Unfit, did_you_mean
+from rubnoise.scenario.fields import did_you_mean
 from rubnoise.scenario.keys import SECTIONS, SWEEP
 from rubnoise.scenario.layers import Layers, Setting
 from rubnoise.scenario.problems import Path, Place, Problem
+from rubnoise.scenario.sweep_settings import Settings, Sweeping, read_settings
 
 GRID, ZIP = "grid", "zip"
-REPLICATES = Number(Range(1, limits.SWEEP_RUNS), whole=True)
+TOP_KEYS = (*Sweeping.model_fields, GRID, ZIP)
 NOT_SWEPT: dict[Path, str] = {
     ("run", "seed"): "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each",
 }
@@ -45,7 +46,7 @@ class Table:
 
     grid: tuple[Axis, ...] = ()
     side_by_side: tuple[Axis, ...] = ()
-    replicates: int = 1
+    settings: Settings = field(default_factory=Settings)
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -72,18 +73,15 @@ def read_table(layers: Layers) -> tuple[Table, list[Problem]]:
     table = layers.data[SWEEP]
     if not isinstance(table, dict):
         return Table(), [_at(layers, (SWEEP,), "needs a table", "a line [sweep] with its keys below")]
-    problems = [_unknown(layers, name) for name in table if name not in {"replicates", GRID, ZIP}]
-    replicates: float = 1
-    try:
-        replicates = REPLICATES.read(table.get("replicates", 1))
-    except Unfit as unfit:
-        problems.append(_at(layers, (SWEEP, "replicates"), str(unfit), unfit.hint))
+    problems = [_unknown(layers, name) for name in table if name not in TOP_KEYS]
+    settings, wrong = read_settings(layers, table)
+    problems += wrong
     axes: dict[str, tuple[Axis, ...]] = {}
     for name in (GRID, ZIP):
         found = list(_keys(layers, name, table.get(name, {})))
         problems += [each for each in found if isinstance(each, Problem)]
         axes[name] = _as_written(layers, [each for each in found if isinstance(each, Axis)])
-    read = Table(grid=axes[GRID], side_by_side=axes[ZIP], replicates=int(replicates))
+    read = Table(grid=axes[GRID], side_by_side=axes[ZIP], settings=settings)
     problems += [*_lengths(layers, read), *_doubles(layers, read), *_overruled(layers, read)]
     return read, problems or list(_excess(layers, read))
 
@@ -95,8 +93,8 @@ def _at(layers: Layers, path: Path, message: str, hint: str = "", place: Place |
 def _unknown(layers: Layers, name: str) -> Problem:
     path = (SWEEP, name)
     homes = [f"{SWEEP}.{GRID}.{key}" for key in known_keys() if name in key.split(".")]
-    hint = f"did you mean {' or '.join(homes[:2])}?" if homes else did_you_mean(name, ("replicates", GRID, ZIP))
-    return _at(layers, path, "unknown key", hint or "known here: replicates, grid, zip", layers.key_place(path))
+    hint = f"did you mean {' or '.join(homes[:2])}?" if homes else did_you_mean(name, TOP_KEYS)
+    return _at(layers, path, "unknown key", hint or f"known here: {', '.join(TOP_KEYS)}", layers.key_place(path))
 
 
 def known_keys() -> tuple[str, ...]:
@@ -182,11 +180,12 @@ def _given(data: Any, path: Path) -> bool:
 
 
 def _excess(layers: Layers, table: Table) -> Iterator[Problem]:
-    points, runs = table.point_count, table.point_count * table.replicates
+    points, runs = table.point_count, table.point_count * table.settings.most_replicates
     if points > limits.SWEEP_POINTS or runs > limits.SWEEP_RUNS:
         message = (
             f"too many: {points:,} points, {runs:,} runs with replicates; "
             f"at most {limits.SWEEP_POINTS:,} points and {limits.SWEEP_RUNS:,} runs"
         )
-        hint = "fewer values or replicates, or several sweeps"
+        fewer = "fewer values or replicates" if table.settings.precision is None else "fewer values or most_replicates"
+        hint = f"{fewer}, or several sweeps"
         yield _at(layers, (SWEEP,), message, hint, layers.key_place((SWEEP,)))

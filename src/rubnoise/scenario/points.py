@@ -38,9 +38,9 @@ class Point:
     scenario: Scenario
 
 
-def points_of(cases: Iterable[Case], replicates: int) -> tuple[Point, ...]:
-    """Return so many runs of every case, the replicates of a case one after another."""
-    return tuple(_point(case, replicate) for case in cases for replicate in range(replicates))
+def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[Point, ...]:
+    """Return so many runs of every case but for the ``first`` ones, the replicates of a case one after another."""
+    return tuple(_point(case, replicate) for case in cases for replicate in range(first, replicates))
 
 
 def _point(case: Case, replicate: int) -> Point:

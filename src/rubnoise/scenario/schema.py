@@ -2,9 +2,10 @@
 
 from typing import Any
 
-from rubnoise.scenario.axes import REPLICATES, known_keys
+from rubnoise.scenario.axes import known_keys
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS, SWEEP
+from rubnoise.scenario.sweep_settings import Sweeping
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -34,7 +35,7 @@ def json_schema() -> dict[str, Any]:
 
 def _sweep() -> dict[str, Any]:
     described = {
-        "replicates": REPLICATES.describe() | {"default": 1, "description": "Runs of each point, each with a seed."},
+        **Sweeping.model_json_schema()["properties"],
         "grid": _lists() | {"description": "Lists of values; each value of one key with each of the others."},
         "zip": _lists() | {"description": "Lists of values side by side, as many of each."},
     }

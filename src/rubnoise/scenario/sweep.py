@@ -13,9 +13,11 @@ from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Overlay
 from rubnoise.scenario.load import examined, load
 from rubnoise.scenario.points import Case, Point, points_of, run_id
+from rubnoise.scenario.precision import QUANTITIES, Precision
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_problems import Examined, gathered, in_words
+from rubnoise.scenario.sweep_settings import Keep
 
 _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
 
@@ -25,7 +27,8 @@ class Sweep:
     """A file with a `[sweep]` table: its points, each a whole scenario, and how many runs of each are wanted.
 
     ``keys`` are the swept ones with dots, ``side_by_side`` those of them in `[sweep.zip]`, ``warnings`` what is allowed
-    and doubtful, each ready to print.
+    and doubtful, each ready to print. ``keep`` says what is left of a run; with a ``precision`` each point gets so many
+    more replicates as it takes.
     """
 
     name: str
@@ -36,6 +39,8 @@ class Sweep:
     cases: tuple[Case, ...]
     replicates: int
     warnings: tuple[str, ...]
+    keep: Keep = "runs"
+    precision: Precision | None = None
 
 
 _ENGINE_OF_SWEEPS = "batch"
@@ -118,7 +123,7 @@ def _checked(given: Layers) -> Sweep:
     problems = [*given.problems, *wrong, *found]
     cases = [Case(values=each.values, scenario=each.scenario) for each in looked_at if each.scenario is not None]
     if not wrong and len(cases) == len(looked_at):
-        problems += _repeated(given, cases)
+        problems += [*_repeated(given, cases), *_without_quantity(given, table.settings.precision, cases)]
     if any(problem.severity == "error" for problem in problems):
         raise ScenarioRefused(report(problems))
     return Sweep(
@@ -128,7 +133,9 @@ def _checked(given: Layers) -> Sweep:
         keys=tuple(axis.key for axis in table.axes),
         side_by_side=tuple(axis.key for axis in table.side_by_side),
         cases=tuple(cases),
-        replicates=table.replicates,
+        replicates=table.settings.replicates,
+        keep=table.settings.keep,
+        precision=table.settings.precision,
         warnings=tuple(map(str, in_order(problems))),
     )
 
@@ -149,3 +156,13 @@ def _repeated(given: Layers, cases: Sequence[Case]) -> Iterator[Problem]:
             hint = "take one away; replicates = 2 makes two runs of each point, with seeds of their own"
             yield Problem(path=(SWEEP,), message=message, place=given.key_place((SWEEP,)), hint=hint)
             return
+
+
+def _without_quantity(given: Layers, precision: Precision | None, cases: Sequence[Case]) -> Iterator[Problem]:
+    """Refuse a precision of a quantity that a point does not have."""
+    needs = QUANTITIES[precision.quantity] if precision else ""
+    lacking = next((case for case in cases if needs and getattr(case.scenario, needs) is None), None)
+    if precision and lacking:
+        path = (SWEEP, "quantity")
+        message = f"{precision.quantity} is no quantity of a run without [{needs}]"
+        yield Problem(path=path, message=message, place=given.value_place(path), hint=f"a table [{needs}]")
