@@ -255,7 +255,7 @@ def test_a_summary_without_end_is_refused(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         for i in range(300):
             file["summary"].attrs[f"mean_{i}"] = 1.0
-    with open_run(path) as run, pytest.raises(RunFileRefused, match="/summary has 301 attributes"):
+    with open_run(path) as run, pytest.raises(RunFileRefused, match="/summary has 302 attributes"):
         assert run.summary
 
 
@@ -280,12 +280,44 @@ def test_a_file_that_another_program_holds_is_refused(path: Path) -> None:
     open_run(path).close()
 
 
-def test_a_file_system_without_locks_is_named(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*arguments: object) -> h5py.File:
-        raise OSError(errno.ENOLCK, "Unable to synchronously open file (unable to lock file, errno = 37)")
+def test_a_file_system_without_locks_is_read_all_the_same(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*arguments: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(h5py, "File", refuse)
-    assert_refused(path, "cannot be locked on this file system")
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    open_run(path).close()
+
+
+def test_rows_are_read_from_the_file_that_was_opened(path: Path) -> None:
+    """Whoever puts another file in its place after the look inside gains nothing."""
+    with open_run(path) as run:
+        before = run.column("trace", "distance").tobytes()
+        (path.parent / "other.h5").write_bytes(b"x" * path.stat().st_size)
+        (path.parent / "other.h5").replace(path)
+        assert run.column("trace", "distance").tobytes() == before
+
+
+def test_a_file_cut_short_while_it_is_open_is_refused(path: Path) -> None:
+    with open_run(path) as run:
+        os.truncate(path, 4096)
+        with pytest.raises(RunFileRefused, match=r"run\.h5: cut short"):
+            run.column("slider", "velocity")
+
+
+def test_a_run_forgotten_is_closed(path: Path) -> None:
+    run = open_run(path)
+    descriptor = run._descriptor
+    os.fstat(descriptor)
+    del run
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        os.fstat(descriptor)
+
+
+def test_a_group_without_end_is_refused(path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        for i in range(300):
+            file["trace"].create_group(f"more_{i}")
+    assert_refused(path, "/trace holds 304 objects")
 
 
 def test_a_closed_run_reads_no_more(path: Path) -> None:

@@ -7,6 +7,10 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.storage.schema import CHUNK_ROWS, Column, Scalar
 
 ATTRIBUTE_BYTES = 1 << 22
+ATTRIBUTES_LIMIT = 256
+LINKS_LIMIT = 256
+"""More of either is in no file of ours; some room is left for what others add to it."""
+
 DEFLATE_RATIO = 1032
 """The most that deflate can expand: more rows than that were never in the file."""
 
@@ -16,6 +20,8 @@ def sound_group(owner: h5py.Group, name: str) -> h5py.Group:
     found = owner[name] if has_hard_link(owner, name) else None
     if not isinstance(found, h5py.Group):
         raise RunFileRefused(f"/{name} is missing")
+    if found.id.get_num_objs() > LINKS_LIMIT:
+        raise RunFileRefused(f"/{name} holds {found.id.get_num_objs()} objects")
     return found
 
 
@@ -29,6 +35,7 @@ def sound_dataset(owner: h5py.Group, column: Column, file_size: int) -> h5py.Dat
     dataset = owner[column.name] if has_hard_link(owner, column.name) else None
     if not isinstance(dataset, h5py.Dataset):
         raise RunFileRefused(f"{path} is missing")
+    _check_layout(dataset, path)
     if dataset.dtype != np.dtype(column.dtype) or dataset.ndim != 1:
         raise RunFileRefused(f"{path} holds {dataset.dtype} in {dataset.ndim} dimensions, not {column.dtype} in one")
     if not (_is_contiguous(dataset, file_size) or _is_gzip(dataset, file_size)):
@@ -38,15 +45,16 @@ def sound_dataset(owner: h5py.Group, column: Column, file_size: int) -> h5py.Dat
 
 def read_attribute(owner: h5py.HLObject, name: str) -> Scalar:
     """Return a scalar attribute: text of fixed length, an integer or a double; raises RunFileRefused otherwise."""
-    where = f"{owner.name} attribute {name}"
-    if name not in owner.attrs:
-        raise RunFileRefused(f"{where} is missing")
-    identifier = owner.attrs.get_id(name)
-    kind = identifier.get_type()
-    if identifier.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not _is_plain(kind):
-        raise RunFileRefused(f"{where} is not a plain number or text")
-    value = owner.attrs[name]
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value.item()
+    raw = name.encode()
+    if not h5py.h5a.exists(owner.id, raw):
+        raise RunFileRefused(f"{owner.name} attribute {name} is missing")
+    attribute = h5py.h5a.open(owner.id, raw)
+    kind = attribute.get_type()
+    if attribute.shape != () or kind.get_size() > ATTRIBUTE_BYTES or not _is_plain(kind):
+        raise RunFileRefused(f"{owner.name} attribute {name} is not a plain number or text")
+    value = np.empty((), dtype=kind.dtype)
+    attribute.read(value)  # by HDF5's own call: h5py's takes longer than all the rest of opening a file
+    return value.item().decode("utf-8", "replace") if value.dtype.kind == "S" else value.item()
 
 
 def read_text(owner: h5py.HLObject, name: str) -> str:
@@ -77,9 +85,15 @@ def _is_plain(kind: h5py.h5t.TypeID) -> bool:
     return isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID)
 
 
-def _is_contiguous(dataset: h5py.Dataset, file_size: int) -> bool:
+def _check_layout(dataset: h5py.Dataset, path: str) -> None:
+    """Look at the layout before the shape: that of a virtual dataset may be found in other files only."""
     creation = dataset.id.get_create_plist()
-    if creation.get_layout() != h5py.h5d.CONTIGUOUS or creation.get_external_count():
+    if creation.get_layout() not in {h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED} or creation.get_external_count():
+        raise RunFileRefused(f"{path} is not stored as a run file stores it")
+
+
+def _is_contiguous(dataset: h5py.Dataset, file_size: int) -> bool:
+    if dataset.id.get_create_plist().get_layout() != h5py.h5d.CONTIGUOUS:
         return False
     offset = dataset.id.get_offset() or 0
     return dataset.size == 0 or bool(dataset.id.get_storage_size() == dataset.nbytes <= file_size - offset)

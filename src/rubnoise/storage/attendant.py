@@ -1,0 +1,97 @@
+"""Looks at result files for a program that runs threads and should not make copies of itself.
+
+A process of one thread, started by the first file that such a program opens (a notebook, say) and gone with it, is
+handed the descriptor of each file and makes the copies in its place.
+"""
+
+import os
+import socket
+import sys
+import threading
+from signal import SIG_IGN, SIGINT, signal
+from typing import Final
+from weakref import finalize
+
+from rubnoise.storage.vetting import WALL_SECONDS, vetted
+
+START_SECONDS: Final = 60.0
+PROGRAM: Final = "from rubnoise.storage.attendant import attend; attend()"
+CHANNEL: Final = 0
+LENGTH_BYTES: Final = 8
+
+
+class Attendant:
+    """The process that looks at files for this one, and the way to ask it."""
+
+    def __init__(self) -> None:
+        """Wait for the first file; nothing is started yet."""
+        self._asking = threading.Lock()
+        self._channel: socket.socket | None = None
+        self._owner = 0
+
+    def ask(self, descriptor: int) -> bytes:
+        """Return the survey of an open file (see survey); raises OSError where no process answers."""
+        with self._asking:
+            if self._owner != os.getpid():  # after a fork the channel is that of the parent
+                self._renew()
+            try:
+                return self._asked(descriptor)
+            except ConnectionError:
+                self._renew()  # somebody ended it: once more, with a new one
+                return self._asked(descriptor)
+
+    def _asked(self, descriptor: int) -> bytes:
+        channel = self._channel
+        if channel is None:
+            raise ConnectionError("no process looks at result files")
+        socket.send_fds(channel, [b"?"], [descriptor])
+        return _received(channel, int.from_bytes(_received(channel, LENGTH_BYTES), "big"))
+
+    def _renew(self) -> None:
+        if self._channel is not None:
+            self._channel.close()
+        self._channel, self._owner = _started(), os.getpid()
+        finalize(self, self._channel.close)
+
+
+ATTENDANT: Final = Attendant()
+
+
+def attend() -> None:
+    """Be that process: answer until the program that asks is gone."""
+    from rubnoise.storage.survey import survey
+
+    signal(SIGINT, SIG_IGN)
+    with socket.socket(fileno=CHANNEL) as channel:
+        while True:
+            _, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
+            if not descriptors:
+                return
+            answer = vetted(descriptors[0], survey)
+            os.close(descriptors[0])
+            channel.sendall(len(answer).to_bytes(LENGTH_BYTES, "big") + answer)
+
+
+def _started() -> socket.socket:
+    """Start the process; it has our modules' folders, and the other end of the channel in place of standard input."""
+    ours, its = socket.socketpair()
+    ours.settimeout(START_SECONDS + WALL_SECONDS)
+    folders = os.pathsep.join(filter(None, sys.path))
+    with its:
+        os.posix_spawn(
+            sys.executable,
+            [sys.executable, "-P", "-c", PROGRAM],
+            os.environ | {"PYTHONPATH": folders},
+            file_actions=[(os.POSIX_SPAWN_DUP2, its.fileno(), CHANNEL)],
+        )
+    return ours
+
+
+def _received(channel: socket.socket, count: int) -> bytes:
+    parts = bytearray()
+    while len(parts) < count:
+        part = channel.recv(min(count - len(parts), 1 << 20))
+        if not part:
+            raise ConnectionError("the process that looks at result files has ended")
+        parts += part
+    return bytes(parts)

@@ -1,0 +1,85 @@
+"""Rows of a stored column, read with plain reads from where a survey found them; HDF5 is not open."""
+
+import os
+import zlib
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.errors import RunFileRefused
+
+Bytes = NDArray[np.uint8]
+LARGEST_READ: Final = 1 << 30
+SHUFFLE_SKIPPED: Final = 1
+DEFLATE_SKIPPED: Final = 2
+
+
+@dataclass(slots=True, kw_only=True)
+class StoredColumn:
+    """Where the rows of a column lie: in one piece at ``offset``, or in ``chunks`` of ``chunk_rows``.
+
+    Chunks are shuffled and deflated; each is its offset, its bytes and the filters that it skipped. The one read last
+    is kept.
+    """
+
+    dtype: np.dtype[Any]
+    rows: int
+    offset: int = 0
+    chunk_rows: int = 0
+    chunks: tuple[tuple[int, int, int], ...] = ()
+    _last: tuple[int, NDArray[Any]] | None = field(default=None, repr=False)
+
+    def read(self, descriptor: int, start: int, stop: int) -> NDArray[Any]:
+        """Return rows ``start`` to ``stop``; raises RunFileRefused where they are not in the file (any more)."""
+        values: NDArray[Any] = np.empty(stop - start, dtype=self.dtype)
+        if not self.chunks:
+            _fill(values.view(np.uint8), descriptor, self.offset + start * self.dtype.itemsize)
+            return values
+        row = start
+        while row < stop:
+            index, first = divmod(row, self.chunk_rows)
+            count = min(self.chunk_rows - first, stop - row)
+            values[row - start : row - start + count] = self._chunk(descriptor, index)[first : first + count]
+            row += count
+        return values
+
+    def _chunk(self, descriptor: int, index: int) -> NDArray[Any]:
+        last = self._last
+        if last is None or last[0] != index:
+            last = self._last = (index, self._unpacked(descriptor, *self.chunks[index]))
+        return last[1]
+
+    def _unpacked(self, descriptor: int, offset: int, count: int, skipped: int) -> NDArray[Any]:
+        stored: Bytes = np.empty(count, dtype=np.uint8)
+        _fill(stored, descriptor, offset)
+        size = self.chunk_rows * self.dtype.itemsize
+        content = stored if skipped & DEFLATE_SKIPPED else _inflated(stored, size)
+        if content.size != size:
+            raise RunFileRefused("damaged: a chunk has another size than its rows")
+        if not skipped & SHUFFLE_SKIPPED:
+            content = np.ascontiguousarray(content.reshape(self.dtype.itemsize, self.chunk_rows).T)
+        return content.reshape(-1).view(self.dtype)
+
+
+def _inflated(stored: Bytes, size: int) -> Bytes:
+    """Inflate a chunk, as far as one byte beyond the size it should have."""
+    inflating = zlib.decompressobj()
+    try:
+        content = inflating.decompress(stored.data, size + 1)
+    except zlib.error as problem:
+        raise RunFileRefused(f"damaged: {problem}") from problem
+    if not inflating.eof:
+        raise RunFileRefused("damaged: a chunk does not end where its rows do")
+    return np.frombuffer(content, dtype=np.uint8)
+
+
+def _fill(target: Bytes, descriptor: int, offset: int) -> None:
+    """Fill an array with bytes of a file; raises RunFileRefused where it ends before."""
+    place = 0
+    while place < target.size:
+        count = os.preadv(descriptor, [target[place : place + LARGEST_READ].data], offset + place)
+        if not count:
+            raise RunFileRefused("cut short")
+        place += count

@@ -1,0 +1,147 @@
+"""What a result file consists of, found with HDF5 and handed on as plain data: no row is read here.
+
+HDF5 may crash, loop or take any memory on a file that was made to harm, so that this is called in a child process only
+(see vetting). Everything is asked for by name, and checked before it is looked into.
+"""
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Final
+
+import h5py
+
+from rubnoise.errors import RunFileRefused
+from rubnoise.storage.layout import stored_columns, stored_groups
+from rubnoise.storage.pages import Overlay
+from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
+from rubnoise.storage.soundness import (
+    ATTRIBUTES_LIMIT,
+    has_hard_link,
+    read_attribute,
+    read_integer,
+    read_text,
+    sound_dataset,
+    sound_group,
+)
+
+ROOT_ATTRIBUTES: Final = ("Conventions", "format", "format_version", "title", "source", "junction_area_formula")
+PROVENANCE_TEXTS: Final = (
+    "scenario_toml",
+    "scenario_resolved",
+    "software",
+    "environment",
+    "propagator_constants",
+    "command",
+    "started",
+    "finished",
+)
+PROVENANCE_NUMBERS: Final = ("seed", "stream_version", "calibrated_diameter")
+
+
+def survey(descriptor: int) -> bytes:
+    """Return, as JSON, where the columns of an open file lie and what its attributes say, or why it is refused."""
+    try:
+        with h5py.File(Overlay(descriptor), "r") as file:
+            found = _found(file, os.fstat(descriptor).st_size)
+    except (RunFileRefused, OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as problem:
+        found = {"refused": _reason(problem)}
+    return json.dumps(found, ensure_ascii=False).encode("utf-8", "backslashreplace")
+
+
+def _found(file: h5py.File, size: int) -> dict[str, Any]:
+    version = _version(file)
+    if version > FORMAT_VERSION:
+        return {"too_new": version, "source": read_text(file, "source")}
+    features = _features(file)
+    return {
+        "features": sorted(features),
+        "columns": _columns(file, features, size),
+        "attributes": _or_refusal(lambda: {name: read_attribute(file, name) for name in ROOT_ATTRIBUTES}),
+        "summary": _or_refusal(lambda: _summary(file)),
+        "provenance": _or_refusal(lambda: _provenance(file)),
+    }
+
+
+def _version(file: h5py.File) -> int:
+    if not h5py.h5a.exists(file.id, b"format") or read_attribute(file, "format") != FORMAT:
+        raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
+    version = read_integer(file, "format_version")
+    if version < 1:
+        raise RunFileRefused(f"has format version {version}, which never was")
+    return version
+
+
+def _features(file: h5py.File) -> frozenset[Feature]:
+    """Return what the run has beyond the bare contact, told by the columns that only exist with it."""
+    junctions = sound_group(file, "junctions")
+    told: dict[Feature, bool] = {
+        "strength": has_hard_link(junctions, "shear_strength"),
+        "speed": has_hard_link(junctions, "birth_time"),
+        "slider": has_hard_link(file, "slider"),
+    }
+    if told["slider"] and not (told["speed"] and told["strength"]):
+        raise RunFileRefused("has a slider without a speed or a strength")
+    return frozenset(feature for feature, present in told.items() if present)
+
+
+def _columns(file: h5py.File, features: frozenset[Feature], size: int) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for group in stored_groups(features):
+        if group.added and not has_hard_link(file, group.name):
+            continue
+        owner = sound_group(file, group.name)
+        columns = stored_columns(group, features)
+        found[group.name] = {column.name: _column(owner, column, size) for column in columns}
+    return found
+
+
+def _column(owner: h5py.Group, column: Column, size: int) -> dict[str, Any]:
+    dataset = sound_dataset(owner, column, size)
+    place: dict[str, Any] = {"rows": dataset.size, "digest": _or_refusal(lambda: read_text(dataset, HASH))}
+    if dataset.chunks is None:
+        return place | {"offset": dataset.id.get_offset() or 0}
+    return place | {"chunk_rows": dataset.chunks[0], "chunks": list(_chunks(dataset, size))}
+
+
+def _chunks(dataset: h5py.Dataset, size: int) -> Iterator[tuple[int, int, int]]:
+    """Yield offset, bytes and skipped filters of every chunk, in order; raises RunFileRefused where one is missing."""
+    stored: dict[int, tuple[int, int, int]] = {}
+
+    def note(chunk: Any) -> None:
+        stored[chunk.chunk_offset[0]] = (chunk.byte_offset, chunk.size, chunk.filter_mask)
+
+    dataset.id.chunk_iter(note)
+    for first in range(0, dataset.size, dataset.chunks[0]):
+        offset, count, skipped = stored.get(first, (size, 1, 0))
+        if not 0 <= offset <= size - count:
+            raise RunFileRefused(f"{dataset.name} has rows that are not in the file")
+        yield offset, count, skipped
+
+
+def _summary(file: h5py.File) -> dict[str, Scalar]:
+    group = sound_group(file, "summary")
+    count = h5py.h5a.get_num_attrs(group.id)
+    if count > ATTRIBUTES_LIMIT:
+        raise RunFileRefused(f"/summary has {count} attributes")
+    return {name: read_attribute(group, name) for name in group.attrs if name != "NX_class"}
+
+
+def _provenance(file: h5py.File) -> Mapping[str, Scalar]:
+    group = sound_group(file, "provenance")
+    texts = {name: read_text(group, name) for name in PROVENANCE_TEXTS}
+    return texts | {name: read_attribute(group, name) for name in PROVENANCE_NUMBERS}
+
+
+def _or_refusal(read: Callable[[], object]) -> dict[str, object]:
+    """Return what could be read, or why not: a damaged attribute does not hide the rows."""
+    try:
+        return {"value": read()}
+    except (RunFileRefused, OSError, RuntimeError, KeyError, ValueError, TypeError) as problem:
+        return {"refused": _reason(problem)}
+
+
+def _reason(problem: Exception) -> str:
+    if isinstance(problem, RunFileRefused):
+        return str(problem)
+    return "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"

@@ -1,0 +1,99 @@
+"""A program with threads has its files looked at by a process of one thread, and need not know of it."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import rubnoise.storage.vetting
+from rubnoise.errors import RunFileRefused
+from rubnoise.storage.attendant import Attendant
+from rubnoise.storage.reader import open_run
+from tests.format.runs import attempt
+
+USER = """
+import os, sys, threading, rubnoise
+threading.Thread(target=threading.Event().wait, daemon=True).start()
+with rubnoise.open(sys.argv[1]) as run:
+    print(len(run.trace), "h5py" in sys.modules)
+"""
+
+
+@pytest.fixture(name="path")
+def run_path(tmp_path: Path) -> Path:
+    attempt(tmp_path / "run.h5")
+    return tmp_path / "run.h5"
+
+
+@pytest.fixture
+def beside_a_thread(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Run a thread, and see to it that this process makes no copy of itself."""
+
+    def refuse(*arguments: object) -> None:
+        raise AssertionError("a process with threads was copied")
+
+    monkeypatch.setattr(rubnoise.storage.vetting, "vetted", refuse)
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    yield
+    done.set()
+    thread.join()
+
+
+@pytest.mark.usefixtures("beside_a_thread")
+def test_a_file_is_opened_and_refused_as_without_threads(path: Path) -> None:
+    with open_run(path) as run:
+        assert run.rows("trace") == 11
+        assert run.damaged() == ()
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(RunFileRefused, match="cut short"):
+        open_run(path)
+
+
+@pytest.mark.usefixtures("beside_a_thread")
+def test_threads_may_open_files_at_once(path: Path) -> None:
+    def rows(_: int) -> int:
+        with open_run(path) as run:
+            return run.rows("trace")
+
+    with ThreadPoolExecutor(4) as pool:
+        assert set(pool.map(rows, range(20))) == {11}
+
+
+def processes_of(attendant: Attendant) -> list[int]:
+    """Return the children of this process that hold the other end of an attendant's channel: all of them here."""
+    tasks = Path("/proc/self/task").iterdir()
+    return [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
+
+
+@pytest.mark.skipif(not Path(f"/proc/self/task/{os.getpid()}/children").exists(), reason="only Linux names children")
+def test_a_process_that_was_ended_is_started_again(path: Path) -> None:
+    attendant = Attendant()
+    before = set(processes_of(attendant))
+    with path.open("rb") as file:
+        first = attendant.ask(file.fileno())
+        (child,) = set(processes_of(attendant)) - before
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        assert attendant.ask(file.fileno()) == first
+        (child,) = set(processes_of(attendant)) - before
+    del attendant
+    deadline = time.monotonic() + 60.0
+    while os.waitpid(child, os.WNOHANG) == (0, 0):  # with its user it goes by itself
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_a_program_with_threads_leaves_nothing_behind_and_loads_no_hdf5(path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", USER, path], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "11 False\n", "")
