@@ -1,0 +1,80 @@
+"""Which runs a sweep with a precision still wants, from the figures of those that have ended."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+from typing import Any, Final
+
+from rubnoise.scenario.points import Case, Point, points_of
+from rubnoise.scenario.precision import Precision
+from rubnoise.scenario.sweep import Sweep
+
+Ended = Mapping[str, Mapping[str, float]]
+"""Figures of the runs that have ended, by run id; of one that failed there are none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unmet:
+    """A point that has as many replicates as it may have, and is not as precise as it should be."""
+
+    values: Mapping[str, Any]
+    replicates: int
+    reached: float
+
+
+class Further:
+    """The rounds in which a sweep comes to its precision.
+
+    Each point goes from batch to batch of its own replicates, always beginning with the first: what is asked for
+    depends on nothing but their figures, however often the sweep was interrupted.
+    """
+
+    def __init__(self, sweep: Sweep) -> None:
+        """Stand before the first round."""
+        self.precision: Final = sweep.precision
+        self._replicates = sweep.replicates
+        self._known = [(case, list(points_of([case], sweep.replicates))) for case in sweep.cases]
+
+    def __call__(self, ended: Ended) -> tuple[Point, ...]:
+        """Return the runs that are wanted and have not ended; none when every point is met or at its most."""
+        batches = (self._batch(case, known, ended) for case, known in self._known)
+        return tuple(point for batch in batches for point in batch if point.run_id not in ended)
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Every run that has been wanted so far, those of a point one after another."""
+        return tuple(point for _, known in self._known for point in known)
+
+    def unmet(self, ended: Ended) -> list[Unmet]:
+        """Return the points of which all wanted runs have ended, short of their precision."""
+        found = []
+        for case, known in self._known:
+            batch = self._batch(case, known, ended)
+            if self.precision is None or not _complete(batch, ended):
+                continue
+            reached = self.precision.reached(self._values(batch, ended))
+            if reached > self.precision.relative:
+                found.append(Unmet(values=case.values, replicates=len(batch), reached=reached))
+        return found
+
+    def _batch(self, case: Case, known: list[Point], ended: Ended) -> list[Point]:
+        """Return all runs of a point up to the end of the first batch that is not complete, or of the last."""
+        batch = known[: self._replicates]
+        while self.precision and _complete(batch, ended):
+            wanted = self.precision.wanted(self._values(batch, ended))
+            if wanted == len(batch):
+                break
+            known += points_of([case], wanted, len(known))
+            batch = known[:wanted]
+        return batch
+
+    def _values(self, points: list[Point], ended: Ended) -> list[float]:
+        return [_value(self.precision, ended[point.run_id]) for point in points]
+
+
+def _complete(batch: list[Point], ended: Ended) -> bool:
+    return all(point.run_id in ended for point in batch)
+
+
+def _value(precision: Precision | None, figures: Mapping[str, float]) -> float:
+    return nan if precision is None else figures.get(precision.quantity, nan)
