@@ -1,0 +1,52 @@
+"""A figure from the replicates of one point: their mean, and where the true one may well lie."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, nan, sqrt
+
+import numpy as np
+
+_TAIL = 0.025
+_NORMAL = 1.959963984540054
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pooled:
+    """A figure of so many runs taken together, and its standard error; inf where nothing tells it."""
+
+    value: float
+    standard_error: float
+    runs: int
+    from_theory: bool = False
+
+    @property
+    def reach(self) -> float:
+        """Half the width of the 95 % interval: by Student's law of the runs, or a normal one by the theory's error."""
+        from scipy.special import stdtrit
+
+        if self.from_theory:
+            return _NORMAL * self.standard_error
+        return float(stdtrit(self.runs - 1, 1.0 - _TAIL)) * self.standard_error if self.runs > 1 else inf
+
+
+def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> Pooled:
+    """Return a figure over replicates, nan among them left out, with the standard error that their scatter gives.
+
+    Standard deviations are pooled as squares: the root of their mean square falls less short of the true one than their
+    mean does, by the share 1/n of it. Of a single run ``standard_error`` is taken, which theory gives one run.
+    """
+    found = np.array([value for value in values if isfinite(value)])
+    if not found.size:
+        return Pooled(value=nan, standard_error=inf, runs=0)
+    if found.size == 1:
+        told = isfinite(standard_error)
+        return Pooled(value=float(found[0]), standard_error=standard_error if told else inf, runs=1, from_theory=told)
+    if not name.endswith("_std"):
+        return Pooled(value=float(found.mean()), standard_error=_error(found), runs=found.size)
+    squares = np.square(found)
+    value = sqrt(float(squares.mean()))
+    return Pooled(value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size)
+
+
+def _error(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:
+    return float(values.std(ddof=1)) / sqrt(values.size)
