@@ -2,6 +2,8 @@
 
 import os
 import sys
+import traceback
+from dataclasses import dataclass
 from io import TextIOWrapper
 
 import typer
@@ -25,10 +27,14 @@ from rubnoise.cli import (
     teach,
     theory,
 )
-from rubnoise.errors import RubnoiseError
+from rubnoise.cli.showing import Commands, escaping
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
+
+DEBUG = "--debug"
 
 app = Typer(
     name="rubnoise",
+    cls=Commands,
     help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -52,12 +58,22 @@ app.command("new")(new.command)
 app.command("schema")(schema.command)
 
 
+@dataclass(slots=True)
+class Wishes:
+    """What was asked of the command line as a whole, for ``main`` to know when a command has failed."""
+
+    debug: bool = False
+
+
 @app.callback(invoke_without_command=True)
 def root(
+    context: typer.Context,
     *,
     version: bool = typer.Option(False, "--version", help="Print the version and leave.", is_eager=True),
+    debug: bool = typer.Option(False, DEBUG, help="Show where in the program something failed; also after COMMAND."),
 ) -> None:
     """Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die."""
+    context.obj.debug = debug
     if version:
         from rubnoise import __version__
 
@@ -66,32 +82,58 @@ def root(
 
 
 def main() -> None:
-    """Run the command line; what is refused or fails is one text on stderr and an exit code, never a traceback."""
+    """Run the command line; what is refused or fails is one text on stderr and an exit code.
+
+    A traceback is for who asks for it, with --debug.
+    """
     for stream in (sys.stdout, sys.stderr):
         # A file name or title that the terminal's encoding lacks is no reason to fail.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    wishes = Wishes()
     try:
-        _call()
-    except RubnoiseError as problem:
-        print(problem, file=sys.stderr)
-        sys.exit(problem.exit_code)
+        _call(wishes)
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:
         _forget_output()  # whoever read it has seen enough
         sys.exit(1)
-    except OSError as problem:
-        _forget_output()
-        print(f"{problem.filename or 'output'}: {problem.strerror or problem}", file=sys.stderr)
-        sys.exit(1)
+    except Exception as problem:  # noqa: BLE001  (whatever it is, it is told in a line)
+        if isinstance(problem, OSError):
+            _forget_output()
+        with escaping():
+            if wishes.debug:
+                traceback.print_exc()
+            print(_told(problem), file=sys.stderr)
+        sys.exit(problem.exit_code if isinstance(problem, RubnoiseError) else 1)
 
 
-def _call() -> None:
+def _call(wishes: Wishes) -> None:
     try:
-        app(prog_name="rubnoise")
+        app(_debug_first(sys.argv[1:]), prog_name="rubnoise", obj=wishes)
     finally:
         sys.stdout.flush()
+
+
+def _debug_first(arguments: list[str]) -> list[str]:
+    """Return the arguments with --debug, wherever it stands before a --, in front of the command."""
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    others = [word for word in arguments[:end] if word != DEBUG]
+    return [DEBUG] * (len(others) < end) + others + arguments[end:]
+
+
+def _told(problem: Exception) -> str:
+    """Return a failure as a line; a refused scenario has one for each of its problems."""
+    if isinstance(problem, RunFileRefused | OutputRefused):
+        return str(problem).replace("\n", "\\n")  # of a name, which has no line of its own
+    if isinstance(problem, RubnoiseError):
+        return str(problem)
+    if isinstance(problem, OSError):
+        return f"{problem.filename or 'output'}: {problem.strerror or problem}"
+    if isinstance(problem, MemoryError):
+        return "out of memory; a shorter run, or a coarser output.tick, needs less"
+    what = " ".join(f"{type(problem).__name__}: {problem}".split())
+    return f"internal error, which should not be: {what} ({DEBUG} shows where)"
 
 
 def _forget_output() -> None:

@@ -83,7 +83,7 @@ def agreement_table(figures: Iterable[Agreement]) -> list[str]:
 
 def _row(figure: Agreement) -> str:
     unit = "" if figure.name.endswith(("skewness", "kurtosis")) else _unit(figure.name)
-    label = figure.name.replace("one_way", "one-way").replace("_", " ") + (f" ({unit})" if unit else "")
+    label = printable(figure.name).replace("one_way", "one-way").replace("_", " ") + (f" ({unit})" if unit else "")
     expected = "" if figure.expected is None else number(figure.expected)
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
     z = "" if figure.z is None else f"{figure.z:+.2f}"

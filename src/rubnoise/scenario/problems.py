@@ -39,7 +39,8 @@ class Problem:
     def __str__(self) -> str:
         """Return the problem as it is printed."""
         place = self.place
-        where = f"{place.source}:{place.line}" if place.line else place.source
+        source = _shown_text(place.source)
+        where = f"{source}:{place.line}" if place.line else source
         head = f"{where}: {self.severity}: " + (f"{self.key}: " if self.path else "") + _shown_text(self.message)
         advice = [f"    {_shown_text(self.hint)}"] if self.hint else []
         return "\n".join([head, *_shown_line(place), *advice])
