@@ -60,8 +60,8 @@ tick = "0.1 um"
 """
 LONG = ("--set", "sliding.distance=2 m", "--set", "output.tick=1 um")
 """Changes that make a run last many seconds."""
-LONGEST = ("--set", "sliding.distance=400 m", "--set", "output.tick=10 um")
-"""Changes that make it last minutes to count the births alone."""
+LONGEST = ("--set", "sliding.distance=100 m", "--set", "output.tick=10 um")
+"""Changes that make it last many seconds to count the births alone; 14 GB have to be free for the result."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from rubnoise.storage import budget
 from tests.cli.terminal import PAPER, call, names
 
 SHORT = Path("../given/contact.toml")
@@ -157,3 +158,20 @@ def test_a_sweep_with_a_wrong_value_is_refused(here: Path) -> None:
     answer = call("check", "s.toml")
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith("s.toml:13: error: interface.mean_junction_count: must be above 0\n")
+
+
+def test_memory_and_time_are_foreseen(here: Path) -> None:
+    answer = call("check", SLIDER)
+    assert _value(answer.out, "memory").endswith(" beside the program's own")
+    assert _value(answer.out, "time").endswith(" s on this machine, engine events")
+    cost = call("check", SLIDER, "--json").json()["scenarios"][str(SLIDER)]["cost"]
+    assert 0 < cost["working_memory"] < cost["peak_memory"]
+    assert cost["seconds"] > 0.0
+
+
+def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(budget, "disk_room", lambda path: 1000)
+    answer = call("check", SHORT)
+    assert answer.code == 0
+    assert "note: contact.h5: the result may take" in answer.out
+    assert "sliding.distance" in call("check", SHORT, "--json").json()["scenarios"][str(SHORT)]["notes"][-1]

@@ -20,6 +20,7 @@ from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.run import Engine, extent, slider_constants
 from rubnoise.simulation.run import simulate as run_model
+from rubnoise.storage.budget import check_memory, check_room, expected
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
 from rubnoise.storage.provenance import gather
@@ -32,9 +33,12 @@ from rubnoise.theory.exact import exact as exact_of_model
 def simulate(scenario: Scenario, seed: int | None = None) -> Record:
     """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``.
 
-    ``seed`` replaces that of the scenario; raises ScenarioRefused where it is none.
+    ``seed`` replaces that of the scenario; raises ScenarioRefused where it is none, Refused where the memory of this
+    machine does not hold the result.
     """
     scenario = _seeded(scenario, seed)
+    budget = expected(scenario)
+    check_memory(scenario, budget, kept_bytes=budget.result_bytes)
     model, seed = scenario.model(), scenario.run.seed
     record = Record(extent(model, seed), pulse=model.pulse)
     run_model(model, seed, record, engine=_engine(scenario))
@@ -54,10 +58,12 @@ def run(
 
     ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
     ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
-    after each panel. Raises OutputRefused before anything is created, ScenarioRefused for a seed that is none.
+    after each panel. Raises OutputRefused before anything is created, ScenarioRefused for a seed that is none, Refused
+    where this machine has too little memory.
     """
     check_output(path, force=force)
     scenario = _seeded(scenario, seed)
+    check_room(scenario, expected(scenario), path)
     model = scenario.model()
     description = _description(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
     if watch is not None:

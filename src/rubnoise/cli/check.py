@@ -52,6 +52,7 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, d
     found = scenario_or_sweep(file, changes, quiet=quiet)
     if isinstance(found, Scenario):
         answer = derivation.derived(found)
+        answer["notes"] += derivation.shortages(found, file)
         return "scenarios", answer, derivation.described(found, answer)
     answer = sweep_table.contents(found)
     return "sweeps", answer, sweep_table.described(answer)

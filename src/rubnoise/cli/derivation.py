@@ -1,19 +1,28 @@
 """What follows from a scenario: sizes, exact means and spreads, validity and cost, as figures and as lines to print."""
 
+from pathlib import Path
 from typing import Any
 
-from rubnoise.cli.foresight import counted
-from rubnoise.cli.layout import WORTH_A_WARNING, about, grouped, line, number, one_way_warning, remark, size
+from rubnoise.cli.foresight import told
+from rubnoise.cli.layout import (
+    WORTH_A_WARNING,
+    about,
+    duration,
+    grouped,
+    line,
+    number,
+    one_way_warning,
+    remark,
+    size,
+)
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cells import cells_per_tick
-from rubnoise.simulation.draws import births_per_block
-from rubnoise.simulation.panels import LARGEST_PANEL
+from rubnoise.storage.budget import Budget, check_room, counted, expected
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
-BYTES_PER_ROW = 450
-BYTES_PER_TICK = 150
 
 
 def derived(scenario: Scenario) -> dict[str, Any]:
@@ -30,7 +39,7 @@ def derived(scenario: Scenario) -> dict[str, Any]:
         "expected_births": theory.expected_births,
         "expected_junctions": theory.expected_junction_rows,
     }
-    answer |= _dynamics(model, theory) | {"cost": _cost(model, theory, counted(scenario))}
+    answer |= _dynamics(model, theory) | {"cost": _cost(counted(scenario))}
     return answer | {"warnings": list(scenario.warnings), "notes": _notes(scenario, answer)}
 
 
@@ -51,10 +60,17 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
     return answer
 
 
-def _cost(model: Model, theory: Exact, rows: dict[str, int]) -> dict[str, int]:
-    alive = births_per_block(model) + round(theory.count_mean)
-    panel = min(rows["ticks"], LARGEST_PANEL)
-    return rows | {"events": 2 * rows["junctions"], "working_memory": BYTES_PER_ROW * alive + BYTES_PER_TICK * panel}
+def _cost(budget: Budget) -> dict[str, float]:
+    return told(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
+
+
+def shortages(scenario: Scenario, file: Path) -> list[str]:
+    """Return what this machine lacks for a run of a scenario file into this folder, if anything."""
+    try:
+        check_room(scenario, expected(scenario), f"{file.stem}.h5")
+    except Refused as lack:
+        return [str(lack)]
+    return []
 
 
 def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
@@ -82,7 +98,8 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
         line(
             "file size", size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else "")
         ),
-        line("working memory", f"about {size(cost['working_memory'])} beside the program's own"),
+        line("memory", f"about {size(cost['peak_memory'])}, {size(cost['working_memory'])} beside the program's own"),
+        line("time", f"{duration(cost['seconds'])} on this machine, engine {scenario.run.engine}"),
     ]
     return lines + [remark(f"note: {note}") for note in answer["notes"]]
 

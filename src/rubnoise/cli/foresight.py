@@ -1,13 +1,14 @@
-"""What a run will take: counted exactly from its seed, before any event."""
+"""How an answer tells what a run will take."""
 
-from rubnoise.scenario import Scenario
-from rubnoise.simulation.run import extent
-from rubnoise.storage.layout import expected_bytes, features_of
+from rubnoise.storage.budget import Budget
 
 
-def counted(scenario: Scenario) -> dict[str, int]:
-    """Return the rows, ticks and bytes of a scenario's result."""
-    model = scenario.model()
-    rows = extent(model, scenario.run.seed)
-    size = expected_bytes(rows, features_of(model)) + len(scenario.text.encode())
-    return {"junctions": rows.junctions, "ticks": rows.ticks, "bytes": size}
+def told(budget: Budget) -> dict[str, float]:
+    """Return a budget by the names that answers have for it; estimates to three digits."""
+    return {
+        "junctions": budget.junctions,
+        "ticks": budget.ticks,
+        "bytes": budget.result_bytes,
+        "peak_memory": int(float(f"{budget.peak_bytes:.3g}")),
+        "seconds": float(f"{budget.seconds:.3g}"),
+    }

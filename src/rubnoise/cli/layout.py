@@ -67,6 +67,18 @@ def size(count: float) -> str:
     return f"{count:.3g} TB"
 
 
+def duration(seconds: float) -> str:
+    """Return a time that is an estimate, to two digits, in the unit that suits it."""
+    for unit, length in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"about {_two_digits(seconds / length)} {unit}"
+    return f"about {_two_digits(seconds)} s"
+
+
+def _two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):,.10g}"
+
+
 def one_way_warning(validity: float) -> str:
     """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
     return (

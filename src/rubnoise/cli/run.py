@@ -105,16 +105,22 @@ def _print_json(result: "Run", path: Path, warnings: tuple[str, ...]) -> None:
 def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
     import json
 
-    from rubnoise.cli.foresight import counted
-    from rubnoise.cli.layout import grouped, line, size
+    from rubnoise.cli.foresight import told
+    from rubnoise.cli.layout import duration, grouped, line, size
+    from rubnoise.storage.budget import check_room, counted, expected
     from rubnoise.storage.output import check_output
 
     check_output(path, force=force)
-    rows = counted(scenario)
+    check_room(scenario, expected(scenario), path)  # births beyond any disk are not even counted
+    budget = counted(scenario)
+    check_room(scenario, budget, path)
+    foreseen = told(budget)
     if as_json:
-        print(json.dumps({"output": str(path), "dry_run": True} | rows | {"warnings": list(scenario.warnings)}))
+        print(json.dumps({"output": str(path), "dry_run": True} | foreseen | {"warnings": list(scenario.warnings)}))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
-        print(line("junctions", grouped(rows["junctions"])))
-        print(line("ticks", grouped(rows["ticks"])))
-        print(line("file size", size(rows["bytes"])))
+        print(line("junctions", grouped(budget.junctions)))
+        print(line("ticks", grouped(budget.ticks)))
+        print(line("file size", size(budget.result_bytes)))
+        print(line("memory", f"about {size(foreseen['peak_memory'])}"))
+        print(line("time", duration(foreseen["seconds"])))

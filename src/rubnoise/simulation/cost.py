@@ -1,0 +1,87 @@
+"""What a run takes of a machine, from a few constants that were measured once: memory, and the processor's time.
+
+`tools/measure_cost.py` measures runs of many kinds, tells how far these estimates are off, and what the constants would
+be where it runs.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.model import Model
+from rubnoise.simulation.cells import cells_per_tick, narrow
+from rubnoise.simulation.draws import births_per_block
+from rubnoise.simulation.panels import LARGEST_PANEL
+from rubnoise.simulation.run import Engine
+from rubnoise.simulation.yardstick import Pace
+
+PROGRAM_BYTES: Final = 215_000_000
+"""What a process holds with everything loaded that a run needs, before the run."""
+
+DRAWN_BYTES: Final = 60
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 190}
+POSITION_BYTES: Final = 330
+"""Of memory for each birth drawn in a block, each row of it that is played, and each position of a panel."""
+
+PROGRAM_SECONDS: Final = 1.2
+"""What it takes to start and to load everything."""
+
+SECONDS: Final[Mapping[str, float]] = {
+    "run": 2.8e-2,
+    "row": 3.3e-7,
+    "event": 1.3e-6,
+    "crowd": 8.7e-8,
+    "tick": 3.9e-8,
+    "overlap": 1.0e-9,
+    "cell": 1.5e-8,
+    "push": 3.5e-9,
+    "fine push": 6.0e-8,
+    "packed byte": 1.7e-8,
+}
+"""Of each kind of work: of which there is so much as `work` says."""
+
+IN_PROCESSES: Final = frozenset({"run", "event", "crowd"})
+CROWDING: Final = 0.4
+"""An event costs more the more junctions live: the memory that they lie in is visited at random."""
+
+
+def working_bytes(model: Model, engine: Engine) -> int:
+    """Return the memory that a run needs beside its program: of one block and one panel, however long it is."""
+    drawn, alive = births_per_block(model), _alive(model)
+    played = min(drawn, model.birth_rate * model.distance) + alive
+    positions = min(LARGEST_PANEL, (model.tick_count + 1) * cells_per_tick(model))
+    return round(DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + POSITION_BYTES * positions)
+
+
+def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, float]:
+    """Return how much of each kind of work a run of so many rows is.
+
+    Rows to make and to write; events, and what they cost more in a crowd; ticks; overlaps, one for each junction at
+    each tick of its life; cells of the slider's ticks; pushes, one for each junction in each cell of its life.
+    """
+    alive, events = _alive(model), 2 * junctions if engine == "events" else 0
+    summed = 1 if model.strengths is None or isinstance(model.strengths, ConstantStrength) else 2
+    cells = cells_per_tick(model) if model.slider is not None else 0
+    pushes = "fine push" if narrow(model, cells) else "push"
+    return {
+        "run": 1.0,
+        "row": junctions,
+        "event": events,
+        "crowd": events * alive**CROWDING,
+        "tick": ticks,
+        "overlap": ticks * alive * summed,
+        "cell": ticks * cells,
+        pushes: ticks * cells * alive,
+    }
+
+
+def seconds(amounts: Mapping[str, float], pace: Pace) -> float:
+    """Return how long so much of each kind of work takes one process on a machine of some pace, its start left out."""
+    return sum(
+        amount * SECONDS[kind] * (pace.processes if kind in IN_PROCESSES else pace.arrays)
+        for kind, amount in amounts.items()
+    )
+
+
+def _alive(model: Model) -> float:
+    return model.birth_rate * 2.0 * model.sizes.moment(1)

@@ -1,0 +1,147 @@
+"""What a run will take, told before its first event, and whether this machine has it."""
+
+import os
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import ceil
+from pathlib import Path
+from typing import cast
+
+from rubnoise.errors import OutputRefused, Refused
+from rubnoise.record.sink import Extent
+from rubnoise.scenario import Scenario
+from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, seconds, work, working_bytes
+from rubnoise.simulation.draws import births_per_block
+from rubnoise.simulation.run import Engine, extent
+from rubnoise.simulation.yardstick import pace
+from rubnoise.storage.layout import expected_bytes, features_of
+from rubnoise.storage.room import disk_room, memory_in_use, memory_room
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Budget:
+    """What a run will take, or several made one after the other.
+
+    result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
+    them, twice as much where they are compressed; working_bytes: memory beside the program's own, about; work: how much
+    of each kind (see `rubnoise.simulation.cost`).
+    """
+
+    junctions: int
+    ticks: int
+    result_bytes: int
+    disk_bytes: int
+    working_bytes: int
+    work: Mapping[str, float]
+
+    @property
+    def peak_bytes(self) -> int:
+        """Memory of a whole process at its peak, about; of this one with what it holds already."""
+        return max(PROGRAM_BYTES, memory_in_use()) + self.working_bytes
+
+    @property
+    def seconds(self) -> float:
+        """Time of one process on this machine, about: with the program's start, without compiling."""
+        return PROGRAM_SECONDS * pace().processes + seconds(self.work, pace())
+
+
+def counted(scenario: Scenario) -> Budget:
+    """Return the budget of a run; its rows are counted exactly from its seed, which takes some 60 ns for each birth."""
+    return _budget(scenario, extent(scenario.model(), scenario.run.seed))
+
+
+def expected(scenario: Scenario) -> Budget:
+    """Return the budget of a run with as many rows as are expected of any seed; nothing is drawn."""
+    model = scenario.model()
+    births = model.birth_rate * model.distance
+    alive = model.birth_rate * 2.0 * model.sizes.moment(1) if model.start == "stationary" else 0.0
+    rows = Extent(
+        junctions=round(births + alive),
+        ticks=model.tick_count + 1,
+        blocks=ceil(births / births_per_block(model)) + 1,
+    )
+    return _budget(scenario, rows)
+
+
+def together(budgets: Iterable[Budget]) -> Budget:
+    """Return the budget of runs made one after the other: all that they take, and the memory of the largest."""
+    each = tuple(budgets)
+    amounts: Counter[str] = Counter()
+    for budget in each:
+        amounts.update(budget.work)
+    return Budget(
+        junctions=sum(budget.junctions for budget in each),
+        ticks=sum(budget.ticks for budget in each),
+        result_bytes=sum(budget.result_bytes for budget in each),
+        disk_bytes=sum(budget.disk_bytes for budget in each),
+        working_bytes=max((budget.working_bytes for budget in each), default=0),
+        work=amounts,
+    )
+
+
+def check_room(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
+    """Refuse a run that this machine has no room for, and name the keys to change.
+
+    Raises OutputRefused where the disk of ``path`` has less free than the result takes, else as `check_memory` does.
+    """
+    room = disk_room(path)
+    if budget.disk_bytes > room:
+        what = "the result" if budget.disk_bytes == budget.result_bytes else "the result and its compressed copy"
+        raise OutputRefused(
+            f"{path}: {what} may take {budget.disk_bytes:,} bytes, and {Path(path).absolute().parent} has room for"
+            f" {room:,}; {_smaller_result(scenario, budget, room)}"
+        )
+    check_memory(scenario, budget)
+
+
+def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> None:
+    """Refuse a run that this machine has no memory for; ``kept_bytes`` of its result stay in memory too.
+
+    Raises Refused, with the keys to change named.
+    """
+    room = memory_room()
+    more = budget.peak_bytes + kept_bytes - memory_in_use()
+    if room is None or more <= room:
+        return
+    remedy = _less_memory(scenario, budget, more - room) if budget.working_bytes > kept_bytes else _fewer_rows(scenario)
+    raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
+
+
+def _budget(scenario: Scenario, rows: Extent) -> Budget:
+    model, engine = scenario.model(), cast(Engine, scenario.run.engine)
+    size = expected_bytes(rows, features_of(model)) + len(scenario.text.encode())
+    copy = size if scenario.output.compression == "gzip" else 0
+    return Budget(
+        junctions=rows.junctions,
+        ticks=rows.ticks,
+        result_bytes=size,
+        disk_bytes=size + copy,
+        working_bytes=working_bytes(model, engine),
+        work=work(model, engine, rows.junctions, rows.ticks) | {"packed byte": float(copy)},
+    )
+
+
+def _smaller_result(scenario: Scenario, budget: Budget, room: int) -> str:
+    if budget.result_bytes <= room:
+        return 'output.compression = "none" takes no copy'
+    return _fewer_rows(scenario)
+
+
+def _fewer_rows(scenario: Scenario) -> str:
+    model = scenario.model()
+    if model.tick * model.birth_rate < 1.0:
+        return "make sliding.distance shorter or output.tick longer"
+    return "make sliding.distance shorter or interface.mean_junction_count smaller"
+
+
+def _less_memory(scenario: Scenario, budget: Budget, missing: int) -> str:
+    if scenario.run.engine == "events":
+        other = working_bytes(scenario.model(), "batch")
+        if budget.working_bytes - other >= missing:
+            return 'run.engine = "batch" needs less'
+    return "make interface.mean_junction_count smaller"
+
+
+def _megabytes(count: int) -> str:
+    return f"{count / 1e6:,.0f} MB"

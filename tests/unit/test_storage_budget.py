@@ -1,0 +1,171 @@
+"""What a run will take is told before it, and what this machine has no room for is refused by the keys to change."""
+
+import subprocess
+import sys
+from math import sqrt
+from pathlib import Path
+
+import pytest
+
+from rubnoise.api.running import run, simulate
+from rubnoise.errors import OutputRefused, Refused
+from rubnoise.scenario import Scenario, loads
+from rubnoise.simulation.cost import PROGRAM_BYTES
+from rubnoise.storage import budget
+from rubnoise.storage.budget import Budget, check_memory, check_room, counted, expected, together
+from tests.unit.scenarios import BARE, WHOLE, whole
+
+DENSE = ("interface.mean_junction_count=300000", "sliding.distance=10 um")
+SIZES = {"a slider": WHOLE, "the contact alone": BARE, "hardly any births": BARE.replace("count = 20", "count = 0.01")}
+PEAK = """
+import sys
+from rubnoise.api import load, run
+run(load(sys.argv[1], sys.argv[3:]), sys.argv[2]).close()
+status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+print(int(status["VmHWM"].split()[0]) * 1024)
+"""
+"""ru_maxrss would not do: a child begins with its parent's."""
+RUNS = {
+    "Figure 5": (),
+    "thin": ("interface.mean_junction_count=0.01", "diameter.spread=5 %", "sliding.distance=1 m", "output.tick=1 um"),
+    "slow": ("sliding.speed=20 um/s", "sliding.distance=1 mm"),
+    "compressed": ("output.compression=gzip",),
+    "dense": (
+        "interface.mean_junction_count=30000",
+        "diameter.spread=5 %",
+        "sliding.distance=5 um",
+        "output.tick=1 nm",
+    ),
+}
+
+
+def _with(text: str, *overrides: str) -> Scenario:
+    return loads(text, overrides=overrides)
+
+
+def _with_room(monkeypatch: pytest.MonkeyPatch, *, disk: int = 10**18, memory: int = 10**18) -> None:
+    monkeypatch.setattr(budget, "disk_room", lambda path: disk)
+    monkeypatch.setattr(budget, "memory_room", lambda: memory)
+
+
+def _refusal(scenario: Scenario, told: Budget) -> str:
+    with pytest.raises(Refused) as refused:
+        check_room(scenario, told, "run.h5")
+    return str(refused.value)
+
+
+@pytest.mark.parametrize("text", SIZES.values(), ids=SIZES)
+def test_rows_are_those_of_the_run_and_bytes_nearly(tmp_path: Path, text: str) -> None:
+    scenario = loads(text)
+    told = counted(scenario)
+    with run(scenario, tmp_path / "run.h5") as result:
+        assert (told.junctions, told.ticks) == (len(result.junctions), len(result.trace))
+    assert told.result_bytes == pytest.approx((tmp_path / "run.h5").stat().st_size, abs=16_000)
+    assert told.disk_bytes == told.result_bytes
+
+
+@pytest.mark.parametrize("start", ["stationary", "empty"])
+@pytest.mark.parametrize("text", SIZES.values(), ids=SIZES)
+def test_what_is_expected_is_what_is_counted_but_for_chance(text: str, start: str) -> None:
+    scenario = _with(text, f"sliding.start={start}")
+    before, after = expected(scenario), counted(scenario)
+    assert before.ticks == after.ticks
+    assert abs(before.junctions - after.junctions) <= 4.0 * sqrt(after.junctions + 1.0)
+    assert before.result_bytes == pytest.approx(after.result_bytes, rel=0.01)
+
+
+def test_a_compressed_result_takes_twice_the_disk_and_longer() -> None:
+    plain, packed = (counted(_with(WHOLE, f"output.compression={how}")) for how in ("none", "gzip"))
+    assert packed.disk_bytes == pytest.approx(2 * plain.disk_bytes, rel=1e-3)
+    assert packed.seconds > plain.seconds
+
+
+def test_several_runs_take_the_sum_and_the_memory_of_the_largest() -> None:
+    small, large = expected(loads(WHOLE)), expected(_with(BARE, *DENSE))
+    both = together([small, large])
+    assert both.junctions == small.junctions + large.junctions
+    assert both.ticks == small.ticks + large.ticks
+    assert both.disk_bytes == small.disk_bytes + large.disk_bytes
+    assert both.working_bytes == large.working_bytes > small.working_bytes
+    # The program starts once.
+    assert max(small.seconds, large.seconds) < both.seconds < small.seconds + large.seconds
+    assert together([]).disk_bytes == 0
+
+
+def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = loads(WHOLE)
+    told = counted(scenario)
+    _with_room(monkeypatch, disk=told.disk_bytes)
+    check_room(scenario, told, "run.h5")
+    _with_room(monkeypatch, disk=told.disk_bytes - 1)
+    said = _refusal(scenario, told)
+    assert said.startswith(f"run.h5: the result may take {told.disk_bytes:,} bytes")
+    assert f"{told.disk_bytes - 1:,}" in said
+    assert "sliding.distance" in said
+    assert "output.tick" in said
+
+
+def test_where_junctions_fill_the_disk_their_number_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = _with(WHOLE, "output.tick=5 um")
+    _with_room(monkeypatch, disk=1000)
+    said = _refusal(scenario, expected(scenario))
+    assert "sliding.distance" in said
+    assert "interface.mean_junction_count" in said
+    assert "output.tick" not in said
+
+
+def test_where_only_the_copy_has_no_room_compression_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = _with(WHOLE, "output.compression=gzip")
+    told = counted(scenario)
+    _with_room(monkeypatch, disk=told.result_bytes)
+    assert 'output.compression = "none"' in _refusal(scenario, told)
+    _with_room(monkeypatch, disk=told.result_bytes - 1)
+    assert "sliding.distance" in _refusal(scenario, told)
+
+
+def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
+    more = expected(batch).peak_bytes + 10**7
+    _with_room(monkeypatch, memory=more)
+    check_room(batch, expected(batch), "run.h5")
+    assert 'run.engine = "batch"' in _refusal(events, expected(events))
+    _with_room(monkeypatch, memory=1_000_000)
+    for scenario in (events, batch):
+        said = _refusal(scenario, expected(scenario))
+        assert said.endswith("1 MB are left; make interface.mean_junction_count smaller")
+
+
+def test_where_memory_is_not_known_nothing_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(budget, "memory_room", lambda: None)
+    check_memory(loads(WHOLE), expected(loads(WHOLE)))
+
+
+def test_a_run_asks_before_it_makes_anything(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _with_room(monkeypatch, disk=1000)
+    with pytest.raises(OutputRefused, match=r"sliding\.distance"):
+        run(loads(WHOLE), tmp_path / "run.h5")
+    _with_room(monkeypatch, memory=1000)
+    with pytest.raises(Refused, match=r"memory"):
+        run(loads(WHOLE), tmp_path / "run.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = loads(whole(distance='"1 m"'))
+    _with_room(monkeypatch, memory=expected(scenario).peak_bytes)
+    check_memory(scenario, expected(scenario))
+    with pytest.raises(Refused, match=r"sliding\.distance shorter or output\.tick longer"):
+        simulate(scenario)
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of a process is read from /proc")
+@pytest.mark.parametrize("engine", ["events", "batch"])
+@pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
+def test_a_process_needs_the_memory_that_was_foretold(tmp_path: Path, changes: tuple[str, ...], engine: str) -> None:
+    changes = (*changes, f"run.engine={engine}")
+    (tmp_path / "run.toml").write_text(WHOLE, encoding="utf-8")
+    told = expected(_with(WHOLE, *changes))
+    words = [sys.executable, "-c", PEAK, tmp_path / "run.toml", tmp_path / "run.h5", *changes]
+    peak = int(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
+    foretold = PROGRAM_BYTES + told.working_bytes
+    assert peak <= foretold <= 1.4 * peak

@@ -1,0 +1,119 @@
+"""What a machine has left, read from the files in which its system tells it."""
+
+import resource
+from pathlib import Path
+
+import pytest
+
+from rubnoise.storage.room import disk_room, memory_in_use, memory_room
+
+MEMORY = "MemTotal:        8000 kB\nMemFree:         1000 kB\nMemAvailable:    5000 kB\nHugePages_Total:       0\n"
+STATUS = "Name:\tpython\nVmSize:\t    3000 kB\nVmRSS:\t     700 kB\nThreads:\t1\n"
+NO_LIMIT = "9223372036854771712\n"
+
+
+@pytest.fixture
+def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the root of a machine with 5000 kB available and no other limit."""
+    _write(tmp_path, "proc/meminfo", MEMORY)
+    _write(tmp_path, "proc/self/status", STATUS)
+    _write(tmp_path, "proc/self/cgroup", "0::/\n")
+    _limited(monkeypatch)
+    return tmp_path
+
+
+def _write(root: Path, name: str, text: str) -> None:
+    (root / name).parent.mkdir(parents=True, exist_ok=True)
+    (root / name).write_text(text, encoding="utf-8")
+
+
+def _limited(monkeypatch: pytest.MonkeyPatch, **limits: int) -> None:
+    def getrlimit(which: int) -> tuple[int, int]:
+        told = {getattr(resource, name): limit for name, limit in limits.items()}
+        return told.get(which, resource.RLIM_INFINITY), resource.RLIM_INFINITY
+
+    monkeypatch.setattr(resource, "getrlimit", getrlimit)
+
+
+def test_without_limits_it_is_what_the_machine_has_available(machine: Path) -> None:
+    assert memory_room(machine) == 5000 * 1024
+    assert memory_in_use(machine) == 700 * 1024
+
+
+def test_the_address_space_may_be_limited(machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _limited(monkeypatch, RLIMIT_AS=4_000 * 1024)
+    assert memory_room(machine) == 1000 * 1024
+    _limited(monkeypatch, RLIMIT_AS=2_000 * 1024)
+    assert memory_room(machine) == 0
+
+
+def _second_version(root: Path, group: str, limit: str, used: int, file_pages: int = 0) -> None:
+    folder = f"sys/fs/cgroup/{group}"
+    _write(root, f"{folder}/memory.max", f"{limit}\n")
+    _write(root, f"{folder}/memory.current", f"{used}\n")
+    _write(root, f"{folder}/memory.stat", f"anon 5\ninactive_file {file_pages - 100}\nactive_file 100\n")
+
+
+def test_a_group_of_version_2_leaves_what_its_limit_leaves(machine: Path) -> None:
+    _write(machine, "proc/self/cgroup", "0::/user/job\n")
+    _second_version(machine, "user/job", "max", 1_000_000)
+    assert memory_room(machine) == 5000 * 1024
+    _second_version(machine, "user/job", "3000000", 1_000_000)
+    assert memory_room(machine) == 2_000_000
+    _second_version(machine, "user/job", "3000000", 1_000_000, file_pages=400_000)
+    assert memory_room(machine) == 2_400_000
+
+
+def test_a_group_around_it_counts_too(machine: Path) -> None:
+    _write(machine, "proc/self/cgroup", "0::/user/job\n")
+    _second_version(machine, "user/job", "3000000", 1_000_000)
+    _second_version(machine, "user", "3500000", 3_000_000)
+    assert memory_room(machine) == 500_000
+
+
+def test_a_group_that_is_over_its_limit_leaves_nothing(machine: Path) -> None:
+    _second_version(machine, "", "1000000", 1_500_000)
+    assert memory_room(machine) == 0
+
+
+@pytest.mark.parametrize("group", ["user/job", "not/there"], ids=["its own", "that of a container, named from outside"])
+def test_a_group_of_version_1_leaves_what_its_limit_leaves(machine: Path, group: str) -> None:
+    _write(machine, "proc/self/cgroup", f"9:name=systemd:/\n4:cpu,memory:/{group}\n0::/\n")
+    folder = "sys/fs/cgroup/memory" + ("/user/job" if group == "user/job" else "")
+    _write(machine, f"{folder}/memory.usage_in_bytes", "1000000\n")
+    _write(machine, f"{folder}/memory.stat", "inactive_file 1\ntotal_inactive_file 300000\ntotal_active_file 100000\n")
+    _write(machine, f"{folder}/memory.limit_in_bytes", NO_LIMIT)
+    assert memory_room(machine) == 5000 * 1024
+    _write(machine, f"{folder}/memory.limit_in_bytes", "2000000\n")
+    assert memory_room(machine) == 1_400_000
+
+
+def test_a_system_without_such_files_has_the_memory_that_is_built_in(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _limited(monkeypatch)
+    here = memory_room()
+    room = memory_room(tmp_path)
+    assert room is not None
+    assert here is not None
+    assert room >= here
+    assert memory_in_use(tmp_path) == 0
+
+
+def test_a_disk_has_what_is_free_and_what_a_part_gives_back(tmp_path: Path) -> None:
+    free = disk_room(tmp_path / "run.h5")
+    assert free > 0
+    with (tmp_path / "run.h5.part").open("wb") as part:
+        part.write(bytes(40_000_000))
+    # Whoever else writes to this disk meanwhile may be let off some of it.
+    assert disk_room(tmp_path / "run.h5") - disk_room(tmp_path / "other.h5") == pytest.approx(40_000_000, rel=0.5)
+
+
+def test_a_file_may_be_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _limited(monkeypatch, RLIMIT_FSIZE=5000)
+    assert disk_room(tmp_path / "run.h5") == 5000
+
+
+def test_a_folder_that_is_not_there_has_no_room_to_tell_of(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        disk_room(tmp_path / "nowhere" / "run.h5")
