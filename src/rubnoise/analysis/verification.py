@@ -1,0 +1,84 @@
+"""A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
+
+from rubnoise.analysis.stored_model import stored_model
+from rubnoise.analysis.verifying.blocks import block_check
+from rubnoise.analysis.verifying.contact import contact_checks
+from rubnoise.analysis.verifying.derived import curve_check, summary_check
+from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
+from rubnoise.analysis.verifying.hashes import hash_check, unreadable
+from rubnoise.analysis.verifying.lives import life_checks
+from rubnoise.analysis.verifying.origin import cells_per_tick, layout_check, need_same_streams, origin_check
+from rubnoise.analysis.verifying.slider import slider_checks
+from rubnoise.errors import RunFileRefused
+from rubnoise.model import Model
+from rubnoise.storage.reader import RunFile
+
+
+def verify(run: RunFile, regenerate: int = 0) -> Verification:
+    """Return everything that a file can be asked about itself, in panels: a longer run needs no more memory.
+
+    ``regenerate``: how many blocks to make again from the seed and compare bit for bit. Checks that build on what has
+    been found different are left out. Raises Refused for ``regenerate`` where the seed stands for other numbers.
+    """
+    if regenerate:
+        need_same_streams(run)
+    hashes = hash_check(run)
+    if not hashes.holds and (lost := unreadable(run)):
+        return _stopped([hashes], f"{lost[0]} cannot be read")
+    try:
+        model = stored_model(run)
+    except RunFileRefused as refusal:
+        place = "/provenance scenario_resolved"
+        first = Difference(place=place, row=None, found=str(refusal), expected="the scenario of the run")
+        return _stopped([hashes, Check(name="layout", values=1, different=1, first=first)], "there is no scenario")
+    layout = layout_check(model, run)
+    if not layout.holds:
+        return _stopped([hashes, layout], "the columns are not those of the scenario")
+    return _asked(model, run, regenerate, [hashes, layout])
+
+
+def _asked(model: Model, run: RunFile, regenerate: int, checks: list[Check]) -> Verification:
+    origin, lives = origin_check(model, run), life_checks(model, run)
+    checks = [*checks, origin, curve_check(model, run), *lives]
+    left_out: list[LeftOut] = []
+    if all(check.holds for check in lives):
+        checks += _of_sums(model, run, left_out)
+    else:
+        left_out.append(LeftOut(name="ticks and what follows", reason="rows of /junctions differ"))
+    if regenerate:
+        checks += _made_again(model, run, regenerate, [origin, *lives], left_out)
+    return Verification(checks=tuple(checks), left_out=tuple(left_out))
+
+
+def _of_sums(model: Model, run: RunFile, left_out: list[LeftOut]) -> list[Check]:
+    """Return the checks that need sound rows of /junctions."""
+    checks = contact_checks(model, run)
+    if model.slider is not None:
+        checks += slider_checks(model, run, cells_per_tick(run))
+    if all(check.holds for check in checks):
+        checks.append(summary_check(model, run))
+    else:
+        left_out.append(LeftOut(name="summary", reason="the columns that it sums up differ"))
+    if "blocks" in run.columns:
+        checks.append(block_check(model, run))
+    else:
+        left_out.append(LeftOut(name="blocks", reason="the file was written before there were any"))
+    return checks
+
+
+def _made_again(model: Model, run: RunFile, count: int, needed: list[Check], left_out: list[LeftOut]) -> list[Check]:
+    """Return the check that makes blocks again, which needs a right seed, and right rows to go on from."""
+    # What is asked of rows needs nothing of the simulation but its compiler.
+    from rubnoise.analysis.verifying.regenerating import regeneration_check
+
+    wrong = [check.name for check in needed if not check.holds]
+    if wrong:
+        left_out.append(LeftOut(name="regenerated", reason=f"what it goes on from differs: {', '.join(wrong)}"))
+        return []
+    check, partly = regeneration_check(model, run, int(run.provenance["seed"]), count)
+    left_out += partly
+    return [check]
+
+
+def _stopped(checks: list[Check], reason: str) -> Verification:
+    return Verification(checks=tuple(checks), left_out=(LeftOut(name="everything else", reason=reason),))

@@ -1,0 +1,91 @@
+"""The ticks of a run held against its rows: distance, live count, area and force, each summed anew."""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.verifying.areas import add_areas
+from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.reading import Junctions, Panel, Rows, Window, panels
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.model import Model
+
+Doubles = NDArray[np.float64]
+
+FORMULA: Final = 2.0**-48
+"""By how much two ways to an area over d^2 may differ: each is right to 2^-50, ages are to 2^-51."""
+
+SUM: Final = 2.0**-52
+"""By how much two sums in another order may differ: 2^-53 of the whole at each addition of either."""
+
+
+class Rebuilt:
+    """What the junctions of a stretch sum up to at its ticks: live count, area (um^2), force (uN), and how exactly."""
+
+    def __init__(self, model: Model, distance: Doubles) -> None:
+        """Begin without junctions."""
+        self._model = model
+        self._distance = distance
+        self._change = np.zeros(distance.size + 1, dtype=np.int64)
+        self._largest, self._strongest = 0.0, 0.0
+        self.area, self.force = np.zeros(distance.size), np.zeros(distance.size)
+
+    def add(self, junctions: Junctions) -> None:
+        """Take in some junctions: one counts while birth <= s < death."""
+        first, last = (np.searchsorted(self._distance, place) for place in (junctions.birth, junctions.death))
+        ticks = self._change.size
+        self._change += np.bincount(first, minlength=ticks) - np.bincount(last, minlength=ticks)
+        shapes = (junctions.birth, junctions.diameter, junctions.strength)
+        add_areas(self._model.pulse, self._distance, (first, last), shapes, self.area, self.force)
+        square = junctions.diameter * junctions.diameter
+        self._largest = max(self._largest, float(square.max(initial=0.0)))
+        self._strongest = max(self._strongest, float((square * junctions.strength).max(initial=0.0)))
+
+    @property
+    def count(self) -> NDArray[np.int64]:
+        """How many live at each tick."""
+        return np.cumsum(self._change)[:-1]
+
+    @property
+    def area_rounding(self) -> Doubles:
+        """By how much the area at each tick may be off, in um^2."""
+        return self._rounding(self._largest, self.area)
+
+    @property
+    def force_rounding(self) -> Doubles:
+        """By how much the force at each tick may be off, in uN."""
+        return self._rounding(self._strongest, self.force)
+
+    def _rounding(self, largest: float, total: Doubles) -> Doubles:
+        """Return N (2^-48 of the largest one + 2^-52 of the sum): every term is off by a little, and every addition."""
+        return self.count * (FORMULA * largest + SUM * total)
+
+
+def contact_checks(model: Model, rows: Rows) -> list[Check]:
+    """Return whether every tick lies where it should and shows what the rows of /junctions sum up to."""
+    ticks, counts, areas, forces = (Notes(name) for name in ("ticks", "counts", "areas", "forces"))
+    window = Window(rows)
+    for panel in panels(rows, "trace"):
+        distance = np.arange(panel.first, panel.end, dtype=np.float64) * model.tick
+        rebuilt = Rebuilt(model, distance)
+        for junctions in window.until(float(distance[-1]) if distance.size else 0.0):
+            rebuilt.add(junctions)
+        ticks.equal("/trace/distance", panel.first, panel["distance"], distance)
+        counts.equal("/trace/junction_count", panel.first, panel["junction_count"], rebuilt.count)
+        areas.near(
+            "/trace/real_contact_area", panel.first, panel["real_contact_area"], rebuilt.area, rebuilt.area_rounding
+        )
+        if "friction_force" in panel:
+            _check_force(forces, model, panel, rebuilt)
+    return [notes.check() for notes in (ticks, counts, areas, forces)][: 4 if model.strengths is not None else 3]
+
+
+def _check_force(notes: Notes, model: Model, panel: Panel, rebuilt: Rebuilt) -> None:
+    """Compare with psi A_r bit for bit where strengths are equal, else with the sum over junctions."""
+    place: tuple[str, int, NDArray[Any]] = ("/trace/friction_force", panel.first, panel["friction_force"])
+    if isinstance(model.strengths, ConstantStrength):
+        notes.equal(*place, model.strengths.mean * panel["real_contact_area"])
+    else:
+        notes.near(*place, rebuilt.force, rebuilt.force_rounding)

@@ -1,0 +1,73 @@
+"""What a file derives from its own rows for its readers: the life curve and the summary."""
+
+from typing import Final
+
+import numpy as np
+
+from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.reading import panels
+from rubnoise.model import Model
+from rubnoise.record.tally import Moments, Tally
+from rubnoise.storage.life_curve import life_curve
+from rubnoise.storage.reader import RunFile
+
+MEASURED: Final = 1e-9
+"""Relative: measured figures are sums over columns, whose order is left open."""
+
+EXACT: Final = 1e-6
+"""Relative: exact figures come from quadratures, which may be refined from version to version."""
+
+_CONSTANT = 2.0**-30
+"""Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
+
+
+def curve_check(model: Model, run: RunFile) -> Check:
+    """Return whether the table of a life is that of the scenario's pulse, bit for bit."""
+    notes = Notes("life_curve")
+    for name, values in life_curve(model.pulse.shape).items():
+        notes.equal(f"/life_curve/{name}", 0, run.column("life_curve", name), values)
+    return notes.check()
+
+
+def summary_check(model: Model, run: RunFile) -> Check:
+    """Return whether the summary has every figure of the run, as its columns and the theory of its scenario have it."""
+    notes, tally = Notes("summary"), Tally()
+    for group in ("trace", "slider"):
+        if group in run.columns:
+            for panel in panels(run, group):
+                tally.write(group, panel.first, panel.columns)
+    stored = {figure.name: figure for figure in from_attributes(run.summary)}
+    for figure in summarise(model, tally):
+        found = stored.get(figure.name)
+        if found is None:
+            notes.say(f"/summary {figure.name}", found="missing", expected=figure.observed)
+        else:
+            _compare(notes, found, figure, tally)
+    return notes.check()
+
+
+def _compare(notes: Notes, found: Agreement, right: Agreement, tally: Tally) -> None:
+    allowed = _allowed(right, tally)
+    _close(notes, right.name, found.observed, right.observed, allowed)
+    if right.expected is not None:
+        told = np.nan if found.expected is None else found.expected
+        _close(notes, f"{right.name}_exact", told, right.expected, EXACT * abs(right.expected))
+
+
+def _close(notes: Notes, name: str, found: float, right: float, allowed: float) -> None:
+    same = found == right or abs(found - right) <= allowed
+    notes.say(f"/summary {name}", found=found, expected=found if same else right)
+
+
+def _allowed(figure: Agreement, tally: Tally) -> float:
+    """Return how far a measured figure may be off; the shape of a column that is constant but for rounding is free."""
+    quantity = next((name for name in tally.moments if figure.name.startswith(name)), None)
+    seen = Moments() if quantity is None else tally.moments[quantity]
+    if figure.name.endswith(("_skewness", "_kurtosis")):
+        return MEASURED * max(abs(figure.observed), 1.0) if seen.std > _CONSTANT * abs(seen.mean) else np.inf
+    if figure.name.endswith("_mean"):
+        return MEASURED * (abs(seen.mean) + seen.std)
+    return MEASURED * (abs(figure.observed) + 1e-3 * abs(seen.mean))

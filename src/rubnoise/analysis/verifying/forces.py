@@ -1,0 +1,193 @@
+"""What the friction force does over the cells between positions: its moments, summed anew from rows; compiled.
+
+The simulation takes them from polynomials and from running sums over all junctions. Here each junction has its own, in
+closed form, piece by piece between the edges of cells, its birth, mid-life and end. With cos t = 1 - u, x = cos t and
+w = sin t the area over d^2 and its successive integrals over u from the nearer end of a life are
+
+    a  = (t - x w)/2                                 J2 = (5/4 a - w^2 t/2 + x w^3/12)/2
+    J1 = (w - x t - w^3/3)/2                         J3 = (5/4 J1 + x t/2 - x^3 t/6 - w/3 - w^3/18 + w^5/60)/2.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.verifying.areas import lens_fraction
+from rubnoise.contact.pulses import Pulse
+from rubnoise.simulation.compiling import compiled
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_COUNT = 6
+_RULE = np.polynomial.legendre.leggauss(_COUNT)
+_NODES = tuple((0.5 + 0.5 * _RULE[0]).tolist())
+_WEIGHTS = tuple((0.5 * _RULE[1]).tolist())
+_TWO = 0.5 / 3.0**0.5  # two nodes at this distance from the middle are exact for cubics
+
+
+def force_moments(pulse: Pulse, positions: Doubles, shapes: tuple[Doubles, ...], *, fine: bool) -> Doubles:
+    """Return int F P_i(2y - 1) ds over each cell between positions for i = 0, 1, 2, in uN um, shape (3, cells).
+
+    ``shapes`` holds birth, diameter, death (um) and strength (MPa). ``fine``: by quadrature instead of closed forms,
+    which lose digits where cells are a very small part of a diameter.
+    """
+    moments = np.zeros((3, positions.size - 1))
+    begin = np.maximum(np.searchsorted(positions, shapes[0], side="right") - 1, 0)
+    add: Any = _add_lenses
+    if pulse.shape == "triangle":
+        add = _add_triangles
+    elif fine:
+        add = _add_fine_lenses
+    add(positions, begin, *shapes, moments)
+    return moments
+
+
+@compiled
+def _end_of_life(birth: float, diameter: float, death: float) -> float:
+    """Return the age at which a life ends: from its diameter, unless it was ended early, since far births round."""
+    return 2.0 * diameter if death >= birth + 2.0 * diameter else death - birth
+
+
+@compiled
+def _integrals(age: float, d: float, half: float) -> tuple[float, float, float]:
+    """Return antiderivatives of the area, of first, second and third order, in one half of a life: 1 or -1."""
+    u = min(max(age / d if half > 0.0 else 2.0 - age / d, 0.0), 1.0)
+    t = 2.0 * np.arcsin(np.sqrt(0.5 * u))
+    x, square = 1.0 - u, u * (2.0 - u)
+    w = np.sqrt(square)
+    j1 = 0.5 * (w - x * t - w * square / 3.0)
+    j2 = 0.5 * (0.625 * (t - x * w) - 0.5 * square * t + x * w * square / 12.0)
+    rest = x * t * (0.5 - x * x / 6.0) - w * (1.0 / 3.0 + square * (1.0 / 18.0 - square / 60.0))
+    j3 = 0.5 * (1.25 * j1 + rest)
+    cube = d * d * d
+    return half * cube * j1, cube * d * j2, half * cube * d * d * j3
+
+
+@compiled
+def _add_to_cell(moments: Doubles, cell: int, width: float, m0: float, m1: float, m2: float) -> None:
+    """Add raw moments about the middle of a cell as moments of Legendre polynomials over it."""
+    moments[0, cell] += m0
+    moments[1, cell] += 2.0 * m1 / width
+    moments[2, cell] += 6.0 * m2 / (width * width) - 0.5 * m0
+
+
+@compiled
+def _add_lenses(
+    positions: Doubles,
+    begin: Integers,
+    birth: Doubles,
+    diameter: Doubles,
+    death: Doubles,
+    strength: Doubles,
+    moments: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        born, d, psi = birth[row], diameter[row], strength[row]
+        end = _end_of_life(born, d, death[row])
+        cell = begin[row]
+        p = max(positions[cell] - born, 0.0)
+        half = 1.0 if p < d else -1.0
+        p1, p2, p3 = _integrals(p, d, half)
+        while cell < len(positions) - 1 and p < end:
+            edge = positions[cell + 1] - born
+            width = positions[cell + 1] - positions[cell]
+            middle = edge - 0.5 * width
+            q = min(edge, end)
+            if half > 0.0:
+                q = min(q, d)
+            q1, q2, q3 = _integrals(q, d, half)
+            y, z = p - middle, q - middle
+            m1 = z * q1 - y * p1 - (q2 - p2)
+            m2 = z * z * q1 - y * y * p1 - 2.0 * (z * q2 - y * p2) + 2.0 * (q3 - p3)
+            _add_to_cell(moments, cell, width, psi * (q1 - p1), psi * m1, psi * m2)
+            p, p1, p2, p3 = q, q1, q2, q3
+            if half > 0.0 and p >= d:
+                half = -1.0
+                p1, p2, p3 = _integrals(p, d, half)
+            if q >= edge:
+                cell += 1
+
+
+@compiled
+def _add_fine_lenses(
+    positions: Doubles,
+    begin: Integers,
+    birth: Doubles,
+    diameter: Doubles,
+    death: Doubles,
+    strength: Doubles,
+    moments: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        born, d = birth[row], diameter[row]
+        end = _end_of_life(born, d, death[row])
+        cell = begin[row]
+        p = max(positions[cell] - born, 0.0)
+        while cell < len(positions) - 1 and p < end:
+            edge = positions[cell + 1] - born
+            width = positions[cell + 1] - positions[cell]
+            q = min(edge, end)
+            if p < d:
+                q = min(q, d)
+            _add_fine_piece(p, q, d, strength[row], edge - width, width, cell, moments)
+            p = q
+            if q >= edge:
+                cell += 1
+
+
+@compiled
+def _add_fine_piece(
+    p: float, q: float, d: float, psi: float, edge: float, width: float, cell: int, moments: Doubles
+) -> None:
+    """Add a piece of one half of a life between two ages by quadrature in w = sqrt(u), in which the area is smooth."""
+    rising = p < d
+    begin = min(max(p / d if rising else 2.0 - p / d, 0.0), 1.0)
+    step = (q - p) / d if rising else (p - q) / d
+    root = np.sqrt(begin)
+    total = root + np.sqrt(max(begin + step, 0.0))
+    if total == 0.0:
+        return
+    m0, m1, m2 = 0.0, 0.0, 0.0
+    for node in range(_COUNT):
+        w = root + step / total * _NODES[node]
+        part = _WEIGHTS[node] * 2.0 * w * lens_fraction(min(w * w, 1.0))
+        y = (p - edge) - 0.5 * width + (q - p) * _NODES[node] * (w + root) / total
+        m0 += part
+        m1 += part * y
+        m2 += part * y * y
+    scale = psi * d * d * d * abs(step) / total
+    _add_to_cell(moments, cell, width, scale * m0, scale * m1, scale * m2)
+
+
+@compiled
+def _add_triangles(
+    positions: Doubles,
+    begin: Integers,
+    birth: Doubles,
+    diameter: Doubles,
+    death: Doubles,
+    strength: Doubles,
+    moments: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        born, d = birth[row], diameter[row]
+        end = _end_of_life(born, d, death[row])
+        slope = 0.25 * np.pi * d * strength[row]
+        cell = begin[row]
+        p = max(positions[cell] - born, 0.0)
+        while cell < len(positions) - 1 and p < end:
+            edge = positions[cell + 1] - born
+            width = positions[cell + 1] - positions[cell]
+            q = min(edge, end)
+            if p < d:
+                q = min(q, d)
+            for share in (0.5 - _TWO, 0.5 + _TWO):
+                age = p + share * (q - p)
+                y = (p - (edge - width)) - 0.5 * width + share * (q - p)
+                part = 0.5 * (q - p) * slope * min(age, 2.0 * d - age)
+                _add_to_cell(moments, cell, width, part, part * y, part * y * y)
+            p = q
+            if q >= edge:
+                cell += 1

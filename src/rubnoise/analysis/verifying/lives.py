@@ -1,0 +1,145 @@
+"""The rows of /junctions held against what every life is: numbered, in order of birth, 2d long, of the scenario."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.reading import Panel, Rows, panels
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.overlap import max_area
+from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.model import Model
+
+Mask = NDArray[np.bool_]
+
+AT_START, AT_END, EARLY = 1, 2, 4
+"""Bits of a row's state, as the file's format has them."""
+
+_CLOCK = 2.0**-36
+"""How far, of a distance, the clock of events may be off where an interrupt ends a life: it adds up gaps."""
+
+
+def life_checks(model: Model, rows: Rows) -> list[Check]:
+    """Return whether the rows of /junctions are what they say of each other and what the scenario says of them."""
+    checks: dict[str, Callable[[Notes, Model, Panel], None]] = {
+        "ids": _check_ids,
+        "births": _check_births,
+        "lives": _check_lives,
+        "diameters": _check_diameters,
+        "states": _check_states,
+    }
+    if model.strengths is not None:
+        checks["strengths"] = _check_strengths
+    if model.sliding_speed is not None:
+        checks["times"] = _check_times
+    notes = {name: Notes(name) for name in checks}
+    order = _Order(notes["births"], model, rows)
+    for panel in panels(rows, "junctions"):
+        with np.errstate(invalid="ignore", over="ignore"):
+            order.check(panel)
+            for name, check in checks.items():
+                check(notes[name], model, panel)
+    return [each.check() for each in notes.values()]
+
+
+def born_before(rows: Rows) -> int:
+    """Return how many rows, of the first ones, were alive before the run: their births have a minus sign, -0.0 too."""
+    for panel in panels(rows, "junctions"):
+        signs = np.signbit(panel["birth_distance"])
+        if not signs.all():
+            return panel.first + int(np.argmin(signs))
+    return rows.rows("junctions")
+
+
+def ended_early(panel: Panel) -> Mask:
+    """Return which rows say that an interrupt ended their life."""
+    found: Mask = (panel["state"] & EARLY) != 0
+    return found
+
+
+class _Order:
+    """Births one after another, and at their places where these are regular."""
+
+    def __init__(self, notes: Notes, model: Model, rows: Rows) -> None:
+        self._notes = notes
+        self._before = -np.inf
+        self._start = born_before(rows)
+        self._regular = model.births if isinstance(model.births, RegularBirths) else None
+        first = rows.column("junctions", "birth_distance", self._start, self._start + 1)
+        self._first = float(first[0]) if first.size else None
+
+    def check(self, panel: Panel) -> None:
+        birth = panel["birth_distance"]
+        right = birth >= np.concatenate([[self._before], birth[:-1]])
+        self._notes.holds("/junctions/birth_distance", panel.first, birth, right, "at or after the birth before it")
+        self._before = float(birth[-1]) if birth.size else self._before
+        if self._regular is not None and self._first is not None:
+            number = np.arange(panel.first, panel.end) - self._start
+            early = number < 0
+            # Of those before the run only the survivors have rows, each a whole number of spacings away.
+            away = np.nan_to_num((birth[early] - self._first) / self._regular.mean)
+            number[early] = np.clip(np.rint(away), -(2.0**53), -1.0).astype(np.int64)
+            places = self._regular.places(self._first, number)
+            self._notes.equal("/junctions/birth_distance", panel.first, birth, places)
+
+
+def _check_ids(notes: Notes, _model: Model, panel: Panel) -> None:
+    notes.equal("/junctions/junction", panel.first, panel["junction"], np.arange(panel.first, panel.end))
+
+
+def _check_births(notes: Notes, model: Model, panel: Panel) -> None:
+    birth = panel["birth_distance"]
+    there = np.isfinite(birth) & (birth <= model.distance)
+    if model.start == "empty":
+        there &= ~np.signbit(birth)
+    else:
+        there &= birth + 2.0 * panel["diameter"] >= 0.0
+    within = "within the run" if model.start == "empty" else "within the run, or so far before it that it is alive"
+    notes.holds("/junctions/birth_distance", panel.first, birth, there, within)
+
+
+def _check_lives(notes: Notes, _model: Model, panel: Panel) -> None:
+    """Compare deaths and lives with birth and diameter, bit for bit; a life ended early has the death that it had."""
+    birth, diameter, death = (panel[name] for name in ("birth_distance", "diameter", "death_distance"))
+    natural, early = birth + 2.0 * diameter, ended_early(panel)
+    notes.equal("/junctions/death_distance", panel.first, death, np.where(early, death, natural))
+    within = ~early | ((death < natural) & (death >= birth - _CLOCK * np.abs(birth)))
+    notes.holds("/junctions/death_distance", panel.first, death, within, "between birth and birth + 2d")
+    life = np.where(early, death - birth, 2.0 * diameter)
+    notes.equal("/junctions/life_distance", panel.first, panel["life_distance"], life)
+
+
+def _check_diameters(notes: Notes, model: Model, panel: Panel) -> None:
+    diameter = panel["diameter"]
+    if isinstance(model.sizes, FixedSizes):
+        notes.equal("/junctions/diameter", panel.first, diameter, model.sizes.diameter)
+    else:
+        right = np.isfinite(diameter) & (diameter > 0.0)
+        notes.holds("/junctions/diameter", panel.first, diameter, right, "positive and finite")
+    notes.equal("/junctions/max_area", panel.first, panel["max_area"], max_area(diameter))
+
+
+def _check_strengths(notes: Notes, model: Model, panel: Panel) -> None:
+    strength = panel["shear_strength"]
+    if isinstance(model.strengths, ConstantStrength):
+        notes.equal("/junctions/shear_strength", panel.first, strength, model.strengths.mean)
+    else:
+        right = np.isfinite(strength) & (strength > 0.0)
+        notes.holds("/junctions/shear_strength", panel.first, strength, right, "positive and finite")
+
+
+def _check_times(notes: Notes, model: Model, panel: Panel) -> None:
+    for event in ("birth", "death"):
+        time = panel[f"{event}_distance"] / (model.sliding_speed or 1.0)
+        notes.equal(f"/junctions/{event}_time", panel.first, panel[f"{event}_time"], time)
+
+
+def _check_states(notes: Notes, model: Model, panel: Panel) -> None:
+    birth, death, state = (panel[name] for name in ("birth_distance", "death_distance", "state"))
+    right = AT_START * np.signbit(birth) + AT_END * (death > model.distance)
+    right = right + EARLY * (death < birth + 2.0 * panel["diameter"])
+    notes.equal("/junctions/state", panel.first, state, right.astype(np.uint8))

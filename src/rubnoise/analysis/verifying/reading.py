@@ -1,0 +1,147 @@
+"""The columns of a file read from front to back, so that a longer run needs no more memory."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Doubles = NDArray[np.float64]
+
+PANEL_ROWS: Final = 65_536
+
+
+class Rows(Protocol):
+    """The columns of a run, in a file or elsewhere, named and in the units of a result file."""
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """Names of the columns of each group."""
+        ...
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        ...
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Panel:
+    """Rows ``first`` ... ``end`` - 1 of a group, by the names of its columns."""
+
+    first: int
+    end: int
+    columns: Mapping[str, NDArray[Any]]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the rows of one column."""
+        return self.columns[name]
+
+    def __contains__(self, name: str) -> bool:
+        """Whether the group has a column."""
+        return name in self.columns
+
+
+def panels(rows: Rows, group: str, size: int = PANEL_ROWS) -> Iterator[Panel]:
+    """Yield all columns of a group from its first row to its last, so many rows at a time; of no rows one panel."""
+    total = rows.rows(group)
+    for first in range(0, max(total, 1), size):
+        yield panel(rows, group, first, min(first + size, total))
+
+
+def panel(rows: Rows, group: str, first: int, end: int) -> Panel:
+    """Return rows ``first`` ... ``end`` - 1 of all columns of a group."""
+    found = {name: rows.column(group, name, first, end) for name in rows.columns[group]}
+    return Panel(first=first, end=end, columns=found)
+
+
+class Ahead:
+    """Rows that are read a whole panel at a time, for those who go through them in small steps."""
+
+    def __init__(self, rows: Rows) -> None:
+        """Read from rows, which are as before."""
+        self._rows = rows
+        self._read: dict[tuple[str, str], tuple[int, NDArray[Any]]] = {}
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """Names of the columns of each group."""
+        return self._rows.columns
+
+    def rows(self, group: str) -> int:
+        """Return the number of rows of a group."""
+        return self._rows.rows(group)
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
+        end = self.rows(group) if stop is None else stop
+        first = start // PANEL_ROWS * PANEL_ROWS
+        if end > first + PANEL_ROWS:
+            return self._rows.column(group, name, start, end)
+        read, values = self._read.get((group, name), (-1, np.empty(0)))
+        if read != first:
+            values = self._rows.column(group, name, first, first + PANEL_ROWS)
+            self._read[group, name] = first, values
+        return values[start - first : end - first]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Junctions:
+    """Some junctions in order of birth: birth, diameter and death in um, strength in MPa (1 without a law)."""
+
+    birth: Doubles
+    diameter: Doubles
+    death: Doubles
+    strength: Doubles
+
+    def where(self, keep: NDArray[np.bool_]) -> "Junctions":
+        """Return the junctions to keep."""
+        return Junctions(**{each.name: getattr(self, each.name)[keep] for each in fields(self)})
+
+
+class Window:
+    """The junctions of a run that live in a stretch of it, while the stretch moves on."""
+
+    def __init__(self, rows: Rows) -> None:
+        """Begin before the first row."""
+        self._rows = Ahead(rows)
+        self._next = 0
+        self._carried = self._junctions(0, 0)
+
+    def until(self, distance: float) -> Iterator[Junctions]:
+        """Yield whoever was born up to a distance in um and lived on beyond the one before it, some at a time."""
+        living = [self._carried]
+        yield self._carried
+        for born in self._born(distance):
+            yield born
+            living.append(born)
+            living = [_together([each.where(each.death > distance) for each in living])]
+        self._carried = _together([each.where(each.death > distance) for each in living])
+
+    def _born(self, distance: float) -> Iterator[Junctions]:
+        total = self._rows.rows("junctions")
+        while self._next < total:
+            end = min((self._next // PANEL_ROWS + 1) * PANEL_ROWS, total)
+            birth = self._rows.column("junctions", "birth_distance", self._next, end)
+            count = int(np.searchsorted(birth, distance, side="right"))
+            yield self._junctions(self._next, self._next + count)
+            self._next += count
+            if count < birth.size:
+                return
+
+    def _junctions(self, first: int, end: int) -> Junctions:
+        names = ("birth_distance", "diameter", "death_distance")
+        birth, diameter, death = (self._rows.column("junctions", name, first, end) for name in names)
+        told = "shear_strength" in self._rows.columns["junctions"]
+        strength = self._rows.column("junctions", "shear_strength", first, end) if told else np.ones(birth.size)
+        return Junctions(birth=birth, diameter=diameter, death=death, strength=strength)
+
+
+def _together(parts: Sequence[Junctions]) -> Junctions:
+    return Junctions(
+        **{each.name: np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Junctions)}
+    )

@@ -1,0 +1,170 @@
+"""Some blocks of a run made again from its seed, and compared with what the file has of them, bit for bit."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rubnoise.analysis.verifying.blocks import BlockTable, block_table, slider_before
+from rubnoise.analysis.verifying.findings import Check, LeftOut
+from rubnoise.analysis.verifying.lives import ended_early
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.origin import CONSTANTS, stored_constants
+from rubnoise.analysis.verifying.reading import Panel, Rows, panels
+from rubnoise.model import Model
+from rubnoise.record.sink import Columns
+from rubnoise.simulation.draws import start
+from rubnoise.simulation.run import extent, simulate, slider_constants
+from rubnoise.simulation.state import LiveRows, State
+from rubnoise.storage.reader import RunFile
+
+UNTOUCHED: Final = ("junction", "birth_distance", "diameter", "max_area", "shear_strength", "birth_time")
+"""Columns of /junctions that an interrupt leaves as they are."""
+
+
+class _BlockIsOver(Exception):  # noqa: N818  (nothing is wrong)
+    """Raised where the block that was asked for has been played."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compared:
+    """A sink that keeps nothing: it notes where rows are not those of a file.
+
+    ``touched``: interrupts have changed the block in the file, and only what they leave as it is can be compared.
+    """
+
+    rows: Rows
+    notes: Notes
+    touched: bool
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Compare rows of a group (see Sink)."""
+        if group not in self.rows.columns or (self.touched and group != "junctions"):
+            return
+        for name, values in columns.items():
+            if self.touched and name not in UNTOUCHED:
+                continue
+            found = self.rows.column(group, name, first_row, first_row + values.size)
+            if found.size == values.size:
+                self.notes.equal(f"/{group}/{name}", first_row, found, values)
+            else:
+                self.notes.say(f"/{group}/{name} rows", found=first_row + found.size, expected=first_row + values.size)
+
+
+def regeneration_check(model: Model, run: RunFile, seed: int, count: int) -> tuple[Check, list[LeftOut]]:
+    """Return whether ``count`` blocks, spread evenly from the first to the last, come out again bit for bit.
+
+    Each goes on from the rows of the junctions that were alive before it and from the slider's last tick. Blocks in
+    which an interrupt ended a life are compared by their births and sizes alone.
+    """
+    notes, table = Notes("regenerated"), block_table(model, run)
+    expected = extent(model, seed)
+    notes.say("/junctions rows", found=run.rows("junctions"), expected=expected.junctions)
+    _check_constants(notes, model, run)
+    touched = []
+    for state, changed in _starts(model, run, seed, table, chosen_blocks(len(table), count)):
+        sink = Compared(rows=run, notes=notes, touched=changed)
+        _play(model, seed, sink, state)
+        touched += [state.block] if changed else []
+    return notes.check(), _told(touched)
+
+
+def chosen_blocks(blocks: int, count: int) -> list[int]:
+    """Return so many numbers of blocks, or all there are, spread evenly from the first to the last."""
+    return np.unique(np.rint(np.linspace(0, blocks - 1, min(count, blocks)))).astype(int).tolist()
+
+
+def _play(model: Model, seed: int, sink: Compared, state: State) -> None:
+    """Play the block that a state begins; with events, since those are played one block at a time."""
+
+    def leave(_state: State) -> None:
+        raise _BlockIsOver
+
+    try:
+        simulate(model, seed, sink, engine="events", state=state, commit=leave)
+    except _BlockIsOver:
+        return
+
+
+def _starts(
+    model: Model, run: RunFile, seed: int, table: BlockTable, blocks: list[int]
+) -> Iterator[tuple[State, bool]]:
+    """Yield the state before each block, from the rows of the file, and whether interrupts have changed the block."""
+    live, touched = _alive_before(model, run, table, blocks)
+    for block in blocks:
+        if block == 0:
+            yield start(model, seed), touched[block]
+            continue
+        tick, birth = int(table.first_tick[block]), float(table.birth[block])
+        displacement, velocity = slider_before(model, run, tick)
+        yield (
+            State(
+                block=block,
+                begin=birth,
+                next_birth=birth,
+                junctions=int(table.first_junction[block]),
+                ticks=tick,
+                events=0,
+                live=live[block],
+                displacement=displacement,
+                velocity=velocity,
+            ),
+            touched[block],
+        )
+
+
+def _alive_before(
+    model: Model, run: RunFile, table: BlockTable, blocks: list[int]
+) -> tuple[dict[int, LiveRows], dict[int, bool]]:
+    """Return who lived on beyond the last tick before each block, and whether an interrupt ended a life since.
+
+    All rows are read once, whatever the number of blocks.
+    """
+    live = {block: LiveRows.none() for block in blocks}
+    touched = dict.fromkeys(blocks, False)
+    limits = (table.first_tick - 1) * model.tick
+    ends = np.append(table.first_junction[1:], run.rows("junctions"))
+    for panel in panels(run, "junctions"):
+        row, early, death = np.arange(panel.first, panel.end), ended_early(panel), panel["death_distance"]
+        rows = _as_live(panel)
+        reached = (table.first_junction < panel.end) | (limits < death.max(initial=-np.inf))
+        for block in (block for block in blocks if reached[block] and ends[block] > panel.first):
+            before = row < table.first_junction[block]
+            carried = before & (death > limits[block])
+            live[block] = live[block].then(rows.where(carried))
+            within = carried | (~before & (row < ends[block]))
+            touched[block] = touched[block] or bool(np.any(early & within))
+    return live, touched
+
+
+def _as_live(panel: Panel) -> LiveRows:
+    """Return rows of a file as those of a state in which nobody has left yet."""
+    birth = panel["birth_distance"]
+    return LiveRows(
+        junction=np.arange(panel.first, panel.end),
+        birth=birth,
+        diameter=panel["diameter"],
+        strength=panel["shear_strength"] if "shear_strength" in panel else np.ones(birth.size),
+        departure=np.full(birth.size, np.inf),
+    )
+
+
+def _check_constants(notes: Notes, model: Model, run: RunFile) -> None:
+    """Compare the constants of the slider's step, computed anew, with those of the file."""
+    constants, told = slider_constants(model), stored_constants(run)
+    if constants is None:
+        return
+    notes.say(f"{CONSTANTS} cells_per_tick", found=told.get("cells_per_tick"), expected=constants.cells_per_tick)
+    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
+        for (row, column), value in np.ndenumerate(matrix):
+            key = f"{name}_{row}{column}"
+            notes.say(f"{CONSTANTS} {key}", found=told.get(key), expected=float(value))
+
+
+def _told(touched: list[int]) -> list[LeftOut]:
+    if not touched:
+        return []
+    which = ", ".join(map(str, touched))
+    reason = f"interrupts ended lives in block {which}: only births, sizes and strengths could be compared there"
+    return [LeftOut(name="regenerated", reason=reason)]

@@ -1,0 +1,89 @@
+"""The slider of a run held against its force: every tick from the one before it."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.forces import force_moments
+from rubnoise.analysis.verifying.motion import CellMotion, cell_motion
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.reading import PANEL_ROWS, Ahead, Rows, Window, panels
+from rubnoise.model import Model
+
+Doubles = NDArray[np.float64]
+
+SHARE: Final = 5e-10
+"""Of the largest displacement or velocity: what a tick may be away from where the one before it leads."""
+
+STILL: Final = 2.0**-44
+"""Of the fastest rate times the largest displacement: velocities that are rounding alone, where the force is steady."""
+
+_CLOSED_UP_TO = 20.0
+"""Faster turns of the slider in a diameter of sliding than this, in rad, need the moments' quadrature."""
+
+
+def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
+    """Return whether /slider tells the times and forces of /trace, and moves as they make it move.
+
+    ``cells`` is into how many equal parts a tick is divided, in each of which the force is known by three moments.
+    """
+    return [_columns_check(model, rows), _motion_check(model, rows, cells)]
+
+
+def _columns_check(model: Model, rows: Rows) -> Check:
+    notes = Notes("slider_columns")
+    for panel in panels(rows, "slider"):
+        for name in ("distance", "friction_force"):
+            trace = rows.column("trace", name, panel.first, panel.end)
+            notes.equal(f"/slider/{name}", panel.first, panel[name], trace)
+        notes.equal("/slider/time", panel.first, panel["time"], panel["distance"] / (model.sliding_speed or 1.0))
+    return notes.check()
+
+
+def _motion_check(model: Model, rows: Rows, cells: int) -> Check:
+    notes, ahead = Notes("motion"), Ahead(rows)
+    largest = {name: _largest(rows, name) for name in ("displacement", "velocity")}
+    for name, begin in (("displacement", model.equilibrium_displacement), ("velocity", 0.0)):
+        notes.equal(f"/slider/{name}", 0, rows.column("slider", name, 0, 1), begin)
+    motion = _motion(model, cells)
+    still = STILL * motion.fastest * largest["displacement"]
+    allowed = {"displacement": SHARE * largest["displacement"], "velocity": SHARE * largest["velocity"] + still}
+    for first, end, moments in _moments(model, rows, cells):
+        before = (ahead.column("slider", name, first - 1, end - 1) for name in allowed)
+        with np.errstate(invalid="ignore", over="ignore"):
+            led = motion.through(moments, *before)
+        for (name, limit), expected in zip(allowed.items(), led, strict=True):
+            notes.near(f"/slider/{name}", first, ahead.column("slider", name, first, end), expected, limit)
+    return notes.check()
+
+
+def _motion(model: Model, cells: int) -> CellMotion:
+    if model.slider is None or model.sliding_speed is None:
+        raise ValueError("a model without a slider has no motion")
+    return cell_motion(model.slider, model.sliding_speed, model.tick / cells)
+
+
+def _moments(model: Model, rows: Rows, cells: int) -> Iterator[tuple[int, int, Doubles]]:
+    """Yield first and last ticks with the moments (3, ticks, cells) of the force in the cells that end with them."""
+    window, total, size = Window(rows), rows.rows("slider"), max(PANEL_ROWS // cells, 1)
+    fine = _motion(model, cells).fastest * model.calibrated_diameter > _CLOSED_UP_TO * (model.sliding_speed or 1.0)
+    for first in range(1, total, size):
+        end = min(first + size, total)
+        edges = np.arange((first - 1) * cells, (end - 1) * cells + 1).astype(np.float64) * (model.tick / cells)
+        moments = np.zeros((3, edges.size - 1))
+        for each in window.until(float(edges[-1])):
+            shapes = (each.birth, each.diameter, each.death, each.strength)
+            moments += force_moments(model.pulse, edges, shapes, fine=fine)
+        yield first, end, moments.reshape(3, end - first, cells)
+
+
+def _largest(rows: Rows, name: str) -> float:
+    """Return the largest modulus of a column's finite numbers."""
+    found = 0.0
+    for panel in panels(rows, "slider"):
+        finite = panel[name][np.isfinite(panel[name])]
+        found = max(found, float(np.abs(finite).max(initial=0.0)))
+    return found
