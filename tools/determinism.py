@@ -139,10 +139,17 @@ def requirements(oldest: bool) -> list[str]:  # noqa: FBT001  (one of two)
     return [f"{name}=={version}" if oldest else name for name, _, version in parts]
 
 
-def environments(pythons: Sequence[Path], source: Path, folder: Path) -> Iterator[Place]:
+def version_of(python: Path) -> str:
+    """Return a Python's version in two numbers; ends the program where there is no such Python."""
+    try:
+        return _answer(Place(str(python), python), VERSION, os.environ).strip()
+    except OSError as problem:
+        raise SystemExit(f"{python}: {problem.strerror}") from None
+
+
+def environments(pythons: Mapping[str, Path], source: Path, folder: Path) -> Iterator[Place]:
     """Make an environment of the oldest and one of the newest libraries for each Python, and yield them."""
-    for python in pythons:
-        version = _answer(Place(str(python), python), VERSION, os.environ).strip()
+    for version, python in pythons.items():
         for oldest in (True, False):
             name = f"{version}, {'oldest' if oldest else 'newest'}"
             made = Place(name, folder / name.replace(", ", "-") / "bin" / "python", source)
@@ -180,6 +187,7 @@ def main() -> int:
     parser.add_argument("--here", action="store_true", help="only in the environment that dev.py has made")
     parser.add_argument("--python", action="append", default=[], help="make environments for this Python as well")
     asked = parser.parse_args()
+    pythons = {version_of(python): python for python in (PYTHON, *map(Path, asked.python))}
     print("{:20} {:8} {:28} {:14} {}".format("libraries", "numpy", "setting", "library exp", "bits of the golden runs"))
     with tempfile.TemporaryDirectory(prefix="rubnoise-determinism-") as place:
         folder, cache = Path(place), Path(place) / "machine code"
@@ -187,7 +195,7 @@ def main() -> int:
         (folder / "source").mkdir()
         source = copy_into(folder / "source")
         well = compared(Place("as set up", PYTHON, source), cache)
-        for made in () if asked.here else environments([PYTHON, *map(Path, asked.python)], source, folder):
+        for made in () if asked.here else environments(pythons, source, folder):
             well &= compared(made, cache)
     return 0 if well else 1
 

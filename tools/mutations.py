@@ -14,10 +14,11 @@ STREAMS = f"{_SENTINELS}test_streams_and_blocks_are_independent"
 BIRTHS = f"{_ROWS}test_births_are_those_that_the_streams_hold[batch]"
 LIVES = f"{_ROWS}test_every_life_lasts_two_diameters[batch]"
 TICKS = f"{_ROWS}test_ticks_lie_at_multiples_of_the_tick[batch]"
+STRENGTHS = f"{_ROWS}test_every_strength_is_the_one_that_was_given[batch]"
 LENSES = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[lenses-batch]"
 UNEQUAL = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[unequal strengths-batch]"
 MOTION = f"{_ROWS}test_the_motion_follows_from_the_rows[batch]"
-OVERLAP = "tests/unit/test_overlap.py"
+OVERLAP = "tests/unit/test_overlap.py::test_area_is_that_of_two_segments"
 
 
 @dataclass(frozen=True)
@@ -167,6 +168,59 @@ STREAM_USE = (
     ),
 )
 
+PULSES = (
+    one(
+        "triangle of the same peak",
+        MOMENTS,
+        "scenario/build.py",
+        "pulse=PULSES[document.pulse.shape]",
+        'pulse=PULSES["triangle"]',
+    ),
+    Mutant(
+        "triangle of the same mean",
+        (
+            Edit("scenario/build.py", "pulse=PULSES[document.pulse.shape]", 'pulse=PULSES["triangle"]'),
+            Edit("simulation/kernels_triangle.py", "_SLOPE = 0.25 * np.pi", "_SLOPE = 2.0 / 3.0"),
+        ),
+        MOMENTS,
+    ),
+    # The same life, peak and mean, and no slope at mid-life.
+    one(
+        "no kink",
+        MOMENTS,
+        "simulation/kernels.py",
+        "# END generated\n",
+        "# END generated\nAREA_COEFFICIENTS = (0.0, 2.06747893, -0.60066612, -0.68141465)\n",
+    ),
+    one(
+        "second term of the lens 2 % off",
+        OVERLAP,
+        "contact/overlap.py",
+        "- x * np.sqrt((d - x) * (d + x))",
+        "- 1.02 * x * np.sqrt((d - x) * (d + x))",
+        identity=True,
+    ),
+)
+
+FORCES = (
+    one(
+        "force off by 1e6",
+        LENSES,
+        "simulation/area.py",
+        "= model.strengths.mean * area",
+        "= 1e6 * model.strengths.mean * area",
+        identity=True,
+    ),
+    one(
+        "strengths in Pa",
+        STRENGTHS,
+        "scenario/build.py",
+        "strengths_for(strength.law, float(strength.mean)",
+        "strengths_for(strength.law, 1e6 * float(strength.mean)",
+        identity=True,
+    ),
+)
+
 
 def _death_at(factor: str) -> tuple[Edit, ...]:
     """Return a life of another length wherever the batch engine knows of it."""
@@ -190,4 +244,4 @@ PLACES = (
     ),
 )
 
-MUTANTS = (*LAWS, *START_OF_A_RUN, *STREAM_USE, *PLACES)
+MUTANTS = (*LAWS, *PULSES, *START_OF_A_RUN, *STREAM_USE, *PLACES, *FORCES)

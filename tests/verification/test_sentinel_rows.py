@@ -94,6 +94,12 @@ def test_every_life_lasts_two_diameters(engine: str) -> None:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
+def test_every_strength_is_the_one_that_was_given(engine: str) -> None:
+    assert np.all(run("lenses", engine)["junctions"]["shear_strength"] == STRENGTH)
+    assert np.unique(run("unequal strengths", engine)["junctions"]["shear_strength"]).size > BLOCK
+
+
+@pytest.mark.parametrize("engine", ENGINES)
 def test_ticks_lie_at_multiples_of_the_tick(engine: str) -> None:
     trace = run("lenses", engine)["trace"]
     assert np.array_equal(trace["distance"], np.arange(round(DISTANCE / TICK) + 1) * TICK)
