@@ -12,7 +12,15 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario import Scenario, loads
 from rubnoise.simulation.cost import PROGRAM_BYTES
 from rubnoise.storage import budget
-from rubnoise.storage.budget import Budget, check_memory, check_room, counted, expected, together
+from rubnoise.storage.budget import (
+    Budget,
+    check_memory,
+    check_room,
+    check_sweep_room,
+    counted,
+    expected,
+    together,
+)
 from tests.unit.scenarios import BARE, WHOLE, whole
 
 DENSE = ("interface.mean_junction_count=300000", "sliding.distance=10 um")
@@ -169,3 +177,25 @@ def test_a_process_needs_the_memory_that_was_foretold(tmp_path: Path, changes: t
     peak = int(subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout)
     foretold = PROGRAM_BYTES + told.working_bytes
     assert peak <= foretold <= 1.4 * peak
+
+
+def test_a_sweep_has_to_fit_as_a_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = expected(loads(WHOLE))
+    runs = together([one] * 10)
+    _with_room(monkeypatch, disk=10 * one.disk_bytes)
+    check_sweep_room(runs, tmp_path)
+    _with_room(monkeypatch, disk=10 * one.disk_bytes - 1)
+    with pytest.raises(OutputRefused, match=r"sliding\.distance .* sweep\.replicates .* sweep\.keep"):
+        check_sweep_room(runs, tmp_path)
+
+
+def test_as_many_runs_at_once_as_memory_holds_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = expected(loads(WHOLE))
+    each = PROGRAM_BYTES + one.working_bytes
+    _with_room(monkeypatch, memory=3 * each)
+    check_sweep_room(one, tmp_path, jobs=3)
+    with pytest.raises(Refused, match=r"--jobs 3 fits"):
+        check_sweep_room(one, tmp_path, jobs=4)
+    _with_room(monkeypatch, memory=each - 1)
+    with pytest.raises(Refused, match=r"interface\.mean_junction_count"):
+        check_sweep_room(one, tmp_path, jobs=1)

@@ -41,6 +41,11 @@ class Budget:
         return max(PROGRAM_BYTES, memory_in_use()) + self.working_bytes
 
     @property
+    def more_bytes(self) -> int:
+        """Memory that this process would take beyond what it holds already, about."""
+        return max(PROGRAM_BYTES - memory_in_use(), 0) + self.working_bytes
+
+    @property
     def seconds(self) -> float:
         """Time of one process on this machine, about: with the program's start, without compiling."""
         return PROGRAM_SECONDS * pace().processes + seconds(self.work, pace())
@@ -101,11 +106,30 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
     Raises Refused, with the keys to change named.
     """
     room = memory_room()
-    more = budget.peak_bytes + kept_bytes - memory_in_use()
+    more = budget.more_bytes + kept_bytes
     if room is None or more <= room:
         return
     remedy = _less_memory(scenario, budget, more - room) if budget.working_bytes > kept_bytes else _fewer_rows(scenario)
     raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
+
+
+def check_sweep_room(budget: Budget, folder: str | os.PathLike[str], *, jobs: int = 1) -> None:
+    """Refuse runs into one folder, ``jobs`` at a time, that this machine has no room for, and name what to change.
+
+    ``budget`` is that of all runs together which are still to be made. Raises OutputRefused and Refused.
+    """
+    room, memory = disk_room(Path(folder) / "run.h5"), memory_room()
+    if budget.disk_bytes > room:
+        raise OutputRefused(
+            f"{folder}: the results may take {budget.disk_bytes:,} bytes, and there is room for {room:,}; make"
+            ' sliding.distance shorter or sweep.replicates fewer, or set sweep.keep = "summary"'
+        )
+    if memory is not None and jobs * (PROGRAM_BYTES + budget.working_bytes) > memory:
+        each = PROGRAM_BYTES + budget.working_bytes
+        raise Refused(
+            f"{jobs} runs at once need about {_megabytes(jobs * each)} of memory, and {_megabytes(memory)} are left;"
+            + (f" --jobs {memory // each} fits" if memory >= each else " make interface.mean_junction_count smaller")
+        )
 
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:

@@ -4,9 +4,11 @@ import os
 import resource
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 from pathlib import Path, PurePosixPath
 
 BLOCK_BYTES = 512
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 def disk_room(path: str | os.PathLike[str]) -> int:
@@ -26,7 +28,7 @@ def disk_room(path: str | os.PathLike[str]) -> int:
 
 def memory_in_use(root: Path = Path("/")) -> int:
     """Return the bytes of memory that this process holds, or 0 where the system does not tell."""
-    return _kilobytes(root / "proc/self/status").get("VmRSS", 0)
+    return _pages(root)[1] * _PAGE_BYTES
 
 
 def memory_room(root: Path = Path("/")) -> int | None:
@@ -40,34 +42,42 @@ def memory_room(root: Path = Path("/")) -> int | None:
 
 
 def _available(root: Path) -> Iterator[int]:
-    available = _kilobytes(root / "proc/meminfo").get("MemAvailable")
-    if available is not None:
-        yield available
+    _, name, after = _text(root / "proc/meminfo").partition("MemAvailable:")
+    if name:
+        yield int(after.split(maxsplit=1)[0]) * 1024
     elif "SC_PHYS_PAGES" in os.sysconf_names:
-        yield os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+        yield os.sysconf("SC_PHYS_PAGES") * _PAGE_BYTES
 
 
 def _left_of_address_space(root: Path) -> Iterator[int]:
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     if limit != resource.RLIM_INFINITY:
-        yield max(limit - _kilobytes(root / "proc/self/status").get("VmSize", 0), 0)
+        yield max(limit - _pages(root)[0] * _PAGE_BYTES, 0)
 
 
 def _left_in_groups(root: Path) -> Iterator[int]:
     """Yield what each control group with a limit leaves; the pages of files in it can be dropped at any time."""
-    for folder, version in _groups(root):
-        limit, used, prefix = _NAMES[version]
-        most, now = _number(folder / limit), _number(folder / used)
-        if most is not None and now is not None:
+    for folder, version, most in _limits(root):
+        _, used, prefix = _NAMES[version]
+        now = _number(folder / used)
+        if now is not None:
             told = _numbers(folder / "memory.stat")
             droppable = told.get(f"{prefix}inactive_file", 0) + told.get(f"{prefix}active_file", 0)
             yield max(most - max(now - droppable, 0), 0)
 
 
+_NO_LIMIT = 1 << 60
 _NAMES = {
     1: ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_"),
     2: ("memory.max", "memory.current", ""),
 }
+
+
+@cache
+def _limits(root: Path) -> tuple[tuple[Path, int, int], ...]:
+    """Return folder, version and limit of the groups that have one; looked for once, as runs of a sweep are many."""
+    found = ((folder, version, _number(folder / _NAMES[version][0])) for folder, version in _groups(root))
+    return tuple((folder, version, most) for folder, version, most in found if most is not None and most < _NO_LIMIT)
 
 
 def _groups(root: Path) -> Iterator[tuple[Path, int]]:
@@ -86,10 +96,10 @@ def _groups(root: Path) -> Iterator[tuple[Path, int]]:
             yield top / each, version
 
 
-def _kilobytes(path: Path) -> dict[str, int]:
-    """Return the entries "Name:   123 kB" of a file, in bytes."""
-    entries = (line.split() for line in _text(path).splitlines())
-    return {words[0].rstrip(":"): int(words[1]) * 1024 for words in entries if words[2:] == ["kB"]}
+def _pages(root: Path) -> tuple[int, int]:
+    """Return the pages of this process's address space, and those of them that are in memory."""
+    told = _text(root / "proc/self/statm").split()
+    return (int(told[0]), int(told[1])) if told else (0, 0)
 
 
 def _numbers(path: Path) -> dict[str, int]:
