@@ -38,6 +38,12 @@ class RunOutside(RubnoiseError):  # noqa: N818  (nothing failed: the run is not 
     exit_code = 3
 
 
+class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not what it says it is)
+    """A result file in which something is not what it should be; exit code 3."""
+
+    exit_code = 3
+
+
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
     """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it."""
 

@@ -13,6 +13,7 @@ from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
 from rubnoise.cli.claims import contents
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import CONTACT, call
+from tests.unit.tampering import put, tell
 
 PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
 ROW = re.compile(r"^\| `([A-Za-z_.]+)(\??)` \| ([a-z ]+) \|[^|]*\|[^|]+\|$", re.MULTILINE)
@@ -123,6 +124,7 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("run", ("run", full, "-o", "long.h5", "--set", "sliding.distance=700 um", "--json")),
         ("compare", ("compare", "long.h5", "--json")),
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),
+        ("verify", ("verify", "long.h5", "--regenerate", "1", "--json")),
         ("theory", ("theory", full, "--at-area", "0,1,1e9", "--json")),
         ("theory", ("theory", "bare.toml", "--set", "birth.law=regular", "--json")),
         ("junction", ("junction", "slider.h5", "17", "--json")),
@@ -131,6 +133,9 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
     ]
     told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
+    put(here / "long.h5", "trace/junction_count", 17, 4)
+    tell(here / "long.h5", "provenance", "seed", 99)
+    told.append(("verify", call("verify", "long.h5", "--json").json()))
     return [*told, ("claim", contents(A_CLAIM)), ("claims", {"claims": [contents(A_CLAIM)]})]
 
 

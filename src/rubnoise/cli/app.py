@@ -26,6 +26,7 @@ from rubnoise.cli import (
     schema,
     teach,
     theory,
+    verify,
 )
 from rubnoise.cli.showing import Commands, escaping
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
@@ -46,6 +47,7 @@ app.command("info")(info.command)
 app.command("junction", context_settings={"ignore_unknown_options": True})(junction.command)
 app.command("junctions")(junctions.command)
 app.command("compare")(compare.command)
+app.command("verify", cls=verify.BareCount)(verify.command)
 app.command("plot")(plot.command)
 app.command("animate")(animate.command)
 app.command("theory")(theory.command)

@@ -1,0 +1,107 @@
+"""`rubnoise verify`: a result file asked whether every value in it is what it should be."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+from typer.core import TyperCommand
+
+if TYPE_CHECKING:
+    from rubnoise.analysis.verifying.findings import Check, Difference, Verification
+
+BLOCKS: Final = 8
+"""How many blocks are made again where nobody says how many."""
+
+REGENERATE: Final = "--regenerate"
+
+
+class BareCount(TyperCommand):
+    """A command whose option --regenerate may stand without a number."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the number there that the option stands for without one."""
+        words = []
+        for word, following in zip(args, [*args[1:], ""], strict=True):
+            bare = word == REGENERATE and not following.lstrip("-").isdigit()
+            words += [word, str(BLOCKS)] if bare else [word]
+        return super().parse_args(ctx, words)
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    *,
+    regenerate: Annotated[
+        int | None,
+        typer.Option(
+            REGENERATE,
+            help=f"Make K blocks again from the seed, spread evenly over the run, and compare bits; bare, {BLOCKS}.",
+            metavar="[K]",
+            show_default=False,
+        ),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+) -> None:
+    """Check every value of a result against hashes, rows and scenario; the exit code is 3 where something differs.
+
+    Example: rubnoise verify fig5.h5 --regenerate
+    """
+    import json
+
+    from rubnoise.analysis.verification import verify
+    from rubnoise.cli.layout import printable
+    from rubnoise.cli.results import finished_run
+    from rubnoise.errors import RunDiffers
+
+    if regenerate is not None and regenerate < 1:
+        raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number of blocks; it is 1 or more")
+    with finished_run(file) as run:
+        found = verify(run, regenerate or 0)
+    print(json.dumps(contents(found, file)) if as_json else "\n".join(described(found, file)))
+    if found.different:
+        raise RunDiffers(printable(f"{file}: differs: {_place(found)}"))
+
+
+def contents(found: "Verification", file: Path) -> dict[str, Any]:
+    """Return a verification by name."""
+    return {
+        "file": str(file),
+        "verified": not found.different,
+        "different": [check.name for check in found.different],
+        "checks": {check.name: _fields(check) for check in found.checks},
+        "left_out": {each.name: each.reason for each in found.left_out},
+    }
+
+
+def described(found: "Verification", file: Path) -> Iterator[str]:
+    """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
+    from rubnoise.cli.layout import grouped, printable, remark
+
+    yield f"{printable(str(file))}: held against its hashes, its rows and its scenario"
+    yield f"\n{'check':<24}{'values':>16}{'different':>14}"
+    for check in found.checks:
+        yield f"  {check.name.replace('_', ' '):<22}{grouped(check.values):>16}{grouped(check.different):>14}"
+        if check.first is not None:
+            yield remark(printable(f"  {check.first}"))
+    if found.left_out:
+        yield "\nleft out"
+        yield from (remark(printable(f"{each.name}: {each.reason}")) for each in found.left_out)
+    yield ""
+    failing = len(found.different)
+    holding = f"{len(found.checks) - failing} of {len(found.checks)} checks hold"
+    yield remark(f"{holding}; {grouped(found.values)} values were looked at")
+
+
+def _fields(check: "Check") -> dict[str, Any]:
+    fields: dict[str, Any] = {"values": check.values, "different": check.different}
+    if check.first is None:
+        return fields
+    told: Difference = check.first
+    row = {} if told.row is None else {"row": told.row}
+    return fields | {"place": told.place, "found": told.found, "expected": told.expected} | row
+
+
+def _place(found: "Verification") -> str:
+    """Return the first place that has a row, since it says most, else the first one."""
+    places = [check.first for check in found.different if check.first is not None]
+    return str(next((place for place in places if place.row is not None), places[0]))
