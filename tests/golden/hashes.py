@@ -21,6 +21,12 @@ SEED = 20_240_229
 GOLDEN = Path(__file__).parent / f"stream_{STREAM_VERSION}.json"
 RUNS: dict[str, Model] = {
     "figure 5": model(distance=5_500.0, tick=0.1),
+    "figure 5, fine ticks, some lives finer than others": model(
+        spread=Spread(relative=0.2), distance=1_200.0, tick=0.05
+    ),
+    "fine ticks that the slider divides, unequal strengths": model(
+        strength=UNEQUAL, distance=300.0, tick=0.05, speed=20.0
+    ),
     "wide sizes, slow, from empty": model(
         spread=Spread(absolute=4.0), distance=300.0, tick=0.5, speed=20.0, start="empty"
     ),

@@ -8,7 +8,7 @@ import pytest
 from rubnoise.contact.calibration import Spread
 from rubnoise.contact.deviates import exponential
 from rubnoise.simulation import draws
-from rubnoise.simulation.draws import birth_distances, births_by_block, births_per_block, draw_block, first_birth, start
+from rubnoise.simulation.draws import birth_distances, births_by_block, births_per_block, draw_blocks, first_birth, start
 from rubnoise.streams import Stream, generator
 from tests.models import UNEQUAL, bare, model
 
@@ -34,7 +34,7 @@ def test_each_birth_is_the_one_before_plus_its_gap() -> None:
 def test_blocks_follow_each_other_without_a_gap() -> None:
     block, begin, seen = 0, first_birth(RUN, 4), []
     while begin <= RUN.distance:
-        births = draw_block(RUN, 4, block, begin)
+        births = draw_blocks(RUN, 4, block, begin)
         assert births.birth[0] == begin
         seen.extend(births.birth.tolist())
         block, begin = block + 1, births.next_birth
@@ -47,24 +47,24 @@ def test_a_birth_at_the_very_end_is_still_of_the_run() -> None:
     birth, _ = birth_distances(RUN, 4, 0, first_birth(RUN, 4))
     at = replace(RUN, distance=float(birth[10]))
     assert sum(births_by_block(at, 4)) == 11
-    assert draw_block(at, 4, 0, first_birth(at, 4)).next_birth == birth[11]
+    assert draw_blocks(at, 4, 0, first_birth(at, 4)).next_birth == birth[11]
     assert sum(births_by_block(replace(RUN, distance=float(np.nextafter(birth[10], 0.0))), 4)) == 10
 
 
 def test_no_birth_within_the_run() -> None:
     run = bare(count=0.01, distance=1e-3, tick=1e-3)
     assert sum(births_by_block(run, 1)) == 0
-    assert len(draw_block(run, 1, 0, first_birth(run, 1))) == 0
+    assert len(draw_blocks(run, 1, 0, first_birth(run, 1))) == 0
 
 
 def test_one_purpose_never_shifts_another() -> None:
     """Births are the same whatever the sizes, sizes the same whatever the strength: each has its own stream."""
     wide = bare(distance=3_000.0, spread=Spread(absolute=1.0), start="empty")
-    first = draw_block(RUN, 4, 0, 1.0)
-    assert np.array_equal(draw_block(wide, 4, 0, 1.0).birth, first.birth)
+    first = draw_blocks(RUN, 4, 0, 1.0)
+    assert np.array_equal(draw_blocks(wide, 4, 0, 1.0).birth, first.birth)
     stressed = model(distance=3_000.0)
-    assert np.array_equal(draw_block(stressed, 4, 0, 1.0).diameter, first.diameter)
-    assert np.all(draw_block(stressed, 4, 0, 1.0).strength == 250.0)
+    assert np.array_equal(draw_blocks(stressed, 4, 0, 1.0).diameter, first.diameter)
+    assert np.all(draw_blocks(stressed, 4, 0, 1.0).strength == 250.0)
     assert np.all(first.strength == 1.0)
 
 
@@ -97,9 +97,9 @@ def test_a_poisson_count_is_how_many_unit_exponentials_fit(mean: float) -> None:
 @pytest.mark.parametrize("births", ["poisson", "regular"])
 def test_blocks_drawn_together_are_the_blocks_drawn_alone(monkeypatch, births):
     run = model(distance=6000.0, births=births, strength=UNEQUAL)
-    together = draw_block(run, 5, 9, 4977.0)
+    together = draw_blocks(run, 5, 9, 4977.0)
     monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    alone = draw_block(run, 5, 9, 4977.0)
+    alone = draw_blocks(run, 5, 9, 4977.0)
     assert len(together) == len(alone) > 500
     for column in ("birth", "gaps", "diameter", "strength"):
         assert getattr(together, column).tobytes() == getattr(alone, column).tobytes()

@@ -14,6 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 TOOL = ROOT / "tools" / "kernel_coefficients.py"
 KERNELS = ROOT / "src" / "rubnoise" / "simulation" / "kernels.py"
+FINE = KERNELS.with_name("kernels_ends.py")
 GRID = [10.0**exponent for exponent in range(-14, 0, 2)] + [i / 97 for i in range(1, 98)]
 
 
@@ -51,8 +52,23 @@ def constants(kernel_text: str) -> dict[str, object]:
     return generated_constants(kernel_text)
 
 
-def test_the_tool_writes_what_stands_in_the_kernel() -> None:
+def test_the_tool_writes_what_stands_in_the_kernels() -> None:
     assert tool.main(["--check", str(KERNELS)]) == 0
+    assert tool.main(["--near", "--check", str(FINE)]) == 0
+    assert tool.main(["--check", str(FINE)]) == 1
+
+
+@pytest.mark.parametrize("target", tool.TARGETS, ids=lambda target: target.name)
+def test_the_polynomials_near_the_ends_hold_to_the_last_digits(target: object) -> None:
+    integrations = target.integrations  # type: ignore[attr-defined]
+    constants = generated_constants(FINE.read_text(encoding="utf-8"))
+    polynomial = constants[f"NEAR_{target.name}"]  # type: ignore[attr-defined]
+    with mpmath.workdps(120):
+        for u in (0.25 * u for u in GRID):
+            exact = tool.closed_form(integrations, mpmath.mpf(u))
+            assert abs(tool.evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
+        beyond = tool.evaluated(integrations, polynomial, 1.0) / tool.closed_form(integrations, mpmath.mpf(1))
+        assert abs(beyond - 1) > 1e-12
 
 
 def test_one_changed_digit_is_seen_and_written_back(tmp_path: Path, kernel_text: str) -> None:

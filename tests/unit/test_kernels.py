@@ -8,34 +8,25 @@ import pytest
 
 from rubnoise.contact.overlap import junction_area
 from rubnoise.simulation import kernels
-from rubnoise.simulation.ticks import deposit_counts
+from rubnoise.simulation.ticks import count_live
 
 DIAMETERS = [0.03, 1.0, 5.53, 240.0]
 
 
 def areas(positions, birth, diameter, departure=np.inf):
-    area, change = np.zeros(positions.size), np.zeros(positions.size, dtype=np.int64)
+    area, count = np.zeros(positions.size), np.zeros(positions.size, dtype=np.uint32)
     born, size, left = (np.array([float(value)]) for value in (birth, diameter, departure))
     kernels.deposit_areas(positions, born, size, left, size * size, area)
-    deposit_counts(positions, born, left, change)
-    return area, np.cumsum(change)
+    count_live(positions, born, left, count)
+    return area, count
 
 
 def cell_moments(positions, birth, diameter, departure=np.inf, strength=1.0):
-    """Legendre moments of the force over every cell, as the slider's recurrence combines them."""
-    integrals, corrections = np.zeros((3, positions.size)), np.zeros((3, positions.size))
+    """Legendre moments of the force over every cell."""
+    moments = np.zeros((3, positions.size))
     rows = (np.array([float(value)]) for value in (birth, diameter, departure, strength))
-    kernels.deposit_moments(positions, *rows, integrals, corrections)
-    (low1, low2, low3), (top1, top2, top3) = integrals[:, :-1], integrals[:, 1:]
-    width = np.diff(positions)
-    differences = np.array(
-        [
-            top1 - low1,
-            top1 + low1 - 2 * (top2 - low2) / width,
-            top1 - low1 - 6 * (top2 + low2) / width + 12 * (top3 - low3) / width**2,
-        ]
-    )
-    return differences + corrections[:, 1:]
+    kernels.deposit_moments(positions, *rows, moments)
+    return moments[:, 1:]
 
 
 def fine_cell_moments(positions, birth, diameter, departure=np.inf, strength=1.0):
@@ -162,8 +153,7 @@ def test_strength_scales_the_force_and_not_the_area():
 def test_a_missing_kink_would_be_seen():
     """Without what mid-life restores, the moments of its cell are wrong by the size of the junction."""
     positions = np.arange(0.0, 12.0)
-    integrals, corrections = np.zeros((3, 12)), np.zeros((3, 12))
-    rows = (np.array([value]) for value in (0.5, 5.0, np.inf, 1.0))
-    kernels.deposit_moments(positions, *rows, integrals, corrections)
-    assert np.abs(corrections).max() > 0.1 * 5.0**3
-    assert np.flatnonzero(corrections[0]).tolist() == [6]
+    kept = np.zeros((3, 12))
+    kernels._pass_mid_life(positions, 0.5, 5.0, np.inf, 125.0, kept)
+    assert np.abs(kept).max() > 0.1 * 5.0**3
+    assert np.flatnonzero(kept[0]).tolist() == [6]

@@ -8,14 +8,14 @@ import pytest
 from rubnoise.model import Model
 from rubnoise.simulation import panels as module
 from rubnoise.simulation.draws import BlockBirths, start
-from rubnoise.simulation.panels import LARGEST_PANEL, Panel, panels
+from rubnoise.simulation.panels import LARGEST_PANEL, panels
 from rubnoise.simulation.state import State
 from tests.models import bare
 
 
 def block_up_to(next_birth: float) -> BlockBirths:
     none = np.empty(0)
-    return BlockBirths(birth=none, gaps=none, diameter=none, strength=none, next_birth=next_birth)
+    return BlockBirths(birth=none, gaps=none, diameter=none, strength=none, first=none, next_birth=next_birth)
 
 
 def covered(run: Model, begin: State, next_birth: float, cells: int = 1) -> list[int]:
@@ -68,19 +68,3 @@ def test_panels_are_no_larger_than_allowed_and_cover_all(monkeypatch: pytest.Mon
     assert covered(RUN, BEGIN, 11.0, cells) == list(range(101))
     sizes = [panel.end - panel.first for panel in panels(RUN, BEGIN, block_up_to(11.0), cells)]
     assert max(sizes) == min(max(128 // cells, 1), 101)
-
-
-@pytest.mark.parametrize("cells", [1, 2, 8, 512])
-def test_edges_of_cells_hold_the_ticks_to_the_bit(cells: int) -> None:
-    panel = Panel(first=37, end=90, tick=0.1)
-    edges = panel.positions(cells)
-    assert edges.size == 53 * cells + 1
-    assert np.array_equal(edges[cells::cells], panel.distance)
-    assert edges[0] == 36 * 0.1
-    assert np.all(np.diff(edges) > 0.0)
-
-
-def test_the_first_panel_has_no_cell_before_its_first_tick() -> None:
-    panel = Panel(first=0, end=4, tick=0.5)
-    assert panel.positions(2).tolist() == [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5]
-    assert panel.last_distance == 1.5

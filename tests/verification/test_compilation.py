@@ -4,19 +4,24 @@ import subprocess
 import sys
 from pathlib import Path
 
+from simpy import Environment
+from simpy.events import ProcessGenerator
+
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.simulation import kernels, kernels_triangle, recurrence, ticks
+from rubnoise.simulation import kernels, kernels_fine, kernels_triangle, recurrence, ticks
+from rubnoise.simulation.junctions import LiveSet
 from tests.models import UNEQUAL, bare, model, recorded
 
 ROOT = Path(__file__).parents[2]
 KERNELS = (
+    kernels_fine.deposit_fine_lives,
     kernels.deposit_areas,
     kernels.deposit_moments,
     kernels.deposit_fine_moments,
     kernels_triangle.deposit_areas,
     kernels_triangle.deposit_moments,
     recurrence.advance_slider,
-    ticks.deposit_counts,
+    ticks.count_live,
 )
 RUNS = (
     model(distance=600.0, tick=0.5),
@@ -39,4 +44,12 @@ def counted() -> set[int]:
     for run in RUNS:
         for engine in ("events", "batch"):
             recorded(run, engine=engine)
+    recorded(model(distance=600.0, tick=0.05), intervene=_end_all)
     return {len(kernel.signatures) for kernel in KERNELS}
+
+
+def _end_all(env: Environment, live: LiveSet) -> ProcessGenerator:
+    """End whoever lives in the middle of a run."""
+    yield env.timeout(max(300.0 - env.now, 0.0))
+    for process in list(live.processes.values()):
+        process.interrupt()

@@ -1,9 +1,11 @@
 """Two engines, one result: with processes or without, every column has the same bits."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -13,7 +15,7 @@ from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.load import build
-from rubnoise.simulation import panels
+from rubnoise.simulation import draws, panels
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import extent, simulate
 from rubnoise.simulation.state import LiveRows, State
@@ -123,30 +125,53 @@ def test_thin_and_dense_contacts_over_several_blocks(count: float, births: str) 
     assert contents(one) == contents(other)
 
 
-def test_one_engine_goes_on_where_the_other_stopped() -> None:
-    run = model(distance=2000.0, tick=0.5)
+def test_one_engine_goes_on_where_the_other_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 2 * 1000)
+    run = model(distance=4001.0, tick=0.5)
     expected = contents(recorded(run, 4))
-    states: list[State] = []
-    record = MemoryRecord(extent(run, 4))
-    simulate(run, 4, record, engine="batch", commit=states.append)
-    for cut in states[:-1]:
-        for group, columns in record.groups.items():
-            for values in columns.values():
-                values[cut.junctions if group == "junctions" else cut.ticks :] = 0
-        simulate(run, 4, record, engine="events", state=cut)
-        assert contents(record) == expected
+    for one, other, most in (("batch", "events", 2), ("events", "batch", 5)):
+        states: list[State] = []
+        record = MemoryRecord(extent(run, 4))
+        simulate(run, 4, record, engine=one, commit=states.append)
+        assert len(states) > most
+        for cut in states[:-1]:
+            rows = {"junctions": cut.junctions, "blocks": cut.block}
+            for group, columns in record.groups.items():
+                for values in columns.values():
+                    values[rows.get(group, cut.ticks) :] = 0
+            simulate(run, 4, record, engine=other, state=cut)
+            assert contents(record) == expected
 
 
-def test_both_tell_of_their_progress_in_the_same_words(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_batch_plays_small_blocks_together_and_writes_each_ones_start() -> None:
+    run = model(distance=4003.0, tick=0.5)
+    told: dict[str, list[State]] = {"events": [], "batch": []}
+    for engine, states in told.items():
+        record = recorded(run, 9, engine=engine, commit=states.append)
+    assert len(told["batch"]) == 1
+    assert len(told["events"]) > 5
+    assert told["batch"][-1].pack() == replace(told["events"][-1], events=0).pack()
+    for before, row in zip(told["events"], range(1, len(told["events"])), strict=False):
+        start = {name: values[row] for name, values in record["blocks"].items()}
+        assert (start["block"], start["first_junction"], start["first_tick"]) == (row, before.junctions, before.ticks)
+        assert (start["displacement"], start["velocity"]) == (before.displacement, before.velocity)
+        assert start["birth_distance"] == before.next_birth
+
+
+def test_both_tell_of_their_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(panels, "LARGEST_PANEL", 400)
     run = model(distance=600.0, tick=0.1)
-    told: dict[str, list[tuple[float, int, int]]] = {"events": [], "batch": []}
-    for engine, words in told.items():
-        recorded(run, 6, engine=engine, watch=lambda *what, words=words: words.append(what))
-    assert len(told["events"]) > 12
-    for (distance, born, live), (near, seen, alive) in zip(*told.values(), strict=True):
-        assert (distance, live) == (near, alive)
-        assert 0 <= born - seen <= 3
+    for engine in ("events", "batch"):
+        told: list[tuple[float, int, int]] = []
+        record = recorded(run, 6, engine=engine, watch=lambda *what, told=told: told.append(what))
+        assert len(told) > 12
+        assert told[-1][:2] == (600.0, record.extent.junctions)
+        for distance, born, live in told:
+            tick = round(distance / 0.1)
+            assert live == record["trace"]["junction_count"][tick]
+            at = int(np.searchsorted(record["junctions"]["birth_distance"], distance, side="right"))
+            # With events, a panel's end is heard of half a tick late.
+            assert 0 <= born - at <= 3
 
 
 def test_an_intervention_needs_events() -> None:

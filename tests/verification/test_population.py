@@ -18,7 +18,7 @@ from rubnoise.contact.calibration import Spread
 from rubnoise.contact.sizes import NormalSizes
 from rubnoise.model import Model
 from rubnoise.simulation import draws
-from rubnoise.simulation.draws import birth_distances, draw_block, first_birth, start
+from rubnoise.simulation.draws import birth_distances, draw_blocks, first_birth, start
 from rubnoise.theory.occupancy import length_biased_mean_diameter, mean_count, mean_count_error
 from tests.models import bare, recorded
 from tests.verification.scores import BOUND, REJECTED
@@ -125,7 +125,7 @@ def test_blocks_are_drawn_anew() -> None:
     one, other = (birth_distances(WIDE, seed, block, 0.0)[1] for block in (0, 1))
     assert abs(correlation(one, other)) <= BOUND
     assert not np.isin(one, other).any()
-    sizes = [draw_block(WIDE, seed, block, 0.0).diameter for block in (0, 1)]
+    sizes = [draw_blocks(WIDE, seed, block, 0.0).diameter for block in (0, 1)]
     assert not np.isin(*sizes).any()
 
 

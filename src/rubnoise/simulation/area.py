@@ -9,65 +9,134 @@ from numpy.typing import NDArray
 from rubnoise.contact.pulses import Pulse
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
+from rubnoise.record.sink import Columns
 from rubnoise.simulation import kernels, kernels_triangle
+from rubnoise.simulation.grid import Grid
+from rubnoise.simulation.kernels_fine import FINEST, deposit_fine_lives
+from rubnoise.simulation.kernels_panels import cell_weights
 from rubnoise.simulation.panels import Panel
-from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.state import LiveRows
-from rubnoise.simulation.ticks import deposit_counts
+from rubnoise.simulation.ticks import count_live
 
 Doubles = NDArray[np.float64]
 
+_CELL_WEIGHTS = cell_weights().ravel()
+_NO_MOMENTS = np.empty(0)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ForceIntegrals:
-    """The friction force over the cells of a panel, held as running integrals at the cells' edges.
+class ForceMoments:
+    """The friction force over the cells of a panel: Legendre moments (3, cells), in units of ``unit`` uN um."""
 
-    positions (um): the edges; integrals (3, edges): sums of psi d^3 J1, psi d^4 J2, psi d^5 J3; corrections (3, edges):
-    what their differences leave out of the Legendre moments of the cell that ends at an edge.
+    moments: Doubles
+    unit: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """The columns of /trace for a panel, and the moments of the force over its ticks where they have been asked for."""
+
+    columns: Columns
+    force: ForceMoments | None = None
+
+
+def sample(model: Model, rows: LiveRows, panel: Panel, *, moving: bool) -> Sample:
+    """Return the columns of /trace for a panel, from rows that cover everything alive in it.
+
+    ``moving``: whether a slider is to be moved through the cells that end at its ticks.
     """
-
-    positions: Doubles
-    integrals: Doubles
-    corrections: Doubles
-
-
-def sample(model: Model, rows: LiveRows, panel: Panel) -> dict[str, NDArray[Any]]:
-    """Return the columns of /trace for a panel, from rows that cover everything alive in it."""
-    distance = panel.distance
-    change = np.zeros(distance.size, dtype=np.int64)
-    deposit_counts(distance, rows.birth, rows.departure, change)
-    area = _weighted_areas(model.pulse, distance, rows, rows.diameter * rows.diameter)
-    columns: dict[str, NDArray[Any]] = {
-        "distance": distance,
-        "real_contact_area": area,
-        "junction_count": np.cumsum(change).astype(np.uint32),
-    }
-    if isinstance(model.strengths, ConstantStrength):
+    grid = Grid.around(panel.first, panel.end, panel.tick)
+    distance = grid.position[grid.wanted]
+    count = np.empty(distance.size, dtype=np.uint32)
+    count_live(distance, rows.birth, rows.departure, count)
+    constant = isinstance(model.strengths, ConstantStrength)
+    square = rows.diameter * rows.diameter
+    area, moments = _weighted(model.pulse, grid, rows, square, moving=moving and constant)
+    columns: dict[str, NDArray[Any]] = {"distance": distance, "real_contact_area": area, "junction_count": count}
+    if model.strengths is None:
+        return Sample(columns=columns)
+    unit = panel.tick
+    if constant:
         columns["friction_force"] = model.strengths.mean * area
-    elif model.strengths is not None:
-        weight = rows.strength * (rows.diameter * rows.diameter)
-        columns["friction_force"] = _weighted_areas(model.pulse, distance, rows, weight)
-    return columns
-
-
-def force_integrals(pulse: Pulse, rows: LiveRows, panel: Panel, constants: Propagator) -> ForceIntegrals:
-    """Return the force over the cells that end in a panel, exact through births, mid-lives and deaths."""
-    positions = panel.positions(constants.cells_per_tick)
-    integrals = np.zeros((3, positions.size))
-    corrections = np.zeros((3, positions.size))
-    lives = (rows.birth, rows.diameter, rows.departure, rows.strength)
-    if pulse.shape == "triangle":
-        kernels_triangle.deposit_moments(positions, *lives, corrections)
-    elif constants.narrow_cells:
-        kernels.deposit_fine_moments(positions, *lives, corrections)
+        unit = panel.tick * model.strengths.mean
     else:
-        kernels.deposit_moments(positions, *lives, integrals, corrections)
-    return ForceIntegrals(positions=positions, integrals=integrals, corrections=corrections)
+        force, moments = _weighted(model.pulse, grid, rows, rows.strength * square, moving=moving)
+        columns["friction_force"] = force
+    return Sample(columns=columns, force=ForceMoments(moments=moments, unit=unit) if moving else None)
 
 
-def _weighted_areas(pulse: Pulse, distance: Doubles, rows: LiveRows, weight: Doubles) -> Doubles:
-    """Return the sum over all rows of weight times area over d^2 at distances in um."""
-    total = np.zeros(distance.size)
+def force_moments(model: Model, rows: LiveRows, panel: Panel, cells_per_tick: int) -> ForceMoments:
+    """Return the force over the cells that end in a panel, exact through births, mid-lives and deaths.
+
+    The number of cells per tick is a power of two, so that every tick lies at the same bits however it is divided.
+    """
+    first = max(panel.first - 1, 0) * cells_per_tick + 1
+    grid = Grid.around(first, (panel.end - 1) * cells_per_tick + 1, panel.tick / cells_per_tick)
+    weight = rows.strength * (rows.diameter * rows.diameter)
+    _, moments = _weighted(model.pulse, grid, rows, weight, moving=True)
+    return ForceMoments(moments=moments, unit=grid.spacing)
+
+
+def _weighted(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, *, moving: bool) -> tuple[Doubles, Doubles]:
+    """Return the sum over all rows of weight times area over d^2 at the positions wanted, and its moments, (3, cells).
+
+    The moments are those over the cell that ends at a position, in units of the spacing; there are none unless moving.
+    """
+    size = grid.position.size
+    total = np.zeros(size)
+    flat = np.zeros(3 * size) if moving else _NO_MOMENTS
+    if pulse.shape == "triangle":
+        rest = np.ones(len(rows), dtype=np.bool_)
+    else:
+        rest = (rows.diameter < FINEST * grid.spacing) | (rows.departure < rows.birth + 2.0 * rows.diameter)
+        fine = (rows, weight) if not rest.any() else (rows.where(~rest), weight[~rest])
+        _add_fine(grid, *fine, total, flat)
+    moments = flat.reshape(3, -1)
+    if rest.any():
+        _add_rest(pulse, grid, rows.where(rest), weight[rest], total, moments)
+    return total[grid.wanted], moments[:, grid.wanted] if moving else moments
+
+
+def _add_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> None:
+    """Add lives of many positions that take their course."""
+    deposit_fine_lives(
+        grid.position,
+        grid.origin,
+        grid.spacing,
+        grid.wanted.start,
+        grid.wanted.stop,
+        rows.birth,
+        rows.diameter,
+        weight,
+        _CELL_WEIGHTS,
+        total,
+        moments,
+    )
+
+
+def _add_rest(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> None:
+    """Add any lives, position by position."""
+    lives = (rows.birth, rows.diameter, rows.departure)
+    at = grid.wanted
     deposit = kernels_triangle.deposit_areas if pulse.shape == "triangle" else kernels.deposit_areas
-    deposit(distance, rows.birth, rows.diameter, rows.departure, weight, total)
-    return total
+    deposit(grid.position[at], *lives, weight, total[at])
+    if moments.size:
+        edges = grid.position[grid.cells()]
+        found = _moments_of_rest(pulse, grid, edges, rows, weight)
+        moments[:, at] += found[:, 1:] / grid.spacing
+
+
+def _moments_of_rest(pulse: Pulse, grid: Grid, edges: Doubles, rows: LiveRows, weight: Doubles) -> Doubles:
+    """Return the moments (um times the weight's unit) over the cells that end at the edges."""
+    moments = np.zeros((3, edges.size))
+    strength = weight / (rows.diameter * rows.diameter)
+    lives = (rows.birth, rows.diameter, rows.departure, strength)
+    if pulse.shape == "triangle":
+        kernels_triangle.deposit_moments(edges, *lives, moments)
+        return moments
+    # Where a cell is a small part of a life, differences of the integrals over it lose what the cell is to gain.
+    narrow = rows.diameter >= FINEST * grid.spacing
+    for kept, deposit in ((~narrow, kernels.deposit_moments), (narrow, kernels.deposit_fine_moments)):
+        if kept.any():
+            deposit(edges, *(column[kept] for column in lives), moments)
+    return moments

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from rubnoise.record.rows import natural_death
-from rubnoise.record.sink import Columns
+from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.state import LiveRows, State
@@ -23,8 +23,8 @@ def play_at_once(
     born: LiveRows,
     panels: Sequence[Panel],
     run_end: float,
-    sample: Callable[[Panel, LiveRows], Columns],
-    move: Callable[[Panel, LiveRows, Columns], None] | None,
+    sample: Callable[[Panel, LiveRows], Sample],
+    move: Callable[[Panel, LiveRows, Sample], None] | None,
 ) -> tuple[LiveRows, int]:
     """Fill the panels of one block; return its rows, carried ones first, and that it took no events."""
     del births_of_block, run_end
@@ -33,7 +33,7 @@ def play_at_once(
     for panel in panels:
         # A panel's ticks may end before many of the block's births: those would only be looked at.
         seen = rows.first(int(np.searchsorted(rows.birth, panel.last_distance, side="right")))
-        columns = sample(panel, seen)
+        found = sample(panel, seen)
         if move is not None:
-            move(panel, seen, columns)
+            move(panel, seen, found)
     return rows, 0

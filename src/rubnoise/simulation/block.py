@@ -2,18 +2,20 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol
 
 import numpy as np
 
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
-from rubnoise.record.sink import Columns, Sink
-from rubnoise.simulation.area import sample
-from rubnoise.simulation.draws import BlockBirths, draw_block
+from rubnoise.record.sink import Sink
+from rubnoise.simulation.area import Sample, sample
+from rubnoise.simulation.draws import BlockBirths, blocks_together, draw_blocks
 from rubnoise.simulation.panels import Panel, panels
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
+from rubnoise.simulation.starts import BlockStarts
 from rubnoise.simulation.state import LiveRows, State
 
 Watch = Callable[[float, int, int], None]
@@ -31,8 +33,8 @@ class Play(Protocol):
         born: LiveRows,
         panels: Sequence[Panel],
         run_end: float,
-        sample: Callable[[Panel, LiveRows], Columns],
-        move: Callable[[Panel, LiveRows, Columns], None] | None,
+        sample: Callable[[Panel, LiveRows], Sample],
+        move: Callable[[Panel, LiveRows, Sample], None] | None,
     ) -> tuple[LiveRows, int]:
         """Sample every panel, then move the slider through it; return all rows and how many events it took.
 
@@ -43,24 +45,26 @@ class Play(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What stays the same through all blocks of a run."""
+    """What stays the same through all blocks of a run; ``together``: whether small blocks are played some at a time."""
 
     model: Model
     seed: int
     constants: Propagator | None
     sink: Sink
     play: Play
+    together: bool
     watch: Watch | None = None
 
 
 def next_state(run: Run, state: State) -> State:
-    """Play one block, write its rows and ticks, and return the state from which the next block goes on."""
-    births = draw_block(run.model, run.seed, state.block, state.next_birth)
+    """Play one block, or some together, write their rows and ticks, and return the state from which to go on."""
+    together = blocks_together(run.model, state.block) if run.together else 1
+    births = draw_blocks(run.model, run.seed, state.block, state.next_birth, together)
+    starts = BlockStarts.of(run.model, state, births)
     born = _born(births, state.junctions)
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     block_panels = list(panels(run.model, state, births, cells))
-    motion = _motion(run, state)
-    _write_block(run, state)
+    motion = None if run.constants is None else _motion(run, state, run.constants)
     rows, events = run.play(
         state=state,
         births_of_block=births,
@@ -68,12 +72,13 @@ def next_state(run: Run, state: State) -> State:
         panels=block_panels,
         run_end=run.model.distance,
         sample=lambda panel, rows: _write_trace(run, panel, rows),
-        move=None if motion is None else lambda panel, rows, trace: _write_slider(run, motion, panel, rows, trace),
+        move=None if motion is None else partial(_write_slider, run, motion, starts),
     )
     _write_junctions(run, state, rows)
+    run.sink.write("blocks", state.block, starts.columns(moving=motion is not None))
     ticks = block_panels[-1].end if block_panels else state.ticks
     return State(
-        block=state.block + 1,
+        block=state.block + births.blocks,
         begin=births.next_birth,
         next_birth=births.next_birth,
         junctions=state.junctions + len(births),
@@ -95,38 +100,27 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
     )
 
 
-def _motion(run: Run, state: State) -> SliderMotion | None:
-    model = run.model
-    if run.constants is None or model.sliding_speed is None:
-        return None
-    return SliderMotion(model.pulse, run.constants, model.sliding_speed, state.displacement, state.velocity)
+def _motion(run: Run, state: State, constants: Propagator) -> SliderMotion:
+    return SliderMotion(run.model, constants, state.displacement, state.velocity)
 
 
-def _write_block(run: Run, state: State) -> None:
-    """Write down where a block begins: with the junctions' rows that is the state to compute it from again."""
-    columns = {
-        "block": np.array([state.block], dtype=np.int64),
-        "birth_distance": np.array([state.next_birth]),
-        "first_junction": np.array([state.junctions], dtype=np.int64),
-        "first_tick": np.array([state.ticks], dtype=np.int64),
-    }
-    if run.constants is not None:
-        columns |= {"displacement": np.array([state.displacement]), "velocity": np.array([state.velocity])}
-    run.sink.write("blocks", state.block, columns)
-
-
-def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Columns:
-    columns = sample(run.model, rows, panel)
-    run.sink.write("trace", panel.first, columns)
+def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Sample:
+    # The moments of the force come with its sum where the slider needs them over the ticks themselves.
+    moving = run.constants is not None and run.constants.cells_per_tick == 1
+    found = sample(run.model, rows, panel, moving=moving)
+    run.sink.write("trace", panel.first, found.columns)
     if run.watch is not None:
-        run.watch(
-            panel.last_distance, int(rows.junction[-1]) + 1 if len(rows) else 0, int(columns["junction_count"][-1])
-        )
-    return columns
+        born = int(rows.junction[-1]) + 1 if len(rows) else 0
+        run.watch(panel.last_distance, born, int(found.columns["junction_count"][-1]))
+    return found
 
 
-def _write_slider(run: Run, motion: SliderMotion, panel: Panel, rows: LiveRows, trace: Columns) -> None:
-    run.sink.write("slider", panel.first, motion.through(panel, rows, trace))
+def _write_slider(
+    run: Run, motion: SliderMotion, starts: BlockStarts, panel: Panel, rows: LiveRows, found: Sample
+) -> None:
+    columns = motion.through(panel, rows, found)
+    starts.pass_panel(panel, columns)
+    run.sink.write("slider", panel.first, columns)
 
 
 def _write_junctions(run: Run, state: State, rows: LiveRows) -> None:

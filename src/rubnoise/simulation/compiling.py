@@ -1,9 +1,14 @@
 """How the kernels are compiled: to machine code that is kept, without fastmath."""
 
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from numba import float64, njit
 from numba.extending import intrinsic
+
+SOURCES = ("compiling.py", "kernels*.py", "lanes.py", "recurrence.py", "ticks.py")
+"""Files that are compiled, or compiled into one another."""
 
 
 def compiled(function: Any) -> Any:
@@ -12,10 +17,26 @@ def compiled(function: Any) -> Any:
     No fastmath: sums keep their order and products their rounding, since the bits are part of the result.
     """
     try:
-        return njit(cache=True)(function)
+        kernel: Any = njit(cache=True)(function)
     except RuntimeError:
         # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles anew.
         return njit(function)
+    # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
+    kernel._cache._cache_file._source_stamp = _stamp()  # noqa: SLF001  (there is no other way to tell it)
+    return kernel
+
+
+@cache
+def _stamp() -> tuple[tuple[str, int, int], ...]:
+    """Return names, sizes and times of all files that are compiled."""
+    folder = Path(__file__).parent
+    files = sorted(path for pattern in SOURCES for path in folder.glob(pattern))
+    return tuple((path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files)
+
+
+def inlined(function: Any) -> Any:
+    """Compile a function into whatever compiled function calls it, so that its many arrays need not be handed over."""
+    return njit(forceinline=True)(function)
 
 
 def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:

@@ -26,16 +26,23 @@ _DRAWN_AT_ONCE = 8192
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockBirths:
-    """The births of one block within the run: distances (um), diameters (um), strengths (MPa; ones without a law).
+    """The births of some blocks within the run: distances (um), diameters (um), strengths (MPa; ones without a law).
 
-    gaps (um) lead from each birth to the next; next_birth (um) opens the next block, and may lie beyond the run.
+    gaps (um) lead from each birth to the next; first (um) are the births that open each of the blocks, and next_birth
+    (um) the one that opens the next; they may lie beyond the run.
     """
 
     birth: Doubles
     gaps: Doubles
     diameter: Doubles
     strength: Doubles
+    first: Doubles
     next_birth: float
+
+    @property
+    def blocks(self) -> int:
+        """How many blocks they make."""
+        return self.first.size
 
     def __len__(self) -> int:
         """Return the number of births."""
@@ -52,26 +59,34 @@ def first_birth(model: Model, seed: int) -> float:
     return float(model.births.first_gap(uniforms(seed, Stream.FIRST_BIRTH, 0, 1))[0])
 
 
-def birth_distances(model: Model, seed: int, block: int, begin: float) -> tuple[Doubles, Doubles]:
-    """Return the B + 1 birth distances from a block's first birth on, and the B gaps between them (um).
+def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> tuple[Doubles, Doubles]:
+    """Return the birth distances from a block's first birth on to the one after some blocks, and the gaps between (um).
 
     Each is the one before plus its gap, as an event clock adds: never the block's begin plus a sum of gaps. Regular
     births lie at whole multiples of their spacing from the first of the run; their block begins where it says itself.
     """
     count = births_per_block(model)
     if isinstance(model.births, RegularBirths):
-        birth = model.births.places(first_birth(model, seed), block * count + np.arange(count + 1))
+        birth = model.births.places(first_birth(model, seed), block * count + np.arange(blocks * count + 1))
         return birth, np.diff(birth)
-    gaps = _drawn(model, seed, Stream.GAPS, block)
+    gaps = _drawn(model, seed, Stream.GAPS, block, blocks)
     return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
 
 
-def _drawn(model: Model, seed: int, stream: Stream, block: int) -> Doubles:
-    """Return what a stream's uniforms make of all births of a block; those of small blocks are drawn some at a time."""
+def blocks_together(model: Model, block: int) -> int:
+    """Return how many blocks from this one on make arrays long enough: to the end of those that are drawn together."""
     group = _blocks_at_once(model)
+    return group - block % group
+
+
+def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
+    """Return what a stream's uniforms make of all births of blocks; those of small blocks are drawn some at a time."""
+    group, births = _blocks_at_once(model), births_per_block(model)
     if group == 1:
-        return _made(model, stream, uniforms(seed, stream, block, births_per_block(model)))
-    return _drawn_at_once(model, seed, stream, block // group)[block % group]
+        return _made(model, stream, uniforms(seed, stream, block, births))
+    first = block % group * births
+    keep = _gaps_at_once if stream is Stream.GAPS else _drawn_at_once
+    return keep(model, seed, stream, block // group)[first : first + blocks * births]
 
 
 def _blocks_at_once(model: Model) -> int:
@@ -80,14 +95,17 @@ def _blocks_at_once(model: Model) -> int:
     return max(min(_DRAWN_AT_ONCE // births, ceil(model.distance * model.birth_rate / births)), 1)
 
 
-@lru_cache(maxsize=8)
-def _drawn_at_once(model: Model, seed: int, stream: Stream, group: int) -> Doubles:
+def _draw_at_once(model: Model, seed: int, stream: Stream, group: int) -> Doubles:
     blocks, births = _blocks_at_once(model), births_per_block(model)
     first = group * blocks
     uniform = np.concatenate([uniforms(seed, stream, block, births) for block in range(first, first + blocks)])
-    made = _made(model, stream, uniform).reshape(blocks, births)
+    made = _made(model, stream, uniform)
     made.flags.writeable = False
     return made
+
+
+_drawn_at_once = lru_cache(maxsize=4)(_draw_at_once)
+_gaps_at_once = lru_cache(maxsize=64)(_draw_at_once)  # drawn twice: to count the births, and to let them happen
 
 
 def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
@@ -97,26 +115,35 @@ def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
     return model.sizes.draw(uniform) if stream is Stream.DIAMETERS else _strengths(model, uniform)
 
 
-def draw_block(model: Model, seed: int, block: int, begin: float) -> BlockBirths:
-    """Return the births of a block that lie within the run."""
-    birth, gaps = birth_distances(model, seed, block, begin)
-    count = min(int(np.searchsorted(birth, model.distance, side="right")), gaps.size)
+def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> BlockBirths:
+    """Return the births that lie within the run of a block, or of some that are drawn together."""
+    births = births_per_block(model)
+    birth, gaps = birth_distances(model, seed, block, begin, blocks)
+    first = birth[: blocks * births : births]
+    blocks = max(int(np.searchsorted(first, model.distance, side="right")), 1)
+    count = min(int(np.searchsorted(birth, model.distance, side="right")), blocks * births)
     return BlockBirths(
         birth=birth[:count],
         gaps=gaps[:count],
-        diameter=_drawn(model, seed, Stream.DIAMETERS, block)[:count],
-        strength=_drawn(model, seed, Stream.STRENGTHS, block)[:count],
+        diameter=_drawn(model, seed, Stream.DIAMETERS, block, blocks)[:count],
+        strength=_drawn(model, seed, Stream.STRENGTHS, block, blocks)[:count],
+        first=first[:blocks],
         next_birth=float(birth[count]),
     )
 
 
 def births_by_block(model: Model, seed: int) -> Iterator[int]:
     """Yield how many junctions each block with births has within the run: counted from the gaps alone."""
+    births = births_per_block(model)
     block, begin = 0, first_birth(model, seed)
     while begin <= model.distance:
-        birth, gaps = birth_distances(model, seed, block, begin)
-        yield min(int(np.searchsorted(birth, model.distance, side="right")), gaps.size)
-        block, begin = block + 1, float(birth[-1])
+        blocks = blocks_together(model, block)
+        birth, _ = birth_distances(model, seed, block, begin, blocks)
+        left = min(int(np.searchsorted(birth, model.distance, side="right")), blocks * births)
+        while left > 0:
+            yield min(left, births)
+            left -= births
+        block, begin = block + blocks, float(birth[-1])
 
 
 def start(model: Model, seed: int) -> State:

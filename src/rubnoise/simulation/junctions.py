@@ -13,7 +13,7 @@ import numpy as np
 from simpy import Environment, Interrupt, Process
 from simpy.events import Event, ProcessGenerator
 
-from rubnoise.record.sink import Columns
+from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.panels import Panel
@@ -127,7 +127,7 @@ def aggregate(
     panels: Sequence[Panel],
     sampled: Sequence[Event],
     block_end: Process,
-    sample: Callable[[Panel, LiveRows], Columns],
+    sample: Callable[[Panel, LiveRows], Sample],
     live: LiveSet,
 ) -> ProcessGenerator:
     """Wake once a panel, when all that happens up to its last tick has happened, and sample the live set at its ticks.
@@ -145,12 +145,12 @@ def aggregate(
 
 
 def slide(
-    panels: Sequence[Panel], sampled: Sequence[Event], move: Callable[[Panel, LiveRows, Columns], None]
+    panels: Sequence[Panel], sampled: Sequence[Event], move: Callable[[Panel, LiveRows, Sample], None]
 ) -> ProcessGenerator:
     """Wait until a panel has been sampled, then move the slider through it."""
     for panel, done in zip(panels, sampled, strict=True):
-        rows, columns = yield done
-        move(panel, rows, columns)
+        rows, found = yield done
+        move(panel, rows, found)
 
 
 def play_block(
@@ -160,8 +160,8 @@ def play_block(
     born: LiveRows,
     panels: Sequence[Panel],
     run_end: float,
-    sample: Callable[[Panel, LiveRows], Columns],
-    move: Callable[[Panel, LiveRows, Columns], None] | None,
+    sample: Callable[[Panel, LiveRows], Sample],
+    move: Callable[[Panel, LiveRows, Sample], None] | None,
     intervene: Intervention | None,
     telling: Telling | None,
 ) -> tuple[LiveRows, int]:

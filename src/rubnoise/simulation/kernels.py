@@ -111,20 +111,15 @@ def _add_areas(positions: Doubles, born: float, size: float, weight: float, tota
 
 @compiled
 def deposit_moments(
-    positions: Doubles,
-    birth: Doubles,
-    diameter: Doubles,
-    departure: Doubles,
-    strength: Doubles,
-    integrals: Doubles,
-    corrections: Doubles,
+    positions: Doubles, birth: Doubles, diameter: Doubles, departure: Doubles, strength: Doubles, moments: Doubles
 ) -> None:
-    """Add every junction's running force integrals to the ticks, and what they leave out to the cells.
+    """Add every junction's Legendre moments of the force to the cells between positions.
 
-    strength (MPa) has one entry a junction; integrals (3, ticks) receives psi d^3 J1, psi d^4 J2, psi d^5 J3 with the
-    signs of the half; corrections (3, ticks) receives, for the cell that ends at a tick, the Legendre moments that
-    differences of ``integrals`` do not hold: those of a mid-life in the cell and of a life ended early.
+    strength (MPa) has one entry a junction; moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends
+    at a position, i = 0, 1, 2 (uN um): differences of running integrals psi d^3 J1, psi d^4 J2, psi d^5 J3, and what
+    these do not hold of a mid-life in the cell and of a life ended early.
     """
+    integrals = np.zeros((3, len(positions)))
     for row in range(len(birth)):
         born = birth[row]
         size = diameter[row]
@@ -134,9 +129,22 @@ def deposit_moments(
         last = _end_of_loop(positions, first, departure[row], death)
         life = slice(first, last)
         _add_integrals(positions[life], born, size, scale, integrals[0][life], integrals[1][life], integrals[2][life])
-        _pass_mid_life(positions, born, size, departure[row], scale, corrections)
+        _pass_mid_life(positions, born, size, departure[row], scale, moments)
         if departure[row] < death:
-            _end_early(positions, born, size, departure[row], scale, corrections)
+            _end_early(positions, born, size, departure[row], scale, moments)
+    _add_differences(positions, integrals, moments)
+
+
+@compiled
+def _add_differences(positions: Doubles, integrals: Doubles, moments: Doubles) -> None:
+    """Add the Legendre moments that running integrals make over each cell."""
+    for cell in range(1, len(positions)):
+        width = positions[cell] - positions[cell - 1]
+        low1, low2, low3 = integrals[0, cell - 1], integrals[1, cell - 1], integrals[2, cell - 1]
+        top1, top2, top3 = integrals[0, cell], integrals[1, cell], integrals[2, cell]
+        moments[0, cell] += top1 - low1
+        moments[1, cell] += (top1 + low1) - 2.0 * (top2 - low2) / width
+        moments[2, cell] += (top1 - low1) - 6.0 * (top2 + low2) / width + 12.0 * (top3 - low3) / (width * width)
 
 
 @compiled
@@ -155,17 +163,17 @@ def _add_integrals(
 
 
 @compiled
-def _add_to_cell(positions: Doubles, cell: int, i1: float, i2: float, i3: float, corrections: Doubles) -> None:
+def _add_to_cell(positions: Doubles, cell: int, i1: float, i2: float, i3: float, moments: Doubles) -> None:
     """Add the Legendre moments of a cell at whose end the force integrals are i1, i2, i3 more than deposited."""
     width = positions[cell] - positions[cell - 1]
-    corrections[0, cell] += i1
-    corrections[1, cell] += i1 - 2.0 * i2 / width
-    corrections[2, cell] += i1 - 6.0 * i2 / width + 12.0 * i3 / (width * width)
+    moments[0, cell] += i1
+    moments[1, cell] += i1 - 2.0 * i2 / width
+    moments[2, cell] += i1 - 6.0 * i2 / width + 12.0 * i3 / (width * width)
 
 
 @compiled
 def _pass_mid_life(
-    positions: Doubles, born: float, size: float, departure: float, scale: float, corrections: Doubles
+    positions: Doubles, born: float, size: float, departure: float, scale: float, moments: Doubles
 ) -> None:
     """Restore what the falling half leaves out of the integrals.
 
@@ -183,13 +191,11 @@ def _pass_mid_life(
         return
     after = positions[cell] - born - size
     third = 2.0 * THIRD_INTEGRAL_PEAK * size * size + after * after / 3.0
-    _add_to_cell(positions, cell, scale * 2.0 / 3.0, scale * 2.0 / 3.0 * after, scale * third, corrections)
+    _add_to_cell(positions, cell, scale * 2.0 / 3.0, scale * 2.0 / 3.0 * after, scale * third, moments)
 
 
 @compiled
-def _end_early(
-    positions: Doubles, born: float, size: float, departure: float, scale: float, corrections: Doubles
-) -> None:
+def _end_early(positions: Doubles, born: float, size: float, departure: float, scale: float, moments: Doubles) -> None:
     """Carry the integrals of a life cut short from its departure to the end of that cell."""
     cell = first_at_or_after(positions, departure)
     if cell == 0 or cell == len(positions) or departure <= born:
@@ -204,7 +210,7 @@ def _end_early(
     rest = positions[cell] - departure
     i2 = second + first * rest
     i3 = third + second * rest + 0.5 * first * rest * rest
-    _add_to_cell(positions, cell, first, i2, i3, corrections)
+    _add_to_cell(positions, cell, first, i2, i3, moments)
 
 
 @compiled

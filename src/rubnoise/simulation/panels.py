@@ -4,17 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
 
-import numpy as np
-from numpy.typing import NDArray
-
 from rubnoise.model import Model
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.state import State
 
 LARGEST_PANEL = 65_536
 """Positions in a panel at most, so that a thin contact, whose blocks are long, needs no more memory than others."""
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,33 +21,21 @@ class Panel:
     tick: float
 
     @property
-    def distance(self) -> Doubles:
-        """The distance of each tick in um, i * tick."""
-        return np.arange(self.first, self.end, dtype=np.float64) * self.tick
-
-    @property
     def last_distance(self) -> float:
         """The distance of the last tick in um."""
         return float(self.end - 1) * self.tick
 
-    def positions(self, cells_per_tick: int) -> Doubles:
-        """Return the edges in um of the cells that end in this panel, the tick before the first one included.
-
-        The number of cells per tick is a power of two, so that every tick lies at the same bits however it is divided.
-        """
-        edges = np.arange(max(self.first - 1, 0) * cells_per_tick, (self.end - 1) * cells_per_tick + 1)
-        return edges.astype(np.float64) * (self.tick / cells_per_tick)
-
 
 def panels(model: Model, state: State, births: BlockBirths, cells_per_tick: int) -> Iterator[Panel]:
-    """Yield the panels of a block: its ticks lie before the next block's first birth, those of the last end the run."""
-    end = _first_tick_at_or_after(model, births.next_birth)
+    """Yield the panels of blocks: its ticks lie before the next block's first birth, those of the last end the run."""
+    end = first_tick_at_or_after(model, births.next_birth)
     size = max(LARGEST_PANEL // cells_per_tick, 1)
     for first in range(state.ticks, end, size):
         yield Panel(first=first, end=min(first + size, end), tick=model.tick)
 
 
-def _first_tick_at_or_after(model: Model, distance: float) -> int:
+def first_tick_at_or_after(model: Model, distance: float) -> int:
+    """Return the first tick that does not lie before a distance in um: one beyond the last where the run is over."""
     if distance > model.distance:
         return model.tick_count + 1
     tick = max(ceil(distance / model.tick) - 1, 0)

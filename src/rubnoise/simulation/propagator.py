@@ -18,19 +18,15 @@ class Propagator:
     """Constants of one step of the slider: (x, x') gains transition @ (x, x') + gains @ (force moments of the cell).
 
     transition (2, 2): free motion over a cell less the identity, so that rounding does not turn the phase of a lightly
-    damped slider; gains (2, 3): what Legendre moments of the force over distance, int F P_i(2y - 1) ds (uN um), add;
-    narrow_cells: whether these moments need the kernel for cells too narrow for differences.
+    damped slider; gains (2, 3): what Legendre moments of the force over distance, int F P_i(2y - 1) ds (uN um), add.
     """
 
     transition: NDArray[np.float64]
     gains: NDArray[np.float64]
     cells_per_tick: int
-    narrow_cells: bool
 
 
-def propagator(
-    slider: Slider, speed: float, tick: float, cells_per_tick: int = 1, *, narrow_cells: bool = False
-) -> Propagator:
+def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int = 1) -> Propagator:
     """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of so many cells each.
 
     With the roots L of m L^2 + c L + k = 0, the impulse response g(t) = (e^(L1 t) - e^(L2 t)) / (L1 - L2) and h the
@@ -58,7 +54,6 @@ def propagator(
             transition=_real(transition),
             gains=_real(gains),
             cells_per_tick=cells_per_tick,
-            narrow_cells=narrow_cells,
         )
 
 

@@ -9,7 +9,7 @@ from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
 from rubnoise.simulation.batch import play_at_once
 from rubnoise.simulation.block import Play, Run, Watch, next_state
-from rubnoise.simulation.cells import cells_per_tick, narrow
+from rubnoise.simulation.cells import cells_per_tick
 from rubnoise.simulation.draws import births_by_block, start
 from rubnoise.simulation.junctions import Intervention, play_block
 from rubnoise.simulation.observer import Observer, Telling
@@ -36,7 +36,7 @@ def slider_constants(model: Model) -> Propagator | None:
     if model.slider is None or model.sliding_speed is None:
         return None
     cells = cells_per_tick(model)
-    return propagator(model.slider, model.sliding_speed, model.tick, cells, narrow_cells=narrow(model, cells))
+    return propagator(model.slider, model.sliding_speed, model.tick, cells)
 
 
 def finished(model: Model, state: State) -> bool:
@@ -61,11 +61,19 @@ def simulate(
     The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
     between two blocks. ``state``: go on from here instead of from the start; ``intervene``: a SimPy process of the
     caller's beside those of the contact, made anew in every block; ``observe``: is told of births, mid-lives, deaths;
-    ``watch``: is told after each panel; ``commit``: is handed the state after each block, from which the run could go
-    on. Raises Refused for an intervention or an observer without events.
+    ``watch``: is told after each panel; ``commit``: is handed the state after each block, or after some that are
+    played together, from which the run could go on. Raises Refused for an intervention or an observer without events.
     """
     play = _play(engine, intervene, observe)
-    run = Run(model=model, seed=seed, constants=slider_constants(model), sink=sink, play=play, watch=watch)
+    run = Run(
+        model=model,
+        seed=seed,
+        constants=slider_constants(model),
+        sink=sink,
+        play=play,
+        together=engine == "batch",
+        watch=watch,
+    )
     state = start(model, seed) if state is None else state
     while not finished(model, state):
         state = next_state(run, state)

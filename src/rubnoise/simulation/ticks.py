@@ -1,8 +1,4 @@
-"""Where a place lies among the ticks, and how many junctions live at each: the same for every pulse; compiled.
-
-The kernels of the pulses call this file, and the compiler's cache does not see that it has changed: after a change here
-their files have to be touched, or their machine code of before goes on being used.
-"""
+"""Where a place lies among the ticks, and how many junctions live at each: the same for every pulse; compiled."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,17 +26,18 @@ def first_at_or_after(positions: Doubles, distance: float) -> int:
 
 
 @compiled
-def deposit_counts(positions: Doubles, birth: Doubles, departure: Doubles, change: NDArray[np.int64]) -> None:
-    """Count every junction at the ticks at which it lives, birth <= s < departure.
+def count_live(positions: Doubles, birth: Doubles, departure: Doubles, count: NDArray[np.uint32]) -> None:
+    """Count the junctions that live at each tick, birth <= s < departure.
 
-    positions (um, increasing) and change have one entry a tick, birth and departure (um) one a junction; departure is
-    infinite while a junction is alive. ``change`` receives differences: its running sum is the junction count.
+    positions (um, increasing) and count have one entry a tick, birth and departure (um) one a junction; departure is
+    infinite while a junction is alive.
     """
     ticks = len(positions)
+    change = np.zeros(ticks + 1, np.int64)
     for row in range(len(birth)):
-        first = first_at_or_after(positions, birth[row])
-        last = first_at_or_after(positions, departure[row])
-        if first < ticks:
-            change[first] += 1
-        if last < ticks:
-            change[last] -= 1
+        change[first_at_or_after(positions, birth[row])] += 1
+        change[first_at_or_after(positions, departure[row])] -= 1
+    live = 0
+    for tick in range(ticks):
+        live += change[tick]
+        count[tick] = live

@@ -1,0 +1,37 @@
+"""Evenly spaced positions with whole blocks of others around them, for kernels that take many positions together."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.simulation.kernels_panels import BLOCK
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grid:
+    """Positions i * spacing (um) from i = ``origin`` on, of which those at the indices ``wanted`` are asked for."""
+
+    origin: int
+    spacing: float
+    wanted: slice
+    position: Doubles
+
+    @classmethod
+    def around(cls, first: int, end: int, spacing: float) -> Self:
+        """Return a grid for the positions i * spacing with i from ``first`` to ``end`` - 1."""
+        origin = first // BLOCK * BLOCK - BLOCK
+        beyond = (end // BLOCK + 2) * BLOCK
+        return cls(
+            origin=origin,
+            spacing=spacing,
+            wanted=slice(first - origin, end - origin),
+            position=np.arange(origin, beyond, dtype=np.float64) * spacing,
+        )
+
+    def cells(self) -> slice:
+        """Return the indices of the positions wanted and the one before them: the edges of the cells that end there."""
+        return slice(self.wanted.start - 1, self.wanted.stop)

@@ -1,0 +1,110 @@
+"""The compiled heart for lives of many ticks: their ends tick by tick, all between them by the Taylor series of panels.
+
+Within a panel of eight ticks that is far enough from birth and death, the area of a junction is a short power series.
+So a life leaves fifteen numbers in each panel instead of an area and three integrals at each tick; what the series of
+all lives add up to is worked out once for each tick, and its moments over a cell follow from the same numbers.
+
+Positions are spaced evenly and come with those of whole blocks around them, so that nothing has to be cut: index 0 is a
+multiple of 64, and panel p holds the positions 8p + 1 ... 8p + 8 and the cells that end there.
+"""
+
+from math import floor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.simulation.compiling import compiled, inlined
+from rubnoise.simulation.kernels_ends import END, add_fall, add_kink, add_rise
+from rubnoise.simulation.kernels_panels import BLOCK, PANEL, TERMS, add_panels, add_series
+
+Doubles = NDArray[np.float64]
+
+FINEST = 4 * END
+"""Spacings in a diameter from which on a life is fine: its ends then lie within a quarter of the diameter."""
+
+
+@compiled
+def deposit_fine_lives(
+    position: Doubles,
+    origin: int,
+    spacing: float,
+    begin: int,
+    end: int,
+    birth: Doubles,
+    diameter: Doubles,
+    weight: Doubles,
+    weights: Doubles,
+    total: Doubles,
+    moments: Doubles,
+) -> None:
+    """Add the weighted area fractions of fine, whole lives to positions, and their moments to the cells.
+
+    position (um): ``origin`` spacings and on, whole blocks; only what belongs to the indices from ``begin`` to ``end``
+    is complete, with at least a block before and after them. birth, diameter (um) and weight: one a junction, in order
+    of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long or empty, the Legendre
+    moments of it over the cell that ends at a position, in units of the spacing.
+    """
+    chunk = 64 * BLOCK
+    series = np.empty(chunk // PANEL * TERMS)
+    alive = np.empty(len(birth), np.int64)
+    centre = position[PANEL // 2 :: PANEL].copy()
+    count, row = 0, 0
+    per_spacing = 1.0 / spacing
+    first = begin // BLOCK * BLOCK - BLOCK
+    # Borders of chunks lie at multiples from the run's start: sums keep their order however a run is cut.
+    low = (origin + first) // chunk * chunk - origin
+    while low < end:
+        bottom, top = max(low, first), min(low + chunk, (end + BLOCK - 1) // BLOCK * BLOCK)
+        series[: (top - bottom) // PANEL * TERMS] = 0.0
+        while row < len(birth) and floor(birth[row] * per_spacing) - END - PANEL - origin < top:
+            alive[count] = row
+            count += 1
+            row += 1
+        kept = 0
+        for n in range(count):
+            each = alive[n]
+            still = _add_life(
+                position, centre, origin, spacing, per_spacing, bottom, top,
+                birth[each], diameter[each], weight[each], series, total, moments,
+            )  # fmt: skip
+            if still:
+                alive[kept] = each
+                kept += 1
+        count = kept
+        add_series(position, spacing, bottom, top, series, weights, total, moments)
+        low += chunk
+
+
+@inlined
+def _add_life(
+    position: Doubles,
+    centre: Doubles,
+    origin: int,
+    spacing: float,
+    per_spacing: float,
+    bottom: int,
+    top: int,
+    born: float,
+    size: float,
+    weight: float,
+    series: Doubles,
+    total: Doubles,
+    moments: Doubles,
+) -> bool:
+    """Add what a life leaves between two indices, and return whether it goes on beyond them."""
+    place = born * per_spacing
+    rise = floor((place + 16.0) * 0.125) + 1 - origin // PANEL
+    fall = floor((place + 2.0 * size * per_spacing - 16.0) * 0.125) - origin // PANEL
+    low, high = max(rise, bottom // PANEL), min(fall, top // PANEL)
+    if low < high:
+        add_panels(centre, low, high, bottom // BLOCK, born, size, spacing, weight, series)
+        kink = floor((place + size * per_spacing) * 0.125) - origin // PANEL
+        if low <= kink < high:
+            add_kink(position, PANEL * kink + 1, born, size, spacing, weight, total, moments)
+    start = PANEL * rise - END + 1
+    if bottom < start <= top:
+        add_rise(position, start, born, size, spacing, weight, total, moments)
+    start = PANEL * fall + 1
+    if bottom < start <= top:
+        add_fall(position, start, born, size, spacing, weight, total, moments)
+    return PANEL * fall + 1 > top

@@ -1,0 +1,211 @@
+"""Eight doubles that go through every operation together: vectors that the compiler need not find by itself.
+
+Inside a compiled function ``load`` and ``store`` move eight neighbours of a flat array, + - * / work lane by lane, and
+whatever the processor has becomes of it: one instruction of 512 bits, two of 256 or eight of one double, with the same
+bits. None of these may be called outside of what is compiled.
+"""
+
+import operator
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from llvmlite import ir
+from numba import float64, types
+from numba.core.cgutils import get_or_insert_function
+from numba.core.imputils import lower_builtin
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, models, register_model
+from numba.np.arrayobj import make_array
+
+from rubnoise.simulation.compiling import inlined
+
+WIDTH = 8
+
+_VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+_INDICES = ir.VectorType(ir.IntType(32), WIDTH)
+_DOUBLE_BYTES = 8
+
+Generate = Callable[[Any, Any, Any, Any], Any]
+
+
+class _LanesType(types.Type):
+    """The compiler's name for eight doubles."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+LANES = _LanesType()
+
+
+@register_model(_LanesType)
+class _LanesModel(models.PrimitiveModel):
+    """Held in a vector register."""
+
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _VECTOR)
+
+
+def _define(operation: Any, instruction: str) -> None:
+    class Template(ConcreteTemplate):
+        cases: ClassVar = [signature(LANES, LANES, LANES)]
+
+    def lower(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        del context, sig
+        return getattr(builder, instruction)(*values)
+
+    infer_global(operation)(Template)
+    lower_builtin(operation, LANES, LANES)(lower)
+
+
+for _operation, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _define(_operation, _instruction)
+
+
+def _place(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> Any:
+    data = make_array(kind)(context, builder, array).data
+    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+
+
+def _load(typing_context: Any, array: Any, index: Any) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        return builder.load(_place(context, builder, sig.args[0], *values), align=_DOUBLE_BYTES)
+
+    del typing_context, index
+    return LANES(array, types.intp), generate
+
+
+def _store(typing_context: Any, array: Any, index: Any, lanes: Any) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        place = _place(context, builder, sig.args[0], *values[:2])
+        builder.store(values[2], place, align=_DOUBLE_BYTES)
+        return context.get_dummy_value()
+
+    del typing_context, index, lanes
+    return types.void(array, types.intp, LANES), generate
+
+
+def _shuffled(builder: Any, first: Any, second: Any, indices: list[int]) -> Any:
+    return builder.shuffle_vector(first, second, ir.Constant(_INDICES, indices))
+
+
+def _spread(typing_context: Any, number: Any) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        del context, sig
+        empty = ir.Constant(_VECTOR, ir.Undefined)
+        one = builder.insert_element(empty, values[0], ir.Constant(ir.IntType(32), 0))
+        return _shuffled(builder, one, empty, [0] * WIDTH)
+
+    del typing_context, number
+    return LANES(float64), generate
+
+
+def _instruction_of(name: str, operands: int) -> Any:
+    def typed(typing_context: Any, *lanes: Any) -> tuple[Any, Generate]:
+        def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+            del context, sig
+            kind = ir.FunctionType(_VECTOR, [_VECTOR] * operands)
+            return builder.call(get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), values)
+
+        del typing_context, lanes
+        return LANES(*[LANES] * operands), generate
+
+    return typed
+
+
+def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> tuple[Any, Generate]:
+    generator: tuple[Any, Generate] = _instruction_of("fma", 3)(typing_context, factor, other, term)
+    return generator
+
+
+def _root(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
+    generator: tuple[Any, Generate] = _instruction_of("sqrt", 1)(typing_context, lanes)
+    return generator
+
+
+def _chosen(typing_context: Any, one: Any, other: Any, comparison: str) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        del context, sig
+        return builder.select(builder.fcmp_ordered(comparison, *values), *values)
+
+    del typing_context, one, other
+    return LANES(LANES, LANES), generate
+
+
+def _smaller(typing_context: Any, one: Any, other: Any) -> tuple[Any, Generate]:
+    return _chosen(typing_context, one, other, "<")
+
+
+def _larger(typing_context: Any, one: Any, other: Any) -> tuple[Any, Generate]:
+    return _chosen(typing_context, one, other, ">")
+
+
+def _where_above(typing_context: Any, low: Any, high: Any, yes: Any, no: Any) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        del context, sig
+        return builder.select(builder.fcmp_ordered("<", *values[:2]), *values[2:])
+
+    del typing_context, low, high, yes, no
+    return LANES(LANES, LANES, LANES, LANES), generate
+
+
+def _moved(typing_context: Any, one: Any, other: Any, by: int) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        del context, sig
+        return _shuffled(builder, values[0], values[1], list(range(by, by + WIDTH)))
+
+    del typing_context, one, other
+    return LANES(LANES, LANES), generate
+
+
+def _one_before(typing_context: Any, before: Any, lanes: Any) -> tuple[Any, Generate]:
+    return _moved(typing_context, before, lanes, WIDTH - 1)
+
+
+def _one_after(typing_context: Any, lanes: Any, after: Any) -> tuple[Any, Generate]:
+    return _moved(typing_context, lanes, after, 1)
+
+
+load: Any = intrinsic(_load)
+"""load(array, index): the eight entries of a flat array of doubles from an index on."""
+
+store: Any = intrinsic(_store)
+"""store(array, index, lanes): put eight doubles into a flat array from an index on."""
+
+spread: Any = intrinsic(_spread)
+"""spread(number): the number in every lane."""
+
+fused: Any = intrinsic(_fused)
+"""fused(factor, other, term): factor * other + term, rounded once."""
+
+root: Any = intrinsic(_root)
+"""root(lanes): square roots."""
+
+smaller: Any = intrinsic(_smaller)
+"""smaller(one, other): the smaller of each pair."""
+
+larger: Any = intrinsic(_larger)
+"""larger(one, other): the larger of each pair."""
+
+where_above: Any = intrinsic(_where_above)
+"""where_above(low, high, yes, no): ``yes`` where high lies above low, else ``no``."""
+
+one_before: Any = intrinsic(_one_before)
+"""one_before(before, lanes): each lane's left neighbour, that of the first being the last of ``before``."""
+
+one_after: Any = intrinsic(_one_after)
+"""one_after(lanes, after): each lane's right neighbour, that of the last being the first of ``after``."""
+
+
+@inlined
+def polynomial(coefficients: tuple[float, ...], x: Any) -> Any:
+    """Return c_0 + c_1 x + ... in every lane, by Horner's rule."""
+    value = spread(coefficients[-1])
+    for n in range(len(coefficients) - 2, -1, -1):
+        value = fused(value, x, spread(coefficients[n]))
+    return value
