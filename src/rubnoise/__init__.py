@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         exact,
         load,
         open,  # noqa: A004  (rubnoise.open reads like h5py.File)
+        resume,
         run,
         simulate,
     )
@@ -42,6 +43,7 @@ __all__ = [
     "exact",
     "load",
     "open",
+    "resume",
     "run",
     "simulate",
 ]

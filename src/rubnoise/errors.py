@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from shlex import quote
 
 
 class RubnoiseError(Exception):
@@ -45,16 +46,25 @@ class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not
 
 
 class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no error of anybody's)
-    """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it."""
+    """A run that a signal asked to stop; the exit code is 128 plus its number, as a shell has it.
+
+    ``kept`` is the part file from which it can go on, or None where nothing was kept.
+    """
 
     def __init__(self, signal_number: int) -> None:
         """Keep the number of the signal."""
         super().__init__(signal_number)
         self.exit_code = 128 + signal_number
+        self.kept: str | None = None
 
     def __str__(self) -> str:
-        """Say that nothing was kept."""
-        return "stopped by a signal; nothing was kept"
+        """Say what was kept, and how to go on."""
+        return f"stopped by a signal; {resume_hint(self.kept) if self.kept else 'nothing was kept'}"
+
+
+def resume_hint(part: str) -> str:
+    """Return how to go on with a part file, in words that can be pasted into a shell."""
+    return f"rubnoise resume {quote(part)} goes on"
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""A signal in the middle of a long run: gone within a second, and nothing left of it."""
+"""A signal in the middle of a long run: gone within a second, with what it takes to go on."""
 
 import signal
 import subprocess
@@ -28,13 +28,13 @@ with watching(1.0, shown=False) as watcher:
 def test_a_signal_stops_a_run_and_an_older_result_stays(here: Path, number: signal.Signals, code: int) -> None:
     assert call("run", SLIDER, "-o", "short.h5", "-q").code == 0  # no kernel is left to be compiled
     (here / "x.h5").write_bytes(b"precious")
-    run = begin("run", SLIDER, "-o", "x.h5", "--force", *LONG, part=here / "x.h5.part")
+    run = begin("run", SLIDER, "-o", "x.h5", "--force", *LONG, part=here / "x.h5.part.journal")
     answer, seconds = stop(run, number)
     assert (answer.code, answer.out) == (code, "")
-    assert answer.err == "stopped by a signal; nothing was kept\n"
+    assert answer.err == "stopped by a signal; rubnoise resume x.h5.part goes on\n"
     assert seconds < a_second()
     assert (here / "x.h5").read_bytes() == b"precious"
-    assert names(here) == ["short.h5", "x.h5"]
+    assert names(here) == ["short.h5", "x.h5", "x.h5.part", "x.h5.part.journal"]
 
 
 @pytest.mark.parametrize("number", SIGNALS)

@@ -12,6 +12,7 @@ import xxhash
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rubnoise.storage import columns as column_files
 from rubnoise.storage.layout import expected_bytes
 from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.reader import open_run
@@ -160,7 +161,10 @@ def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
 
 
 @pytest.mark.parametrize("compression", ["none", "gzip"])
-def test_memory_does_not_grow_with_the_run(tmp_path: Path, compression: Compression) -> None:
+def test_memory_does_not_grow_with_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression
+) -> None:
+    monkeypatch.setattr(column_files, "PIECE_BYTES", 1 << 16)  # small enough for every column to fill one
     peak_bytes(tmp_path / "warm.h5", 1, compression)
     short = peak_bytes(tmp_path / "short.h5", 10, compression)
     long = peak_bytes(tmp_path / "long.h5", 40, compression)

@@ -140,10 +140,11 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     make_part(paths.part, paths.making, describe())
     with Part(paths.part) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
+        assert part.marks(dict.fromkeys(rows, 0))
     with Part(paths.part) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
-        part.complete({}, "2026-01-02T03:05:00Z")
+        part.completion({}, "2026-01-02T03:05:00Z").commit(part.descriptor)
     with open_run(paths.part) as run:
         assert run.damaged() == ()
         assert run.column("trace", "distance").tobytes() == rows["trace"]["distance"].tobytes()

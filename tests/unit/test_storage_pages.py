@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rubnoise.storage.pages import PAGE, Overlay, Unfailing, write_all
+from rubnoise.storage.disk import write_all
+from rubnoise.storage.pages import PAGE, Overlay, Unfailing
 
 offsets = st.integers(0, 3 * PAGE)
 changes = st.lists(st.tuples(offsets, st.binary(min_size=1, max_size=PAGE + 7)), max_size=8)

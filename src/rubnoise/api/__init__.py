@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from rubnoise.api.junction import Junction
     from rubnoise.api.record import Record
     from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
     from rubnoise.errors import Refused, RubnoiseError
     from rubnoise.record.rows import JunctionState
@@ -32,6 +33,7 @@ __all__ = [
     "exact",
     "load",
     "open",
+    "resume",
     "run",
     "simulate",
 ]
@@ -43,6 +45,7 @@ HOMES: Final = {
     "rubnoise.api.junction": ("Junction",),
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
     "rubnoise.record.rows": ("JunctionState",),

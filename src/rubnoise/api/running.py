@@ -9,21 +9,19 @@ from typing import cast
 
 import numpy as np
 
-from rubnoise.analysis.summary import summarise
+from rubnoise.api.describing import describe
+from rubnoise.api.playing import play
 from rubnoise.api.record import Record
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
+from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.errors import ScenarioRefused
-from rubnoise.record.sink import Tee
-from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.run import Engine, extent, slider_constants
+from rubnoise.simulation.run import Engine, extent
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.budget import check_memory, check_room, expected
-from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.output import check_output
-from rubnoise.storage.provenance import gather
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.theory.exact import Exact
@@ -54,27 +52,24 @@ def run(
     command: Sequence[str] | None = None,
     watch: Watch | None = None,
 ) -> Run:
-    """Run a scenario into a result file and open it.
+    """Run a scenario into a result file and open it; a run of it that did not finish there is gone on with.
 
     ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
     ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
-    after each panel. Raises OutputRefused before anything is created, ScenarioRefused for a seed that is none, Refused
-    where this machine has too little memory.
+    after each panel. Raises OutputRefused before anything is created, also where another run did not finish there,
+    ScenarioRefused for a seed that is none, Refused where this machine has too little memory.
     """
-    check_output(path, force=force)
+    check_output(path, force=force, unfinished=True)
     scenario = _seeded(scenario, seed)
     check_room(scenario, expected(scenario), path)
-    model = scenario.model()
-    description = _description(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+    begun = None if force else interrupted(scenario, path)
+    if begun is not None:
+        return go_on(path, begun, engine=scenario.run.engine, watch=watch)
+    description = describe(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
     if watch is not None:
         watch(0.0, 0, 0)
-    tally = Tally()
     with RunWriter(path, description, force=force) as writer:
-        run_model(model, scenario.run.seed, Tee((writer, tally)), engine=_engine(scenario), watch=watch)
-        figures: dict[str, float | int | str] = {}
-        for figure in summarise(model, tally):
-            figures |= figure.as_attributes()
-        writer.publish(figures)
+        play(writer, scenario, watch)
     return open_result(path)
 
 
@@ -99,32 +94,3 @@ def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
 def _is_seed(value: object) -> bool:
     # A fraction would be cut by the generator, and the file would name a seed that nobody can run again.
     return isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= int(value) < SEED_LIMIT
-
-
-def _description(scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str]) -> RunDescription:
-    model, seed = scenario.model(), scenario.run.seed
-    return RunDescription(
-        title=scenario.title or Path(path).stem,
-        extent=extent(model, seed),
-        features=features_of(model),
-        compression="gzip" if scenario.output.compression == "gzip" else "none",
-        scenario_toml=scenario.text,
-        scenario_resolved=scenario.resolved(),
-        provenance=gather(
-            seed=seed,
-            calibrated_diameter=model.calibrated_diameter,
-            propagator_constants=_named_constants(scenario),
-            command=command,
-        ),
-    )
-
-
-def _named_constants(scenario: Scenario) -> dict[str, float]:
-    constants = slider_constants(scenario.model())
-    if constants is None:
-        return {}
-    named = {"cells_per_tick": float(constants.cells_per_tick)}
-    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
-        for (row, column), value in np.ndenumerate(matrix):
-            named[f"{name}_{row}{column}"] = float(value)
-    return named

@@ -1,31 +1,49 @@
-"""One column of a file on its way to disk: plain writes at its offset, hashed as they pass."""
+"""One column of a file on its way to disk: gathered to large pieces, hashed and written at its offset."""
 
 import os
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
 
 import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.storage.pages import write_all
+from rubnoise.errors import RubnoiseError
+from rubnoise.storage import disk
 from rubnoise.storage.structure import Place
 
-PANEL_BYTES = 1 << 19
+PIECE_BYTES: Final = 1 << 19
+"""Bytes that are hashed and written together: for half of it the system takes a third longer."""
+
+Bytes = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """How far a column was at a moment: its rows, and the xxh3_128 of all of them."""
+
+    rows: int
+    digest: bytes
 
 
 class ColumnFile:
     """Rows of one contiguous column, written at their offset in an open file.
 
-    The hash is that of the raw little-endian bytes, taken while rows arrive in order; a column of which a row was
-    written twice is read once more at the end.
+    Rows wait in memory until a piece is full, or until ``flush``. The hash is that of the raw little-endian bytes,
+    taken while rows arrive in order; a column of which a row was written twice is read once more. Without ``hashed``
+    none is taken before somebody asks.
     """
 
-    def __init__(self, descriptor: int, place: Place) -> None:
+    def __init__(self, descriptor: int, place: Place, *, hashed: bool = True) -> None:
         self._descriptor = descriptor
         self._place = place
         self._dtype = np.dtype(place.dtype)
-        self._hash: xxhash.xxh3_128 | None = xxhash.xxh3_128()
+        self._hash: xxhash.xxh3_128 | None = xxhash.xxh3_128() if hashed else None
+        self._marked = (0, xxhash.xxh3_128())
+        self._waiting: Bytes = np.empty(0, dtype=np.uint8)
+        self._count = 0
         self.rows_written = 0
 
     @property
@@ -41,26 +59,113 @@ class ColumnFile:
         end = first_row + self._checked(first_row, values)
         data = np.ascontiguousarray(values).view(np.uint8)
         if first_row < self.rows_written:
-            self._hash = None
-        if self._hash is not None:
-            self._hash.update(data.data)
-        write_all(self._descriptor, data.data, self._place.offset + first_row * self._dtype.itemsize)
+            self._replace(first_row, data)
+        else:
+            self._append(data)
         self.rows_written = max(self.rows_written, end)
 
-    def digest(self) -> str:
-        """Return the xxh3_128 of the whole column in hexadecimal."""
-        if self._hash is None:
-            self._hash = xxhash.xxh3_128()
-            for panel in self.panels(PANEL_BYTES // self._dtype.itemsize):
-                self._hash.update(panel.data)
-        return self._hash.hexdigest()
+    def flush(self) -> None:
+        """Hand the rows that wait to the system."""
+        if self._count:
+            self._pass_on(self._waiting[: self._count], self._bytes(self.rows_written) - self._count)
+            self._count = 0
 
-    def panels(self, size: int) -> Iterator[NDArray[Any]]:
-        """Read the column back, ``size`` rows at a time."""
-        for first in range(0, self.rows, size):
-            count = min(size, self.rows - first) * self._dtype.itemsize
-            data = os.pread(self._descriptor, count, self._place.offset + first * self._dtype.itemsize)
+    def mark(self, rows: int) -> Mark:
+        """Return how far the column was with its first ``rows``, which are no fewer than at the last mark."""
+        self.flush()
+        running = self._running() if rows == self.rows_written else self._earlier(rows)
+        self._marked = (rows, running.copy())
+        return Mark(rows=rows, digest=running.digest())
+
+    def matching(self, marks: Sequence[Mark]) -> int:
+        """Read the column as far as it is as the marks say, in order of rows; return how many of them it fits."""
+        running = xxhash.xxh3_128()
+        for number, (before, mark) in enumerate(pairwise([Mark(rows=0, digest=b""), *marks])):
+            if not before.rows <= mark.rows <= self.rows:
+                return number
+            for panel in self._read(before.rows, mark.rows):
+                running.update(panel.data)
+            if running.digest() != mark.digest:
+                return number
+            self._hash, self.rows_written = running.copy(), mark.rows
+            self._marked = (mark.rows, running.copy())
+        return len(marks)
+
+    def go_on_from(self, rows: int) -> None:
+        """Forget the rows beyond the first ``rows``, which are in the file."""
+        if rows != self.rows_written:
+            self._hash, self.rows_written = None, rows
+            self.mark(rows)
+
+    def digest(self) -> str:
+        """Return the xxh3_128 of the rows so far in hexadecimal."""
+        self.flush()
+        return self._running().hexdigest()
+
+    def panels(self, size: int, rows: int | None = None) -> Iterator[NDArray[Any]]:
+        """Read the column back, or its first ``rows``, ``size`` rows at a time."""
+        self.flush()
+        yield from self._read(0, self.rows if rows is None else rows, size)
+
+    def _append(self, data: Bytes) -> None:
+        offset = self._bytes(self.rows_written)
+        while data.size:
+            if not self._count and data.size >= PIECE_BYTES:
+                self._pass_on(data, offset)  # large enough as it is
+                return
+            taken = self._gather(data)
+            data, offset = data[taken:], offset + taken
+            if self._count == self._waiting.size:
+                self._pass_on(self._waiting, offset - self._count)
+                self._count = 0
+
+    def _gather(self, data: Bytes) -> int:
+        """Let bytes wait, as many as there is room for."""
+        if not self._waiting.size:
+            self._waiting = np.empty(min(PIECE_BYTES, self._bytes(self.rows)), dtype=np.uint8)
+        taken = min(data.size, self._waiting.size - self._count)
+        self._waiting[self._count : self._count + taken] = data[:taken]
+        self._count += taken
+        return taken
+
+    def _pass_on(self, data: Bytes, offset: int) -> None:
+        if self._hash is not None:
+            self._hash.update(data.data)
+        disk.write_all(self._descriptor, data.data, self._place.offset + offset)
+
+    def _replace(self, first_row: int, data: Bytes) -> None:
+        self.flush()
+        self._hash = None
+        disk.write_all(self._descriptor, data.data, self._place.offset + self._bytes(first_row))
+
+    def _running(self) -> "xxhash.xxh3_128":
+        """Return the hash of the rows so far, read once more where some were replaced."""
+        if self._hash is None:
+            running = xxhash.xxh3_128()
+            for panel in self._read(0, self.rows_written):
+                running.update(panel.data)
+            self._hash = running
+        return self._hash
+
+    def _earlier(self, rows: int) -> "xxhash.xxh3_128":
+        """Return the hash of the first rows, from the last mark on unless rows before it may have been replaced."""
+        first, hashed = self._marked if self._hash is not None else (0, xxhash.xxh3_128())
+        running = hashed.copy()
+        for panel in self._read(first, rows):
+            running.update(panel.data)
+        return running
+
+    def _read(self, first: int, end: int, size: int | None = None) -> Iterator[NDArray[Any]]:
+        size = size or PIECE_BYTES // self._dtype.itemsize
+        for start in range(first, end, size):
+            count = self._bytes(min(size, end - start))
+            data = os.pread(self._descriptor, count, self._place.offset + self._bytes(start))
+            if len(data) != count:
+                raise RubnoiseError("the part file was cut short meanwhile")
             yield np.frombuffer(data, dtype=self._dtype)
+
+    def _bytes(self, rows: int) -> int:
+        return rows * self._dtype.itemsize
 
     def _checked(self, first_row: int, values: NDArray[Any]) -> int:
         """Return the number of rows, having refused what would land in the wrong place."""

@@ -1,10 +1,10 @@
 """A raw part file rewritten in gzip chunks, at publication."""
 
-import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import h5py
 
+from rubnoise.storage import disk
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.pages import Unfailing
@@ -19,10 +19,12 @@ def compress_part(
     description: RunDescription,
     summary: Mapping[str, Scalar],
     finished: str,
+    between: Callable[[], None],
 ) -> None:
     """Write a compressed copy of a whole part under a passing name and put it in the part's place.
 
-    Memory is that of one chunk. Raises OSError, and RubnoiseError where rows are missing; the part is left as it was.
+    Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, and
+    RubnoiseError where rows are missing; the part is left as it was.
     """
     digests = part.digests()
     with new_file(paths.making) as descriptor:
@@ -30,17 +32,18 @@ def compress_part(
         try:
             with h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file:
                 compose(file, description, compressed=True)
-                _copy(part, file)
+                _copy(part, file, between)
                 complete(file, digests, summary, finished)
         finally:
             target.settle()
-        os.fsync(descriptor)
-        paths.making.rename(paths.part)
+        disk.sync(descriptor)
+        disk.rename(paths.making, paths.part)
 
 
-def _copy(part: Part, file: h5py.File) -> None:
+def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
     for (group, name), column in part.columns():
         first = 0
         for panel in column.panels(CHUNK_ROWS):
             file[group][name][first : first + panel.size] = panel
             first += panel.size
+            between()

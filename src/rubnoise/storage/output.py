@@ -4,14 +4,18 @@ import fcntl
 import os
 import shutil
 import stat
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from time import sleep
+from typing import Final, Self
 
 from rubnoise.errors import OutputRefused, RubnoiseError
+from rubnoise.storage import disk
+
+LOOK_SECONDS: Final = 1e-3
+"""Longer than it takes to see whether a lock is held."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,6 +24,7 @@ class OutputPaths:
 
     final: Path
     part: Path
+    journal: Path
     making: Path
     lock: Path
 
@@ -30,28 +35,29 @@ class OutputPaths:
         return cls(
             final=final,
             part=final.with_name(f"{final.name}.part"),
+            journal=final.with_name(f"{final.name}.part.journal"),
             making=final.with_name(f".{final.name}.making"),
             lock=final.with_name(f".{final.name}.lock"),
         )
 
 
-def check_output(path: str | os.PathLike[str], *, force: bool) -> OutputPaths:
+def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool = False) -> OutputPaths:
     """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
 
     Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
-    ``force``, a file that exists already, be it whole or the part of a run that did not finish.
+    ``force``, a file that exists already, be it whole or, unless ``unfinished``, the part of a run that did not finish.
     """
     try:
         paths = OutputPaths.of(path)
         _check_folder(paths.final.parent)
         # Before the folder's rights: nobody wants to hear that /dev is not writable when the output is /dev/null.
-        for name in (paths.final, paths.part, paths.making, paths.lock):
+        for name in (paths.final, paths.part, paths.journal, paths.making, paths.lock):
             _check_regular(name)
         _check_writable(paths.final.parent)
     except (OSError, ValueError) as problem:
         raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
     if not force:
-        _check_absent(paths)
+        _check_absent(paths, unfinished=unfinished)
     return paths
 
 
@@ -63,8 +69,25 @@ def sole_writer(paths: OutputPaths) -> Iterator[None]:
         yield
     finally:
         # Removed while still held: who waits with the same inode open sees that the name is gone and starts over.
-        paths.lock.unlink(missing_ok=True)
+        disk.remove(paths.lock)
         os.close(descriptor)
+
+
+def is_being_written(paths: OutputPaths) -> bool:
+    """Whether a process holds the lock of a result; nothing is created, and nobody is kept from writing."""
+    try:
+        descriptor = os.open(paths.lock, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(descriptor)
+    return False
 
 
 def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
@@ -76,11 +99,10 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
     free = shutil.disk_usage(descriptor).free
     if missing > free:
         raise OutputRefused(f"the result needs {missing:,} bytes, and the disk has {free:,} free")
-    if sys.platform != "darwin":
-        try:
-            os.posix_fallocate(descriptor, 0, size)
-        except OSError as problem:
-            raise OutputRefused(f"no room for the {size:,} bytes of the result: {_reason(problem)}") from problem
+    try:
+        disk.allocate(descriptor, size)
+    except OSError as problem:
+        raise OutputRefused(f"no room for the {size:,} bytes of the result: {_reason(problem)}") from problem
 
 
 def give_final_name(paths: OutputPaths, *, force: bool) -> None:
@@ -89,28 +111,24 @@ def give_final_name(paths: OutputPaths, *, force: bool) -> None:
     Without ``force`` a file that appeared meanwhile is left alone: RubnoiseError, and the part stays.
     """
     if force:
-        paths.part.replace(paths.final)
+        disk.rename(paths.part, paths.final)
     else:
         _rename_to_absent(paths)
-    folder = os.open(paths.final.parent, os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+    disk.sync_folder(paths.final.parent)
 
 
 def _rename_to_absent(paths: OutputPaths) -> None:
     try:
-        os.link(paths.part, paths.final)
+        disk.link(paths.part, paths.final)
     except OSError as problem:
         if _mode(paths.final) is not None:
             raise OutputAppearedError(
                 f"{paths.final} appeared during the run and is left as it is; the whole result is {paths.part}"
             ) from problem
         # File systems without hard links offer no rename that spares an existing file either.
-        paths.part.rename(paths.final)
+        disk.rename(paths.part, paths.final)
     else:
-        paths.part.unlink()
+        disk.remove(paths.part)
 
 
 class OutputAppearedError(RubnoiseError):
@@ -142,10 +160,10 @@ def _mode(path: Path) -> int | None:
         return None
 
 
-def _check_absent(paths: OutputPaths) -> None:
+def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
     if _mode(paths.final) is not None:
         raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
-    if _mode(paths.part) is not None:
+    if not unfinished and _mode(paths.part) is not None:
         raise OutputRefused(f"{paths.part}: of a run that goes on or was stopped (--force replaces a stopped one)")
 
 
@@ -154,7 +172,7 @@ def _locked(paths: OutputPaths) -> int:
     while True:
         descriptor = _open_lock(paths)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(descriptor)
             if _same_file(descriptor, paths.lock):
                 return descriptor
         except BlockingIOError as problem:
@@ -164,6 +182,15 @@ def _locked(paths: OutputPaths) -> int:
             os.close(descriptor)
             raise OutputRefused(f"{paths.lock}: cannot be locked: {_reason(problem)}") from problem
         os.close(descriptor)
+
+
+def _lock(descriptor: int) -> None:
+    """Lock a file, also where somebody looks just now whether it is locked."""
+    for _ in range(3):
+        with suppress(BlockingIOError):
+            return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        sleep(LOOK_SECONDS)
+    return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def _open_lock(paths: OutputPaths) -> int:

@@ -9,6 +9,8 @@ import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final
 
+from rubnoise.storage import disk
+
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
 
@@ -82,12 +84,17 @@ class Overlay(_Positioned):
             content[start : start + len(piece)] = piece
         return self._advance(len(source))
 
-    def commit(self, descriptor: int) -> None:
-        """Write every changed page to the descriptor and cut or extend the file to this one's size."""
+    def changes(self) -> Iterator[tuple[int, memoryview]]:
+        """Yield where each changed page begins and what it holds now, in order, as far as the file goes."""
         for page in sorted(self._pages):
             start = page * PAGE
-            write_all(descriptor, memoryview(self._pages[page])[: max(0, self._size - start)], start)
-        os.ftruncate(descriptor, self._size)
+            yield start, memoryview(self._pages[page])[: max(0, self._size - start)]
+
+    def commit(self, descriptor: int) -> None:
+        """Write every changed page to the descriptor and cut or extend the file to this one's size."""
+        for start, data in self.changes():
+            disk.write_all(descriptor, data, start)
+        disk.resize(descriptor, self._size)
 
     def _content(self, page: int) -> bytearray:
         held = self._pages.get(page)
@@ -118,7 +125,7 @@ class Unfailing(_Positioned):
         source = memoryview(data).cast("B")
         if self._failure is None:
             try:
-                write_all(self._descriptor, source, self._position)
+                disk.write_all(self._descriptor, source, self._position)
             except OSError as failure:
                 self._failure = failure
         return self._advance(len(source))
@@ -127,14 +134,7 @@ class Unfailing(_Positioned):
         """Raise what went wrong, or give the file its final size."""
         if self._failure is not None:
             raise self._failure
-        os.ftruncate(self._descriptor, self._size)
-
-
-def write_all(descriptor: int, data: memoryview, offset: int) -> None:
-    """Write all of a contiguous buffer of bytes at an offset, however many calls the system needs for it."""
-    while data:
-        written = os.pwrite(descriptor, data, offset)
-        data, offset = data[written:], offset + written
+        disk.resize(self._descriptor, self._size)
 
 
 def _pieces(position: int, data: memoryview) -> Iterator[tuple[int, int, memoryview]]:

@@ -1,7 +1,7 @@
 """The unfinished file: made whole in structure, then filled column by column while HDF5 is not open."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -10,15 +10,17 @@ from typing import Self
 import h5py
 
 from rubnoise.contact.pulses import Pulse
-from rubnoise.errors import RubnoiseError
-from rubnoise.record.sink import Columns
-from rubnoise.storage.columns import ColumnFile
+from rubnoise.errors import RubnoiseError, RunFileRefused
+from rubnoise.record.sink import Columns, Sink
+from rubnoise.storage import disk
+from rubnoise.storage.columns import ColumnFile, Mark
+from rubnoise.storage.history import Commit, Name
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.output import reserve
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.pulse import stored_pulse
-from rubnoise.storage.schema import LIFE_CURVE, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Scalar
 from rubnoise.storage.soundness import read_text
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, places
 
@@ -39,28 +41,32 @@ def make_part(path: Path, making: Path, description: RunDescription) -> None:
         structure.commit(descriptor)
         copy = 0 if description.compression == "none" else structure.size
         reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
-        making.rename(path)
+        disk.rename(making, path)
 
 
 @contextmanager
 def new_file(path: Path) -> Iterator[int]:
     """Open a new file for reading and writing; it is removed again when the block fails before it got another name."""
-    path.unlink(missing_ok=True)
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+    disk.remove(path)
+    descriptor = disk.create(path)
     try:
         yield descriptor
     except BaseException:
-        path.unlink(missing_ok=True)
+        disk.remove(path)
         raise
     finally:
         os.close(descriptor)
 
 
 class Part:
-    """A part file opened for rows. Its columns are found by reading its structure, however old the file is."""
+    """A part file opened for rows. Its columns are found by reading its structure, however old the file is.
 
-    def __init__(self, path: Path) -> None:
-        self.descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+    Without ``hashed`` its columns get no hashes.
+    """
+
+    def __init__(self, path: Path, *, hashed: bool = True) -> None:
+        self.descriptor = disk.reopen(path)
+        self._hashed = hashed
         self._columns: dict[str, dict[str, ColumnFile]] = {}
         try:
             pulse = self._find_columns()
@@ -83,32 +89,67 @@ class Part:
         for name, values in columns.items():
             files[name].write(first_row, values)
 
-    def columns(self) -> Iterator[tuple[tuple[str, str], ColumnFile]]:
+    def columns(self) -> Iterator[tuple[Name, ColumnFile]]:
         """Yield every column with the names of its group and itself."""
         for group, files in self._columns.items():
             for name, column in files.items():
                 yield (group, name), column
 
-    def digests(self) -> dict[tuple[str, str], str]:
-        """Return the hash of every column; raises RubnoiseError where rows are missing."""
-        for (group, name), column in self.columns():
-            if column.rows_written != column.rows:
-                raise RubnoiseError(f"/{group}/{name} has {column.rows_written} of its {column.rows} rows")
-        return {key: column.digest() for key, column in self.columns()}
+    @property
+    def names(self) -> list[Name]:
+        """The columns that grow with the run, in the order of their marks."""
+        return [name for name, _ in self._growing()]
 
-    def complete(self, summary: Mapping[str, Scalar], finished: str) -> None:
-        """Fill in hashes, summary and the time of the end, and see the whole file onto the disk."""
+    def marks(self, rows: Mapping[str, int]) -> list[Mark]:
+        """Return a mark of every growing column with the first rows of its group; all rows are with the system then."""
+        return [column.mark(rows[group]) for (group, _), column in self._growing()]
+
+    def go_on_from(self, commits: Sequence[Commit]) -> Commit | None:
+        """Return the last commit whose rows are all in the file, and go on behind them; None for none and the start."""
+        fitting = [column.matching([commit.marks[name] for commit in commits]) for name, column in self._growing()]
+        last = commits[min(fitting) - 1] if min(fitting) else None
+        for name, column in self._growing():
+            column.go_on_from(last.marks[name].rows if last else 0)
+        return last
+
+    def replay(self, sink: Sink, watched: Mapping[str, Mapping[str, object]]) -> None:
+        """Hand the rows so far of the watched columns, by group and name, to a sink once more."""
+        for group, names in watched.items():
+            files = {name: file for name, file in self._columns.get(group, {}).items() if name in names}
+            readers = [file.panels(CHUNK_ROWS, file.rows_written) for file in files.values()]
+            first = 0
+            for panels in zip(*readers, strict=True):
+                sink.write(group, first, dict(zip(files, panels, strict=True)))
+                first += len(panels[0])
+
+    def completion(self, summary: Mapping[str, Scalar], finished: str) -> Overlay:
+        """Return the file with hashes, summary and the time of the end filled in, of which nothing is written yet.
+
+        Raises RubnoiseError where rows are missing.
+        """
         digests = self.digests()
         changed = Overlay(self.descriptor)
         with h5py.File(changed, "r+", libver=LIBRARY_VERSIONS) as file:
             complete(file, digests, summary, finished)
-        changed.commit(self.descriptor)
-        os.fsync(self.descriptor)
+        return changed
+
+    def digests(self) -> dict[Name, str]:
+        """Return the hash of every column; raises RubnoiseError where rows are missing."""
+        for (group, name), column in self.columns():
+            column.flush()
+            if column.rows_written != column.rows:
+                raise RubnoiseError(f"/{group}/{name} has {column.rows_written} of its {column.rows} rows")
+        return {key: column.digest() for key, column in self.columns()} if self._hashed else {}
+
+    def _growing(self) -> Iterator[tuple[Name, ColumnFile]]:
+        return ((name, column) for name, column in self.columns() if name[0] != LIFE_CURVE.name)
 
     def _find_columns(self) -> Pulse:
         with h5py.File(Overlay(self.descriptor), "r", libver=LIBRARY_VERSIONS) as file:
             found = places(file)
             pulse = stored_pulse(read_text(file["provenance"], "scenario_resolved"))
         for (group, name), place in found.items():
-            self._columns.setdefault(group, {})[name] = ColumnFile(self.descriptor, place)
+            if place.rows and not place.offset:
+                raise RunFileRefused(f"/{group}/{name} has no place of its own: nothing can be written to it any more")
+            self._columns.setdefault(group, {})[name] = ColumnFile(self.descriptor, place, hashed=self._hashed)
         return pulse

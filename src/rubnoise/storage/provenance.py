@@ -11,6 +11,9 @@ from shlex import join
 
 from rubnoise.streams import STREAM_VERSION
 
+TIME = "%Y-%m-%dT%H:%M:%SZ"
+"""How moments are written: in UTC, as ISO 8601, to the second."""
+
 PACKAGES = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
 
 
@@ -74,4 +77,4 @@ def package_version(name: str) -> str:
 
 def now() -> str:
     """Return the time in UTC as ISO 8601, to the second."""
-    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return datetime.now(UTC).strftime(TIME)

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rubnoise.errors import RubnoiseError
+from rubnoise.storage import disk
 from rubnoise.storage.output import OutputAppearedError, check_output, give_final_name, sole_writer
 
 
@@ -26,7 +27,7 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
         except OutputAppearedError:
             raise
         except BaseException as problem:
-            paths.part.unlink(missing_ok=True)
+            disk.remove(paths.part)
             if isinstance(problem, OSError):
                 raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
             raise
@@ -35,6 +36,6 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
 def _settle(part: Path) -> None:
     descriptor = os.open(part, os.O_RDONLY | os.O_CLOEXEC)
     try:
-        os.fsync(descriptor)
+        disk.sync(descriptor)
     finally:
         os.close(descriptor)

@@ -1,87 +1,192 @@
-"""The writer of result files: a sink that ends in a whole file under the final name, or in none."""
+"""The writer of result files: a sink that ends in a whole file under the final name, or in one to go on from."""
 
 import os
-from collections.abc import Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from time import monotonic
 from types import TracebackType
-from typing import Self
+from typing import Final, Self
 
-from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.record.sink import Columns
+from rubnoise.errors import OutputRefused, RubnoiseError, RunStopped, resume_hint
+from rubnoise.record.sink import Columns, Sink
+from rubnoise.record.tally import WATCHED
+from rubnoise.simulation.state import State
+from rubnoise.storage import disk
 from rubnoise.storage.compress import compress_part
+from rubnoise.storage.ending import packed_ending
+from rubnoise.storage.history import packed_commit, packed_run
+from rubnoise.storage.journal import Journal
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputAppearedError, OutputPaths, check_output, give_final_name, sole_writer
 from rubnoise.storage.part import Part, make_part
 from rubnoise.storage.provenance import now
+from rubnoise.storage.resuming import TakenUp
 from rubnoise.storage.schema import Scalar
+from rubnoise.storage.unfinished import SUFFIX
+
+COMMIT_SECONDS: Final = 1.0
+"""Between two commits at least: what a power cut may cost, and why a short run makes none."""
 
 
 class RunWriter:
     """Writes one run to ``path``: enter it, write every row, publish.
 
-    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name. Left
-    without having published, it removes the part, and an older file at the path is as it was. Memory does not depend
-    on the length of the run. Entering raises OutputRefused (see check_output; a full disk and a second writer too).
+    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name. Told of
+    states by ``commit``, it writes them to ``NAME.h5.part.journal``, at most once a second and with all rows on the
+    disk before. Left without having published, it keeps both where there was a commit, or where a signal stopped a run
+    that had finished a block; else it removes the part. An older file at the path is as it was. Memory does not depend
+    on the length of the run.
+
+    Without a description it goes on with the part that is there: ``description`` and ``state`` say with what and from
+    where, None being the start, and ``replay`` hands out the rows that are there. Without ``safe`` there are neither
+    journal nor hashes, which is only good for measuring what they cost. Entering raises OutputRefused (see
+    check_output; a full disk and a second writer too), and RunFileRefused for a part that cannot be read.
     """
 
-    def __init__(self, path: str | os.PathLike[str], description: RunDescription, *, force: bool = False) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        description: RunDescription | None,
+        *,
+        force: bool = False,
+        safe: bool = True,
+    ) -> None:
         self._path = path
-        self._description = description
+        self._given = description
         self._force = force
+        self._safe = safe
+        self._keep_part = description is None
         self._open = ExitStack()
-        self._keep_part = False
+        self.state: State | None = None
 
     def __enter__(self) -> Self:
-        paths = check_output(self._path, force=self._force)
+        again = self._given is None
+        paths = check_output(self._path, force=self._force, unfinished=again)
         with ExitStack() as opening:
             opening.enter_context(sole_writer(paths))
-            check_output(self._path, force=self._force)
-            _make_part(paths, self._description)
-            opening.callback(self._discard, paths)
-            self._part = opening.enter_context(Part(paths.part))
+            check_output(self._path, force=self._force, unfinished=again)
+            self._paths = paths
+            if self._given is None:
+                self._take_up(opening)
+            else:
+                self._begin(self._given, opening)
             self._open = opening.pop_all()
-        self._paths = paths
+        self._committed_at = monotonic()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if isinstance(error, RunStopped):
+            self._stop(error)
         self._open.close()
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
-        try:
+        with self._telling():
             self._part.write(group, first_row, columns)
-        except OSError as problem:
-            raise self._failed(problem) from problem
 
-    def publish(self, summary: Mapping[str, Scalar]) -> None:
+    def commit(self, state: State) -> None:
+        """Note that all rows before a state have been written; once a second see it all onto the disk."""
+        self.state = state
+        if self._safe and monotonic() - self._committed_at >= COMMIT_SECONDS:
+            with self._telling():
+                self._commit(state)
+
+    def replay(self, sink: Sink) -> None:
+        """Hand the rows that were there before, as far as a summary needs them, to a sink."""
+        self._part.replay(sink, WATCHED)
+
+    def publish(self, summary: Mapping[str, Scalar], *, between: Callable[[], None] = lambda: None) -> None:
         """Fill in hashes, summary and the time of the end, and give the file its final name.
 
-        Raises RubnoiseError where a column lacks rows, where the disk fails, or where, without ``force``, somebody
-        created the file meanwhile.
+        ``between`` is called now and then while a file is compressed, and may raise to stop. Raises RubnoiseError where
+        a column lacks rows, where the disk fails, or where, without ``force``, somebody created the file meanwhile.
         """
+        with self._telling():
+            if self._journal.begun and self.state is not None:
+                self._commit(self.state)
+            self._complete(summary, between)
+            self._name()
+
+    def _begin(self, description: RunDescription, opening: ExitStack) -> None:
+        """Make a new part; a journal of before goes first, for good, so that it never lies beside this part."""
+        if self._paths.journal.exists():
+            disk.remove(self._paths.journal)
+            disk.sync_folder(self._paths.journal.parent)
+        _make_part(self._paths, description)
+        opening.callback(self._discard)
+        self._part = opening.enter_context(Part(self._paths.part, hashed=self._safe))
+        self._keep_journal(description, opening)
+
+    def _take_up(self, opening: ExitStack) -> None:
+        taken = TakenUp.of(self._paths, opening)
+        self._part, self.state = taken.part, taken.state
+        self._keep_journal(taken.description, opening, taken.journal_bytes)
+
+    def _keep_journal(self, description: RunDescription, opening: ExitStack, size: int = 0) -> None:
+        self.description = description
+        self._journal = Journal(self._paths.journal, packed_run(description, self._part.names), size)
+        opening.callback(self._journal.close)
+
+    def _commit(self, state: State, *, durable: bool = True) -> None:
+        rows = {"junctions": state.junctions, "trace": state.ticks, "slider": state.ticks, "blocks": state.block}
+        marks = self._part.marks(rows)
+        if durable:
+            disk.sync_rows(self._part.descriptor)
+        self._journal.append("rows", packed_commit(marks, state), durable=durable)
+        self._keep_part = True
+        self._committed_at = monotonic()
+
+    def _complete(self, summary: Mapping[str, Scalar], between: Callable[[], None]) -> None:
+        if self.description.compression == "gzip":
+            compress_part(self._part, self._paths, self.description, summary, now(), between)
+            return
+        changed = self._part.completion(summary, now())
+        if self._safe:
+            # Where nothing has been seen onto the disk so far, a power cut may take all of it anyway.
+            self._journal.append("end", packed_ending(changed), durable=self._journal.begun)
+        changed.commit(self._part.descriptor)
+        disk.sync(self._part.descriptor)
+
+    def _name(self) -> None:
         try:
-            self._finish(summary)
             give_final_name(self._paths, force=self._force)
-        except OSError as problem:
-            raise self._failed(problem) from problem
         except OutputAppearedError:
             self._keep_part = True
             raise
+        finally:
+            # The part is whole: what the journal has to say about it is done.
+            self._journal.close()
+            disk.remove(self._paths.journal)
 
-    def _finish(self, summary: Mapping[str, Scalar]) -> None:
-        if self._description.compression == "none":
-            self._part.complete(summary, now())
-        else:
-            compress_part(self._part, self._paths, self._description, summary, now())
+    def _stop(self, stopped: RunStopped) -> None:
+        """Keep what there is up to the last block, and say so.
 
-    def _discard(self, paths: OutputPaths) -> None:
+        Nothing waits for the disk: what the system has been handed outlives the process, and what a power cut takes of
+        it shows in the hashes. A disk that fails here leaves what was kept before.
+        """
+        with suppress(OSError):
+            if self._safe and self.state is not None:
+                self._commit(self.state, durable=False)
+        if self._keep_part:
+            stopped.kept = f"{self._path}{SUFFIX}"
+
+    def _discard(self) -> None:
         if not self._keep_part:
-            paths.part.unlink(missing_ok=True)
+            disk.remove(self._paths.journal)
+            disk.remove(self._paths.part)
 
-    def _failed(self, problem: OSError) -> RubnoiseError:
-        return RubnoiseError(f"{self._paths.final}: writing failed: {problem.strerror or problem}")
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Say of a disk that fails which file it is about, and what can be done."""
+        try:
+            yield
+        except OSError as problem:
+            text = f"{self._paths.final}: writing failed: {problem.strerror or problem}"
+            if self._keep_part:
+                text += f"; when that is mended, {resume_hint(f'{self._path}{SUFFIX}')}"
+            raise RubnoiseError(text) from problem
 
 
 def _make_part(paths: OutputPaths, description: RunDescription) -> None:

@@ -1,0 +1,44 @@
+"""What is known of a result before its first row, from its scenario."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rubnoise.model import Model
+from rubnoise.scenario import Scenario
+from rubnoise.simulation.run import extent, slider_constants
+from rubnoise.storage.layout import RunDescription, features_of
+from rubnoise.storage.provenance import gather
+
+
+def describe(scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str]) -> RunDescription:
+    """Return the description of a result: its births are counted, nothing else is done."""
+    model, seed = scenario.model(), scenario.run.seed
+    return RunDescription(
+        title=scenario.title or Path(path).stem,
+        extent=extent(model, seed),
+        features=features_of(model),
+        compression="gzip" if scenario.output.compression == "gzip" else "none",
+        scenario_toml=scenario.text,
+        scenario_resolved=scenario.resolved(),
+        provenance=gather(
+            seed=seed,
+            calibrated_diameter=model.calibrated_diameter,
+            propagator_constants=named_constants(model),
+            command=command,
+        ),
+    )
+
+
+def named_constants(model: Model) -> dict[str, float]:
+    """Return the rounded constants of the slider's exact step by name; none without a slider."""
+    constants = slider_constants(model)
+    if constants is None:
+        return {}
+    named = {"cells_per_tick": float(constants.cells_per_tick)}
+    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
+        for (row, column), value in np.ndenumerate(matrix):
+            named[f"{name}_{row}{column}"] = float(value)
+    return named

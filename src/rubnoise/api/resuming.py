@@ -1,0 +1,137 @@
+"""Runs that did not finish, gone on with to the same bits."""
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rubnoise.api.describing import named_constants
+from rubnoise.api.playing import play
+from rubnoise.api.result import Run
+from rubnoise.api.result import open as open_result
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, resume_hint
+from rubnoise.scenario import Scenario, build
+from rubnoise.simulation.block import Watch
+from rubnoise.simulation.run import extent
+from rubnoise.simulation.state import State
+from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.output import OutputPaths, check_output, sole_writer
+from rubnoise.storage.resuming import examined, settle
+from rubnoise.storage.unfinished import paths_of
+from rubnoise.storage.writer import RunWriter
+from rubnoise.streams import STREAM_VERSION
+
+MOST_DIFFERENCES = 3
+
+
+def resume(part: str | os.PathLike[str], *, force: bool = False, watch: Watch | None = None) -> Run:
+    """Go on with a run that did not finish, ``NAME.h5.part``, and open its result, ``NAME.h5``.
+
+    Every dataset equals that of a run that was never stopped, bit for bit. ``force`` allows an existing file to be
+    replaced; ``watch`` is told where the run goes on and after each panel. Raises RunFileRefused for a part that cannot
+    be read, OutputRefused where the result may not be written or another process writes it, Refused where this version
+    of rubnoise would go on with other numbers.
+    """
+    paths = paths_of(part)
+    check_output(paths.final, force=True, unfinished=True)
+    return go_on(Path(part).with_suffix(""), examined(paths), force=force, watch=watch)
+
+
+def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescription | None:
+    """Return the run that was begun at an output path and did not finish, or None where there is none.
+
+    Raises OutputRefused where it is not a run of this scenario, whatever the engine, or cannot be read.
+    """
+    paths = OutputPaths.of(path)
+    if not paths.part.exists():
+        return None
+    part = f"{path}.part"
+    try:
+        description = examined(paths)
+    except RunFileRefused as refusal:
+        raise OutputRefused(f"{refusal} (--force starts over)") from refusal
+    different = list(_differences(description.scenario_resolved, scenario.resolved()))
+    if different:
+        more = ["..."] if len(different) > MOST_DIFFERENCES else []
+        raise OutputRefused(
+            f"{part}: of another run: {'; '.join(different[:MOST_DIFFERENCES] + more)}"
+            f" (--force starts over; {resume_hint(part)} with the one that is there)"
+        )
+    return description
+
+
+def go_on(
+    path: str | os.PathLike[str],
+    description: RunDescription,
+    *,
+    engine: str | None = None,
+    force: bool = False,
+    watch: Watch | None = None,
+) -> Run:
+    """Go on with the described run, whose part belongs to an output path, with its own engine or another one."""
+    paths = OutputPaths.of(path)
+    try:
+        with sole_writer(paths):
+            whole = settle(paths, force=force)
+        if not whole:
+            scenario = _scenario(description, f"{path}.part", engine)
+            with RunWriter(path, None, force=force) as writer:
+                if watch is not None:
+                    watch(*_reached(writer.state, scenario.model().tick))
+                play(writer, scenario, watch)
+    except RunStopped as stopped:
+        stopped.kept = f"{path}.part"
+        raise
+    return open_result(path)
+
+
+def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
+    """Return what a watch is told of a state: distance reached in um, junctions born, live count."""
+    return (0.0, 0, 0) if state is None else (max(state.ticks - 1, 0) * tick, state.junctions, len(state.live))
+
+
+def _scenario(description: RunDescription, part: str, engine: str | None) -> Scenario:
+    """Return the scenario of a run; raises Refused where going on with it here would not give the same numbers."""
+    scenario = build(description.scenario_resolved)
+    for reason in _obstacles(scenario, description):
+        made_by = description.provenance.software.get("rubnoise", "of another version")
+        raise Refused(f"{part}: {reason}; rubnoise {made_by} goes on with it, rubnoise run --force starts over")
+    if engine is None:
+        return scenario
+    return replace(scenario, run=scenario.run.model_copy(update={"engine": engine}))
+
+
+def _obstacles(scenario: Scenario, description: RunDescription) -> Iterator[str]:
+    model, origin = scenario.model(), description.provenance
+    if origin.stream_version != STREAM_VERSION:
+        yield f"has random numbers of stream version {origin.stream_version}, and here they are of {STREAM_VERSION}"
+    elif origin.calibrated_diameter != model.calibrated_diameter:
+        yield f"has calibrated diameter {origin.calibrated_diameter!r} um, here it is {model.calibrated_diameter!r} um"
+    elif dict(origin.propagator_constants) != named_constants(model):
+        yield "has other constants of the slider's step than here"
+    elif description.extent != extent(model, origin.seed):
+        yield "has another number of rows than here"
+
+
+def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
+    """Yield where two resolved scenarios differ, but for the engine, which changes no bit."""
+    one, other = _flat(there), _flat(here)
+    for key in dict.fromkeys([*one, *other]):
+        if key != "run.engine" and one.get(key) != other.get(key):
+            yield f"{key} is {_told(one.get(key))} there and {_told(other.get(key))} here"
+
+
+def _flat(scenario: Mapping[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in scenario.items():
+        if isinstance(value, Mapping):
+            found |= {f"{name}.{key}": each for key, each in value.items()}
+        else:
+            found[name] = value
+    return found
+
+
+def _told(value: object) -> str:
+    return "absent" if value is None else json.dumps(value, ensure_ascii=False)

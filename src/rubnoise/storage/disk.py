@@ -1,0 +1,78 @@
+"""Every call by which a result reaches the disk: one place to watch them, to count them, or to let them fail.
+
+Whoever writes calls these as ``disk.sync(...)``, by the name of the module, so that a test can put others in their
+place. Nothing here is clever: each is one call of the system, or one repeated until it is done.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+LARGEST_WRITE = 1 << 30
+
+
+def create(path: Path) -> int:
+    """Create a file that is not there yet, for reading and writing, and return its descriptor."""
+    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+
+
+def reopen(path: Path) -> int:
+    """Open a file that is there, for reading and writing, and return its descriptor."""
+    return os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+
+
+def close(descriptor: int) -> None:
+    """Close a file."""
+    os.close(descriptor)
+
+
+def write_all(descriptor: int, data: memoryview, offset: int) -> None:
+    """Write all of a contiguous buffer of bytes at an offset, however many calls the system needs for it."""
+    while data:
+        written = os.pwrite(descriptor, data[:LARGEST_WRITE], offset)
+        data, offset = data[written:], offset + written
+
+
+def resize(descriptor: int, size: int) -> None:
+    """Cut or extend a file to a size."""
+    os.ftruncate(descriptor, size)
+
+
+def allocate(descriptor: int, size: int) -> None:
+    """Take the space of a file's first bytes from the disk, where the system can."""
+    if sys.platform != "darwin":
+        os.posix_fallocate(descriptor, 0, size)
+
+
+def sync(descriptor: int) -> None:
+    """See a file onto the disk."""
+    os.fsync(descriptor)
+
+
+def sync_rows(descriptor: int) -> None:
+    """See the bytes of a file onto the disk, and of what is known about it only what it takes to read them."""
+    getattr(os, "fdatasync", os.fsync)(descriptor)
+
+
+def sync_folder(folder: Path) -> None:
+    """See the names in a folder onto the disk."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def rename(source: Path, target: Path) -> None:
+    """Give a file another name, in the place of whatever bears it."""
+    source.rename(target)
+
+
+def link(source: Path, target: Path) -> None:
+    """Give a file one more name, which nothing may bear yet."""
+    os.link(source, target)
+
+
+def remove(path: Path) -> None:
+    """Remove a name, if it is there."""
+    path.unlink(missing_ok=True)

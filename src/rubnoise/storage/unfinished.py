@@ -1,0 +1,113 @@
+"""A run that did not finish, as its part file and the journal beside it tell of it."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from rubnoise.errors import Refused, RunFileRefused, resume_hint
+from rubnoise.record.sink import Extent
+from rubnoise.storage.history import History, identity
+from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.output import OutputPaths, is_being_written
+from rubnoise.storage.provenance import TIME, Provenance
+from rubnoise.storage.reader import RunFile, open_run
+
+SUFFIX: Final = ".part"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unfinished:
+    """What is known of a run that did not finish, without reading its rows.
+
+    junctions, ticks: rows at the last commit; committed: its time in UTC, empty before the first; being_written:
+    whether a process writes it now.
+    """
+
+    description: RunDescription
+    source: str
+    junctions: int
+    ticks: int
+    committed: str
+    being_written: bool
+
+    @property
+    def share(self) -> float:
+        """How much of the run's ticks is done, from 0 to 1."""
+        return self.ticks / self.description.extent.ticks
+
+
+def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
+    """Return the names that go with a part file; raises RunFileRefused for one that is named otherwise or missing."""
+    path = Path(part)
+    if path.suffix != SUFFIX or not path.stem:
+        raise RunFileRefused(f"{part}: is no run that did not finish: their names end in {SUFFIX}")
+    if not os.path.lexists(path):
+        whole = path.with_suffix("")
+        there = f"; {whole} is there" if whole.exists() else ""
+        raise RunFileRefused(f"{part}: no such file{there}")
+    return OutputPaths.of(path.with_suffix(""))
+
+
+def look(part: str | os.PathLike[str]) -> Unfinished:
+    """Return how far a run is that did not finish; one that is being written is looked at without harm.
+
+    Raises RunFileRefused as open_run does.
+    """
+    paths = paths_of(part)
+    with open_run(part) as run:
+        description, source = described(run), str(run.attributes["source"])
+    history = History.read(paths.journal)
+    commits = history.commits if history.run == identity(description) else []
+    rows = {group: mark.rows for (group, _), mark in commits[-1].marks.items()} if commits else {}
+    return Unfinished(
+        description=description,
+        source=source,
+        junctions=rows.get("junctions", 0),
+        ticks=rows.get("trace", 0),
+        committed=datetime.fromtimestamp(commits[-1].moment, UTC).strftime(TIME) if commits else "",
+        being_written=is_being_written(paths),
+    )
+
+
+def described(run: RunFile) -> RunDescription:
+    """Return the description from which a run file was made; raises RunFileRefused where it cannot be told."""
+    about, origin = run.attributes, run.provenance
+    try:
+        scenario = json.loads(str(origin["scenario_resolved"]))
+        return RunDescription(
+            title=str(about["title"]),
+            extent=Extent(junctions=run.extent.junctions, ticks=run.extent.ticks, blocks=run.extent.blocks),
+            features=run.features,
+            compression=_compression(scenario),
+            scenario_toml=str(origin["scenario_toml"]),
+            scenario_resolved=scenario,
+            provenance=_provenance(origin),
+        )
+    except (ValueError, TypeError, RecursionError) as problem:
+        raise RunFileRefused(f"{run.path}: what it says of its run cannot be read") from problem
+
+
+def refusal(path: str | os.PathLike[str]) -> Refused:
+    """Return what to raise where a whole result is wanted and the run did not finish."""
+    return RunFileRefused(f"{path}: unfinished; {resume_hint(str(path))} with it")
+
+
+def _compression(scenario: Mapping[str, Any]) -> Literal["none", "gzip"]:
+    return "gzip" if scenario.get("output", {}).get("compression") == "gzip" else "none"
+
+
+def _provenance(origin: Mapping[str, Any]) -> Provenance:
+    return Provenance(
+        software=json.loads(origin["software"]),
+        environment=json.loads(origin["environment"]),
+        seed=int(origin["seed"]),
+        stream_version=int(origin["stream_version"]),
+        calibrated_diameter=float(origin["calibrated_diameter"]),
+        propagator_constants=json.loads(origin["propagator_constants"]),
+        command=origin["command"],
+        started=origin["started"],
+    )
