@@ -211,6 +211,29 @@ def test_files_that_do_not_lead_to_a_base(tmp_path: Path, files: dict[str, str],
     assert f":2: error: extends: {message}" in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("base", "reason"),
+    [
+        ("missing.toml", "cannot be read: no such file or directory"),
+        ("", "cannot be read: is a directory"),
+        (".", "cannot be read: is a directory"),
+        ("/dev/zero", "not a regular file"),
+        ("pipe", "not a regular file"),
+        ("loop", "cannot be read: too many levels of symbolic links"),
+        ("a\\u0000b", "cannot be read: embedded null byte"),
+        ("x" * 300, "cannot be read: file name too long"),
+    ],
+)
+def test_what_is_no_file_is_not_extended(tmp_path: Path, base: str, reason: str) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to("loop")
+    path = write(tmp_path, top=f'format = 1\nextends = "{base}"\n')
+    with pytest.raises(ScenarioRefused) as refused:
+        load(path)
+    assert ":2: error: extends: " in str(refused.value)
+    assert reason in str(refused.value)
+
+
 def test_extends_needs_a_name_and_a_folder(tmp_path: Path) -> None:
     with pytest.raises(ScenarioRefused, match="error: extends: needs the name of a file"):
         load(write(tmp_path, a="format = 1\nextends = 3\n" + BARE.partition("\n")[2]))

@@ -46,6 +46,11 @@ def test_a_distance_that_is_none(value: str, message: str, hint: str) -> None:
     assert refusal(whole(distance=value)) == shown(DISTANCE + message, line, value, hint)
 
 
+def test_an_integer_beyond_every_double() -> None:
+    assert refusal(whole(distance="9" * 400)).startswith(f"{DISTANCE}too large\n")
+    assert refusal(whole(mean_junction_count="9" * 400)).startswith(f"{COUNT}too large\n")
+
+
 @pytest.mark.parametrize(
     ("value", "message", "hint"),
     [

@@ -13,6 +13,7 @@ from rubnoise.api.column import Column
 from rubnoise.api.columns import Columns
 from rubnoise.api.contents import Contents
 from rubnoise.contact.pulses import Pulse
+from rubnoise.errors import RunFileRefused, ScenarioRefused
 from rubnoise.storage.pulse import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
@@ -63,7 +64,11 @@ class Run(Contents):
         """The scenario of the run, with every default and change of it made explicit."""
         from rubnoise.scenario import build
 
-        return build(json.loads(str(self.provenance["scenario_resolved"])))
+        text = str(self.provenance["scenario_resolved"])
+        try:
+            return build(json.loads(text))
+        except (ValueError, RecursionError, AttributeError, TypeError, ScenarioRefused) as problem:
+            raise RunFileRefused(f"{self.path}: the scenario in the file is none that can be run") from problem
 
     @cached_property
     def summary(self) -> list[Agreement]:

@@ -12,7 +12,7 @@ from rubnoise.storage.reader import RunFile, open_run
 def finished_run(path: Path) -> Iterator[RunFile]:
     """Open a result file; what is refused about it is told with its name.
 
-    Raises RunFileRefused for one that is unfinished, or that open_run refuses.
+    Raises RunFileRefused for one that is unfinished, that open_run refuses, or whose values cannot be calculated with.
     """
     with open_run(path) as file:
         if not file.provenance["finished"]:
@@ -23,3 +23,7 @@ def finished_run(path: Path) -> Iterator[RunFile]:
             if str(refusal).startswith((f"{path}: ", "--")):
                 raise
             raise type(refusal)(f"{path}: {refusal}") from refusal
+        except (ArithmeticError, ValueError, IndexError) as problem:
+            # Rows may hold anything: what no run has is nothing to calculate with.
+            reason = " ".join(str(problem).split())
+            raise RunFileRefused(f"{path}: {reason}; rubnoise verify says whether its values are sound") from problem

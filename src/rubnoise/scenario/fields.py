@@ -88,8 +88,8 @@ class Measure(Field):
             return value
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return None
-        if not isfinite(value):
-            raise Unfit("not a finite number")
+        if reason := _no_double(value):
+            raise Unfit(reason)
         return Quantity(Fraction(repr(value)), self.kinds[0])
 
     def _text(self, value: Any) -> Quantity:
@@ -103,8 +103,8 @@ class Measure(Field):
     def _no_text(self, value: Any) -> tuple[str, str]:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             return f"needs a number with a unit, not {_named(value)}", f'right form: "{self.kinds[0].example}"'
-        if not isfinite(value):
-            return "not a finite number", f'right form: "{self.kinds[0].example}"'
+        if reason := _no_double(value):
+            return reason, f'right form: "{self.kinds[0].example}"'
         return "a number without a unit", f'right form: "{value} {self.kinds[0].unit}"'
 
     def _out_of_range(self, quantity: Quantity) -> tuple[str, str]:
@@ -199,6 +199,14 @@ def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> 
     close = get_close_matches(word[:40].lower(), known, n=1, cutoff=0.6)
     mark = '"' if quoted else ""
     return f"did you mean {mark}{close[0]}{mark}?" if close else ""
+
+
+def _no_double(value: float) -> str:
+    """Return what keeps a number from being a finite double, if anything: integers have any length."""
+    try:
+        return "" if isfinite(value) else "not a finite number"
+    except OverflowError:
+        return "too large"
 
 
 def _named(value: Any) -> str:

@@ -170,7 +170,7 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
     while isinstance(base := sources[0].data.get("extends"), str):
         path = path.parent / base
         try:
-            identity, text = _identity(path), _read(path, base)
+            text, identity = _read(path, base), _identity(path)
         except ScenarioRefused as refusal:
             return sources, _not_extended(sources[0], str(refusal))
         if identity in seen:
