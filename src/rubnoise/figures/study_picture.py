@@ -1,0 +1,114 @@
+"""The picture of a study: simulated values with their intervals, and the exact curves."""
+
+from itertools import cycle
+from math import isfinite
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rubnoise.figures.marks import LONGEST_TITLE, printed
+from rubnoise.figures.study import Line, Study
+from rubnoise.figures.style import SERIES, VERMILION, Format, as_bytes, house_style, logarithmic, new_figure, shortened
+from rubnoise.figures.sweep_words import key_label, key_words, quantity_label, quantity_words
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LOOK: Final[dict[str, Any]] = {"ms": 4.5, "lw": 0.0, "elinewidth": 1.0, "capsize": 2.0, "zorder": 3}
+MOST_LABELS: Final = 10
+APART: Final = 0.06
+"""How far lines are drawn apart where the key has words for values, which lie 1 apart."""
+
+LONGEST_LABEL: Final = 24
+TALL: Final = 10.0
+"""Ratio of the highest to the lowest value from which a quantity over a logarithmic axis has one too."""
+
+
+def study_picture(study: Study, kind: Format) -> bytes:
+    """Return the picture of a study as the bytes of a file, the same for the same study."""
+    with house_style():
+        return as_bytes(draw_study(study), kind)
+
+
+def draw_study(study: Study) -> "Figure":
+    """Draw the points of every line with their 95 % intervals, and the exact curves. Within ``house_style()``."""
+    figure = new_figure(6.4 if len(study.lines) > 1 else 5.4, 4.0)
+    axes = figure.subplots()
+    for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(SERIES), strict=False)):
+        shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
+        _draw_points(axes, line, {"color": colour, "fmt": marker, **LOOK}, shift, named=number < MOST_LABELS)
+        _draw_exact(axes, line, shift)
+    _label(axes, study)
+    _legend(axes, study)
+    _entitle(figure, study)
+    return figure
+
+
+def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *, named: bool) -> None:
+    """Draw points; an interval that nothing tells is left away, and the point with it is hollow."""
+    known = [spot for spot in line.spots if isfinite(spot.seen.value)]
+    told = [spot for spot in known if isfinite(spot.seen.reach)]
+    bare = [spot for spot in known if not isfinite(spot.seen.reach)]
+    axes.errorbar(
+        [spot.place + shift for spot in told],
+        [spot.seen.value for spot in told],
+        [spot.seen.reach for spot in told],
+        label=printed(line.label) if named and line.label else None,
+        **look,
+    )
+    hollow = {"marker": look["fmt"], "mfc": "none", "mec": look["color"], "ls": "none", "ms": look["ms"]}
+    axes.plot([spot.place + shift for spot in bare], [spot.seen.value for spot in bare], **hollow)
+
+
+def _draw_exact(axes: "Axes", line: Line, shift: float) -> None:
+    """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
+    look: dict[str, Any] = {"color": VERMILION, "lw": 1.2, "zorder": 2}
+    if line.curve is not None:
+        axes.plot(*line.curve, **look)
+        return
+    for spot in line.spots:
+        axes.errorbar([spot.place + shift], [spot.exact], marker="_", ms=14.0, mew=1.4, color=VERMILION, zorder=2)
+
+
+def _label(axes: "Axes", study: Study) -> None:
+    axes.set_xlabel(key_label(study.key, study.unit))
+    axes.set_ylabel(quantity_label(study.quantity))
+    if study.numeric:
+        _scale(axes, study)
+    else:
+        labels = {spot.place: spot.label for line in study.lines for spot in line.spots}
+        axes.set_xticks(list(labels), [shortened(printed(text), LONGEST_LABEL) for text in labels.values()])
+        axes.margins(x=0.15)
+    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
+    if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
+        axes.set_ylim(bottom=0.0)
+
+
+def _scale(axes: "Axes", study: Study) -> None:
+    """Make axes logarithmic where the points lie so, and then that of a quantity which falls by more than ten."""
+    if not study.logarithmic:
+        return
+    logarithmic(axes.xaxis)
+    values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
+    if np.nanmin(values) > 0.0 and np.nanmax(values) > TALL * np.nanmin(values):
+        logarithmic(axes.yaxis)
+
+
+def _legend(axes: "Axes", study: Study) -> None:
+    """Tell lines apart by the values of the other keys; below them stands the exact curve."""
+    (exact,) = axes.plot([], [], color=VERMILION, lw=1.2)
+    points: Any = axes.errorbar([], [], [], **LOOK, color=SERIES[0][0], fmt=SERIES[0][1])
+    handles, labels = axes.get_legend_handles_labels()
+    title = None
+    if study.others:
+        title = f"simulated, 95 % interval,\n{printed(', '.join(map(key_words, study.others)))}:"
+    else:
+        handles, labels = [points], ["simulated, 95 % interval"]
+    axes.legend([*handles, exact], [*labels, "exact"], loc="best", title=title, alignment="left")
+
+
+def _entitle(figure: "Figure", study: Study) -> None:
+    title = shortened(printed(study.title), LONGEST_TITLE)
+    shown = quantity_words(study.quantity)
+    figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], title))), x=0.01, ha="left", fontsize=10.0)

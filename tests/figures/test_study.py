@@ -1,0 +1,222 @@
+"""Pictures of sweeps: what goes along the axis, what theory draws through the points, and what is refused."""
+
+from collections.abc import Sequence
+from itertools import product
+from math import isnan, nan
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rubnoise.errors import Refused
+from rubnoise.figures.study import Line, Study, exact_at, exact_of
+from rubnoise.figures.study_of import PointRuns, study_of
+from rubnoise.figures.study_picture import draw_study, study_picture
+from rubnoise.figures.style import house_style
+from rubnoise.figures.sweep_words import QUANTITIES, key_label, quantity_label
+from rubnoise.scenario import Scenario, build
+from rubnoise.scenario.precision import QUANTITIES as FIGURES
+from rubnoise.theory.campbell import area_cumulants
+from tests.verification.seeds import seed_of
+
+STD = "real_contact_area_std"
+COUNT, AREA, SHAPE = "interface.mean_junction_count", "interface.mean_real_contact_area", "pulse.shape"
+SPEED, DISTANCE, SPREAD = "sliding.speed", "sliding.distance", "diameter.spread"
+UNITS = {COUNT: "1", AREA: "um^2", SHAPE: "", SPEED: "um/s", DISTANCE: "um", SPREAD: "%"}
+
+
+def _scenario(values: dict[str, Any]) -> Scenario:
+    tables: dict[str, dict[str, Any]] = {
+        "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+        "sliding": {"distance": "5 mm", "speed": "1 mm/s"},
+        "diameter": {"law": "normal", "spread": "4 %"},
+        "strength": {"mean": "250 MPa"},
+        "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
+    }
+    for key, value in values.items():
+        table, _, name = key.partition(".")
+        tables.setdefault(table, {})[name] = value
+    return build({"format": 1, **tables})
+
+
+def _points(
+    grid: dict[str, Sequence[Any]], quantity: str = STD, *, runs: int = 8, scatter: float = 0.02
+) -> list[PointRuns]:
+    """Return points whose runs scatter about the exact value."""
+    rng = np.random.Generator(np.random.PCG64(seed_of("study/points")))
+    found = []
+    for chosen in product(*grid.values()):
+        values = dict(zip(grid, chosen, strict=True))
+        scenario = _scenario(values)
+        told = {key: _number(scenario, key) for key in values}
+        exact = exact_of(scenario, quantity)
+        found.append(
+            PointRuns(
+                values=values,
+                numbers={key: number for key, number in told.items() if number is not None},
+                scenario=scenario,
+                figures=(exact * rng.normal(1.0, scatter, runs)).tolist(),
+                standard_error=scatter * exact,
+            )
+        )
+    return found
+
+
+def _number(scenario: Scenario, key: str) -> float | None:
+    table, _, name = key.partition(".")
+    value = getattr(getattr(scenario, table), name)
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _study(grid: dict[str, Sequence[Any]], quantity: str = STD, side_by_side: Sequence[str] = (), **how: Any) -> Study:
+    units = {key: UNITS[key] for key in grid}
+    return study_of(_points(grid, quantity, **how), quantity, title="a study", units=units, side_by_side=side_by_side)
+
+
+def _rejected(line: Line) -> bool:
+    """Whether an exact value lies far outside of what the runs allow."""
+    return any(abs(spot.seen.value - spot.exact) > 5.0 * spot.seen.standard_error for spot in line.spots)
+
+
+def test_the_key_with_the_most_numbers_goes_along_the_axis() -> None:
+    study = _study({COUNT: [10, 20], AREA: ["100 um^2", "200 um^2", "400 um^2"]})
+    assert (study.key, study.unit, study.others) == (AREA, "um^2", (COUNT,))
+    assert [line.label for line in study.lines] == ["10", "20"]
+    assert [spot.place for spot in study.lines[0].spots] == [100.0, 200.0, 400.0]
+    assert _study({AREA: ["100 um^2", "200 um^2"], COUNT: [10, 20]}).key == AREA
+
+
+def test_points_are_put_in_order() -> None:
+    study = _study({COUNT: [40, 10, 20]})
+    assert [spot.place for spot in study.lines[0].spots] == [10.0, 20.0, 40.0]
+
+
+def test_the_curve_is_exact_at_the_points_and_between_them() -> None:
+    study = _study({COUNT: [10, 20, 40]})
+    assert study.lines[0].curve is not None
+    across, exact = study.lines[0].curve
+    assert set(across) >= {10.0, 20.0, 40.0}
+    for x, value in list(zip(across.tolist(), exact.tolist(), strict=True))[::9]:
+        assert value == pytest.approx(area_cumulants(_scenario({COUNT: x}).model()).std, rel=1e-9)
+    assert not _rejected(study.lines[0])
+
+
+def test_the_curve_of_another_contact_is_rejected() -> None:
+    points = _points({COUNT: [10, 20, 40]})
+    wrong = [
+        PointRuns(
+            values=point.values,
+            numbers=point.numbers,
+            scenario=_scenario({COUNT: 1.2 * point.numbers[COUNT]}),
+            figures=point.figures,
+            standard_error=point.standard_error,
+        )
+        for point in points
+    ]
+    assert _rejected(study_of(wrong, STD, title="", units={COUNT: "1"}).lines[0])
+    assert not _rejected(study_of(points, STD, title="", units={COUNT: "1"}).lines[0])
+
+
+def test_a_percentage_stays_one_between_the_points() -> None:
+    scenario = _scenario({SPREAD: "10 %"})
+    assert exact_at(scenario, {SPREAD: 0.2}, STD) == pytest.approx(
+        area_cumulants(_scenario({SPREAD: "20 %"}).model()).std, rel=1e-12
+    )
+
+
+def test_keys_side_by_side_go_along_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rubnoise.figures.study.CURVE", 9)
+    grid = {SPEED: ["1 mm/s", "4 mm/s", "16 mm/s"]}
+    points = _points(grid, "displacement_std")
+    distances = {1000.0: "5 mm", 4000.0: "20 mm", 16000.0: "80 mm"}
+    both = [
+        PointRuns(
+            values=dict(point.values) | {DISTANCE: distances[point.numbers[SPEED]]},
+            numbers=dict(point.numbers) | {DISTANCE: 5.0 * point.numbers[SPEED]},
+            scenario=point.scenario,
+            figures=point.figures,
+            standard_error=nan,
+        )
+        for point in points
+    ]
+    units = {SPEED: "um/s", DISTANCE: "um"}
+    study = study_of(both, "displacement_std", title="", units=units, side_by_side=tuple(units))
+    assert (study.key, study.others, len(study.lines)) == (SPEED, (), 1)
+    assert study.lines[0].curve is not None
+    across, exact = study.lines[0].curve
+    middle = int(np.argmin(np.abs(across - 2000.0)))
+    assert exact[middle] == pytest.approx(
+        exact_of(_scenario({SPEED: float(across[middle])}), "displacement_std"), rel=1e-9
+    )
+    assert study.logarithmic
+    apart = study_of(both, "displacement_std", title="", units=units)
+    assert len(apart.lines) == 3
+
+
+def test_words_along_the_axis_have_exact_values_at_the_points_alone() -> None:
+    study = _study({SHAPE: ["lens", "triangle"]})
+    assert (study.numeric, study.key) == (False, SHAPE)
+    assert [(spot.place, spot.label) for spot in study.lines[0].spots] == [(0.0, "lens"), (1.0, "triangle")]
+    assert study.lines[0].curve is None
+    both = _study({SHAPE: ["lens", "triangle"], COUNT: [10, 20]})
+    assert (both.key, [line.label for line in both.lines]) == (COUNT, ["lens", "triangle"])
+
+
+@pytest.mark.parametrize(
+    ("counts", "logarithmic"),
+    [([10, 20, 30, 40], False), ([5, 10, 20, 40], True), ([1, 2, 50], True), ([10, 20], False), ([10, 12, 30], False)],
+)
+def test_an_axis_is_logarithmic_where_the_points_are(counts: list[int], *, logarithmic: bool) -> None:
+    assert _study({COUNT: counts}).logarithmic is logarithmic
+
+
+def test_what_makes_no_picture_is_refused() -> None:
+    with pytest.raises(Refused, match="nothing is swept"):
+        _study({COUNT: [20]})
+    points = [
+        PointRuns(values=p.values, numbers=p.numbers, scenario=p.scenario, figures=[nan], standard_error=nan)
+        for p in _points({COUNT: [10, 20]})
+    ]
+    with pytest.raises(Refused, match="real_contact_area_std: no run has it"):
+        study_of(points, STD, title="", units={COUNT: "1"})
+
+
+def test_a_gap_is_left_where_there_is_no_scenario() -> None:
+    assert isnan(exact_at(_scenario({}), {COUNT: -5.0}, STD))
+
+
+def test_every_figure_has_words_and_every_axis_its_unit() -> None:
+    assert list(QUANTITIES) == list(FIGURES)
+    assert quantity_label("displacement_std") == "standard deviation of the\ndisplacement (µm)"
+    assert key_label(AREA, "um^2") == "mean real contact area (µm²)"
+    assert key_label(COUNT, "1") == "mean junction count"
+    assert key_label(SPEED, "um/s") == "sliding speed (µm/s)"
+    assert key_label("slider.damping", "N*s/m") == "damping (N s/m)"
+
+
+def _texts(study: Study) -> set[str]:
+    with house_style():
+        figure = draw_study(study)
+        figure.draw_without_rendering()
+        axes = figure.axes[0]
+        legend = axes.get_legend()
+        assert legend is not None
+        told = [axes.get_xlabel(), axes.get_ylabel(), legend.get_title().get_text()]
+        return {*told, *(text.get_text() for text in (*legend.get_texts(), *axes.get_xticklabels()))}
+
+
+def test_a_picture_says_what_it_shows() -> None:
+    texts = _texts(_study({AREA: ["100 um^2", "200 um^2", "300 um^2"], COUNT: [10, 20]}))
+    assert {"10", "20", "exact", "mean real contact area (µm²)"} <= texts
+    assert "simulated, 95 % interval,\nmean junction count:" in texts
+    assert "standard deviation of the\nreal contact area (µm²)" in texts
+    alone = _texts(_study({SHAPE: ["lens", "triangle"]}))
+    assert {"lens", "triangle", "simulated, 95 % interval", "exact", "pulse shape"} <= alone
+
+
+@pytest.mark.parametrize("runs", [1, 2])
+def test_the_same_study_is_the_same_picture(runs: int) -> None:
+    first, again = (study_picture(_study({COUNT: [10, 20, 40]}, runs=runs), "svg") for _ in range(2))
+    assert first == again
+    assert first.startswith(b"<?xml")
+    assert study_picture(_study({COUNT: [10, 20, 41]}, runs=runs), "svg") != first
