@@ -16,12 +16,17 @@ if TYPE_CHECKING:
         RubnoiseError,
         Run,
         Scenario,
+        SweepResult,
         build,
         exact,
+        expand,
         load,
+        load_sweep,
         open,  # noqa: A004  (rubnoise.open reads like h5py.File)
+        open_sweep,
         resume,
         run,
+        run_sweep,
         simulate,
     )
 
@@ -38,13 +43,18 @@ __all__ = [
     "RubnoiseError",
     "Run",
     "Scenario",
+    "SweepResult",
     "__version__",
     "build",
     "exact",
+    "expand",
     "load",
+    "load_sweep",
     "open",
+    "open_sweep",
     "resume",
     "run",
+    "run_sweep",
     "simulate",
 ]
 

@@ -9,8 +9,12 @@ from typing import Any, NoReturn
 
 import pytest
 
+from rubnoise.api.describing import describe
 from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
 from rubnoise.cli.claims import contents
+from rubnoise.scenario import load
+from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.part import make_part
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import CONTACT, call
 from tests.unit.tampering import put, tell
@@ -112,6 +116,8 @@ def answers(here: Path) -> list[tuple[str, Any]]:
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
     full = "../given/slider.toml"
+    paths = OutputPaths.of("stopped.h5")
+    make_part(paths.part, paths.making, describe(load(full), "stopped.h5", ["rubnoise", "run", full]))
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
@@ -122,6 +128,10 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
         ("run", ("run", full, "-o", "long.h5", "--set", "sliding.distance=700 um", "--json")),
+        ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--merge", "--json")),
+        ("folder", ("info", "swept", "--json")),
+        ("unfinished", ("info", "stopped.h5.part", "--json")),
+        ("run", ("resume", "stopped.h5.part", "--json")),
         ("compare", ("compare", "long.h5", "--json")),
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),
         ("verify", ("verify", "long.h5", "--regenerate", "1", "--json")),

@@ -12,9 +12,12 @@ if TYPE_CHECKING:
     from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
+    from rubnoise.api.sweep_result import SweepResult, open_sweep
+    from rubnoise.api.sweeping import run_sweep
     from rubnoise.errors import Refused, RubnoiseError
     from rubnoise.record.rows import JunctionState
     from rubnoise.scenario import Scenario, build, load
+    from rubnoise.scenario.sweep import expand, load_sweep
     from rubnoise.theory.exact import Exact
 
 __all__ = [
@@ -29,12 +32,17 @@ __all__ = [
     "RubnoiseError",
     "Run",
     "Scenario",
+    "SweepResult",
     "build",
     "exact",
+    "expand",
     "load",
+    "load_sweep",
     "open",
+    "open_sweep",
     "resume",
     "run",
+    "run_sweep",
     "simulate",
 ]
 
@@ -47,9 +55,12 @@ HOMES: Final = {
     "rubnoise.api.result": ("Run", "open"),
     "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
+    "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
+    "rubnoise.api.sweeping": ("run_sweep",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
     "rubnoise.record.rows": ("JunctionState",),
     "rubnoise.scenario": ("Scenario", "build", "load"),
+    "rubnoise.scenario.sweep": ("expand", "load_sweep"),
     "rubnoise.theory.exact": ("Exact",),
 }
 

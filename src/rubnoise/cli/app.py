@@ -22,8 +22,10 @@ from rubnoise.cli import (
     listen,
     new,
     plot,
+    resume,
     run,
     schema,
+    sweep,
     teach,
     theory,
     verify,
@@ -41,6 +43,8 @@ app = Typer(
     pretty_exceptions_enable=False,
 )
 app.command("run")(run.command)
+app.command("resume")(resume.command)
+app.command("sweep")(sweep.command)
 app.command("check")(check.command)
 app.command("info")(info.command)
 # Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others.

@@ -10,24 +10,55 @@ if TYPE_CHECKING:
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="A result file, the part of one, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
+        ),
+    ],
     *,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Say what is in a result file, and how its figures compare with the exact ones.
+    """Say what is in a result file, and how its figures compare with the exact ones; or how far a run or a sweep is.
 
     Example: rubnoise info fig5.h5
     """
     import json
 
     from rubnoise import api
-    from rubnoise.errors import RunFileRefused
+    from rubnoise.storage.unfinished import SUFFIX, refusal
 
+    if file.is_dir():
+        _tell_of_sweep(file, as_json=as_json)
+        return
+    if file.suffix == SUFFIX:
+        _tell_of_part(file, as_json=as_json)
+        return
     with api.open(file) as run:
         if not run.provenance["finished"]:
-            raise RunFileRefused(f"{file}: unfinished; the run that writes it goes on or was stopped")
+            raise refusal(file)
         answer = contents(run, file)
         print(json.dumps(answer) if as_json else "\n".join(described(run, answer)))
+
+
+def _tell_of_sweep(folder: Path, *, as_json: bool) -> None:
+    import json
+
+    from rubnoise import api
+    from rubnoise.cli import sweep_info
+
+    with api.open_sweep(folder) as sweep:
+        answer = sweep_info.contents(sweep, folder)
+    print(json.dumps(answer) if as_json else "\n".join(sweep_info.described(answer)))
+
+
+def _tell_of_part(part: Path, *, as_json: bool) -> None:
+    import json
+
+    from rubnoise.cli import info_part
+
+    answer = info_part.contents(part)
+    print(json.dumps(answer) if as_json else "\n".join(info_part.described(answer)))
 
 
 def contents(run: "Run", file: Path) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, load
-from rubnoise.scenario.sweep import Sweep, load_either
+from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 
 _HDF5 = b"\x89HDF"
 
@@ -24,6 +24,14 @@ def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False)
     scenario = load(file, changes)
     _warn(scenario.warnings, quiet=quiet)
     return scenario
+
+
+def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Sweep:
+    """Load a sweep and print its warnings; raises ScenarioRefused, also for a file that is one run."""
+    _refuse_result(file)
+    sweep = load_sweep(file, changes)
+    _warn(sweep.warnings, quiet=quiet)
+    return sweep
 
 
 def scenario_or_sweep(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario | Sweep:

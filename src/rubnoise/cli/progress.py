@@ -63,7 +63,7 @@ class Watcher:
         if self._began is None or distance <= self._origin or self._origin == 0.0:
             return ""
         rest = (now - self._began) * max(self._distance - distance, 0.0) / (distance - self._origin)
-        return f"  {_clock(rest)} to go"
+        return f"  {clock(rest)} to go"
 
     def _write(self, text: str) -> None:
         sys.stderr.write("\r" + text.ljust(self._width))
@@ -111,7 +111,8 @@ def announce_compilation() -> None:
         print("Compiling the kernels; this happens once and takes some seconds.", file=sys.stderr)
 
 
-def _clock(seconds: float) -> str:
+def clock(seconds: float) -> str:
+    """Return a time as minutes and seconds, or hours with them."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import row_count
-from rubnoise.storage.rows import StoredColumn
+from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
@@ -120,7 +120,7 @@ class RunFile:
     def _reading(self) -> Iterator[None]:
         if self.closed:
             raise ValueError(f"{self.path}: the run file is closed")
-        with _refusing(self.path):
+        with refusing(self.path):
             yield
 
     def _value(self, answer: Mapping[str, Any]) -> Any:
@@ -149,19 +149,36 @@ def open_run(path: str | os.PathLike[str]) -> RunFile:
     Raises RunFileRefused, with the reason in one sentence, for a path that is missing or no regular file, a file that
     is not HDF5, not a run, cut short or damaged; TooNew for one of a later format.
     """
-    with _refusing(path):
+    descriptor, found = examined(path)
+    try:
+        with refusing(path):
+            _check_run(found)
+            return RunFile(path, descriptor, found)
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def _check_run(found: Mapping[str, Any]) -> None:
+    if "index" in found:
+        raise RunFileRefused("is the index of a sweep, not the result of a run")
+
+
+def examined(path: str | os.PathLike[str]) -> tuple[int, dict[str, Any]]:
+    """Return a descriptor of a file, locked for reading, and what a survey found in it; refused as by `open_run`."""
+    with refusing(path):
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)  # opening a pipe would wait for ever
         try:
             _check_signature(descriptor)
             _share(descriptor)
-            return RunFile(path, descriptor, _surveyed(descriptor))
+            return descriptor, _surveyed(descriptor)
         except BaseException:
             os.close(descriptor)
             raise
 
 
 @contextmanager
-def _refusing(path: str | os.PathLike[str]) -> Iterator[None]:
+def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
     """Begin whatever is wrong with a file with its path."""
     try:
         yield
@@ -177,7 +194,9 @@ def _check_signature(descriptor: int) -> None:
     if not stat.S_ISREG(about.st_mode):
         raise RunFileRefused("is not a regular file")
     if os.pread(descriptor, len(SIGNATURE), 0) != SIGNATURE:
-        raise RunFileRefused("is empty" if about.st_size == 0 else "is not an HDF5 file")
+        raise RunFileRefused(
+            f"is empty; {REMEDY}" if about.st_size == 0 else "is not an HDF5 file; `rubnoise run` makes one"
+        )
 
 
 def _share(descriptor: int) -> None:
@@ -195,7 +214,7 @@ def _surveyed(descriptor: int) -> dict[str, Any]:
     try:
         found: dict[str, Any] = json.loads(_answer(descriptor))
     except (ValueError, RecursionError) as problem:
-        raise RunFileRefused("damaged: its structure cannot be told") from problem
+        raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
     if "refused" in found:
         raise RunFileRefused(found["refused"])
     if "too_new" in found:

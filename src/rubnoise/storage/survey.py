@@ -12,8 +12,11 @@ from typing import Any, Final
 import h5py
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage import index
+from rubnoise.storage.index_survey import found_in_index
 from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.pages import Overlay
+from rubnoise.storage.rows import REMEDY
 from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
 from rubnoise.storage.soundness import (
     ATTRIBUTES_LIMIT,
@@ -50,6 +53,8 @@ def survey(descriptor: int) -> bytes:
 
 
 def _found(file: h5py.File, size: int) -> dict[str, Any]:
+    if _format(file) == index.FORMAT:
+        return found_in_index(file, size)
     version = _version(file)
     if version > FORMAT_VERSION:
         return {"too_new": version, "source": read_text(file, "source")}
@@ -63,8 +68,12 @@ def _found(file: h5py.File, size: int) -> dict[str, Any]:
     }
 
 
+def _format(file: h5py.File) -> Scalar | None:
+    return read_attribute(file, "format") if h5py.h5a.exists(file.id, b"format") else None
+
+
 def _version(file: h5py.File) -> int:
-    if not h5py.h5a.exists(file.id, b"format") or read_attribute(file, "format") != FORMAT:
+    if _format(file) != FORMAT:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
     version = read_integer(file, "format_version")
     if version < 1:
@@ -144,4 +153,5 @@ def _or_refusal(read: Callable[[], object]) -> dict[str, object]:
 def _reason(problem: Exception) -> str:
     if isinstance(problem, RunFileRefused):
         return str(problem)
-    return "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
+    what = "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
+    return f"{what}; {REMEDY}"

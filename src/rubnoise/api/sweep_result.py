@@ -1,0 +1,192 @@
+"""The folder of a sweep, opened."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.api.column import Column
+from rubnoise.api.columns import Columns
+from rubnoise.api.result import Run
+from rubnoise.api.result import open as open_result
+from rubnoise.errors import RunFileRefused, needing
+from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
+from rubnoise.storage.index_file import IndexFile, open_index
+from rubnoise.storage.schema import Group
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rubnoise.scenario import Scenario
+
+INDEX: Final = "index.h5"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Failure:
+    """A run of a sweep that could not be made, and why."""
+
+    run_id: str
+    values: Mapping[str, Any]
+    replicate: int
+    reason: str
+
+
+class SweepResult:
+    """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when asked for.
+
+    ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
+    `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done.
+
+    >>> import rubnoise
+    >>> with rubnoise.run_sweep("scenarios/paper/fig9.toml", "fig9", jobs=1) as sweep:
+    ...     sweep.keys, sweep.count("done")
+    (('interface.mean_junction_count',), 5)
+    """
+
+    def __init__(self, file: IndexFile) -> None:
+        """Take over an open index."""
+        self._file = file
+        self.runs = self._columns(RUNS)
+        self.points = self._columns(POINTS)
+
+    def __enter__(self) -> Self:
+        """Return the sweep."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close the index."""
+        self.close()
+
+    def close(self) -> None:
+        """Close the index; what was not read from it can be read no more."""
+        self._file.close()
+
+    @property
+    def path(self) -> Path:
+        """Path of the folder, as it was opened."""
+        return self._file.path.parent
+
+    @property
+    def title(self) -> str:
+        """Title of the sweep."""
+        return self._file.attributes["title"]
+
+    @property
+    def attributes(self) -> Mapping[str, str]:
+        """What the index says of the sweep: its file as read, the command, when it was written and by what."""
+        return self._file.attributes
+
+    @property
+    def grid(self) -> tuple[str, ...]:
+        """The swept keys each value of which goes with each one of the others."""
+        return tuple(json.loads(self._file.attributes["grid"]))
+
+    @property
+    def side_by_side(self) -> tuple[str, ...]:
+        """The swept keys whose values go side by side."""
+        return tuple(json.loads(self._file.attributes["side_by_side"]))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All swept keys."""
+        return (*self.grid, *self.side_by_side)
+
+    @cached_property
+    def values(self) -> tuple[dict[str, Any], ...]:
+        """The swept values of every point, by key, as written in the file."""
+        return tuple(json.loads(text) for text in self.points["values"][:])
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of what was measured, without the exact values and standard errors beside them."""
+        known = {"run", "run_id", "point", "replicate", "seed", "file", "state", "reason", *self.keys}
+        ends = ("_exact", "_standard_error")
+        return tuple(name for name in self.runs.names if name not in known and not name.endswith(ends))
+
+    @property
+    def failures(self) -> list[Failure]:
+        """The runs that failed."""
+        columns = {name: self.runs[name][:] for name in ("run_id", "point", "replicate", "reason")}
+        return [
+            Failure(
+                run_id=str(columns["run_id"][row]),
+                values=self.values[columns["point"][row]],
+                replicate=int(columns["replicate"][row]),
+                reason=str(columns["reason"][row]),
+            )
+            for row in np.flatnonzero(self.runs["state"][:] == "failed")
+        ]
+
+    def count(self, state: str) -> int:
+        """Return how many runs are "planned", "done" or "failed"."""
+        return int(np.count_nonzero(self.runs["state"][:] == state))
+
+    def run(self, run_id: str) -> Run:
+        """Open the result of a run by its name; raises KeyError for one that is none, RunFileRefused without a file."""
+        rows = np.flatnonzero(self.runs["run_id"][:] == run_id)
+        if not rows.size:
+            raise KeyError(f"{self.path}: no run is named {run_id}")
+        if self.runs["file"][int(rows[0])] != (file := f"runs/{run_id}.h5"):
+            raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
+        return open_result(self.path / file)
+
+    def scenario(self, point: int) -> "Scenario":
+        """Return the scenario of a point by its number, with the seed of the file."""
+        from rubnoise.scenario import build
+
+        resolved = json.loads(self._file.attributes["scenario_resolved"])
+        for key, value in self.values[point].items():
+            section, name = key.split(".")
+            resolved.setdefault(section, {})[name] = value
+        return build(resolved)
+
+    @property
+    def summaries(self) -> tuple[str, ...]:
+        """The names of what is kept of runs and points beyond single figures."""
+        return tuple(about.name for about in self._file.columns(SUMMARIES))
+
+    def summary(self, name: str) -> NDArray[Any]:
+        """Read one of ``summaries``: one row a run, or a point; raises KeyError for a name that is none."""
+        return self._file.read(SUMMARIES, name)
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
+
+        Keys of [sweep.zip] share the dimension `side_by_side`; what has not been measured is nan. ``runs.to_xarray()``
+        has all runs in one row instead. Raises ExtraMissing without xarray.
+        """
+        with needing("analysis", "to_xarray"):
+            from rubnoise.api import sweep_labelled
+        return sweep_labelled.dataset(self)
+
+    def __repr__(self) -> str:
+        if self._file.closed:
+            return f"{self.path}: a sweep, closed"
+        states = ", ".join(f"{self.count(state):,} {state}" for state in ("done", "failed", "planned"))
+        return "\n".join([f"{self.path}: {self.title}", f"  {len(self.points):,} points, {states}", *self.keys])
+
+    def _columns(self, group: str) -> Columns:
+        rows = self._file.rows(group)
+        found = {
+            about.name: Column(about, rows, partial(self._file.read, group, about.name))
+            for about in self._file.columns(group)
+        }
+        about = Group(name=group, long_name=f"the {group} of a sweep", length="curve", columns=(), plotted="")
+        return Columns(about, found)
+
+
+def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
+    """Open the folder of a sweep, finished or not; raises RunFileRefused where it has no index of ours."""
+    if not (Path(folder) / INDEX).exists():
+        raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}")
+    return SweepResult(open_index(Path(folder) / INDEX))

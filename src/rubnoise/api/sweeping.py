@@ -1,0 +1,141 @@
+"""Sweeps: all runs of a file with a table [sweep], on this machine or on a cluster, into one folder."""
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from functools import partial
+from pathlib import Path
+from shlex import join
+from shutil import disk_usage
+from typing import Final
+
+from rubnoise.api.running import run
+from rubnoise.api.summarising import keep_summary
+from rubnoise.api.sweep_result import SweepResult, open_sweep
+from rubnoise.errors import OutputRefused, Refused
+from rubnoise.model import Model
+from rubnoise.scenario.points import Point
+from rubnoise.scenario.sweep import Sweep, load_sweep
+from rubnoise.storage.budget import expected
+from rubnoise.sweep.cluster import Cluster
+from rubnoise.sweep.conducting import Ending, Means, Standing, conduct
+from rubnoise.sweep.engine import Workers
+from rubnoise.sweep.folder import Shard, SweepFolder
+from rubnoise.sweep.found import found_run
+from rubnoise.sweep.orders import ORDERS
+from rubnoise.sweep.pool import Pool
+from rubnoise.sweep.rows import Row
+
+MOST_JOBS: Final = 1024
+
+Watch = Callable[[Standing], None]
+
+
+def run_sweep(
+    file: str | os.PathLike[str] | Sweep,
+    folder: str | os.PathLike[str],
+    *,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    shard: str | None = None,
+) -> SweepResult:
+    """Carry out every run of a sweep that is not done yet, and open the folder: ``run_sweep("fig7.toml", "fig7")``.
+
+    ``jobs`` processes share the work, one for each processor by default; with ``cluster`` the workers of a Dask
+    scheduler do, told by its address or its file; ``shard`` "2/8" does the second eighth. A run that fails does not
+    keep others from being made: ask ``.failures``. Raises ScenarioRefused, OutputRefused for a folder of something
+    else, in use or on a disk without room, ExtraMissing without the library of a cluster.
+    """
+    sweep = file if isinstance(file, Sweep) else load_sweep(file)
+    carry_out(sweep, folder, jobs=jobs, cluster=cluster, shard=shard)
+    return open_sweep(folder)
+
+
+def carry_out(
+    sweep: Sweep,
+    folder: str | os.PathLike[str],
+    *,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    shard: str | None = None,
+    command: Sequence[str] | None = None,
+    watch: Watch = lambda _standing: None,
+) -> Ending:
+    """Carry out a sweep, and return what became of it; see run_sweep.
+
+    ``command`` is what its results say was called, ``watch`` is told how far it is, and may raise RunStopped.
+    """
+    place = SweepFolder(Path(folder).absolute())
+    part = None if shard is None else Shard.of(shard)
+    workers = _workers(jobs, cluster)
+    place.check()
+    command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+    means = Means(
+        work=_work(sweep, place, command),
+        workers=workers,
+        recover=partial(found_run, root=place.root) if sweep.keep == "runs" else _nothing,
+        affordable=partial(_check_room, sweep, place),
+        watch=watch,
+    )
+    return conduct(place, sweep, means, shard=part, command=join(command))
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _workers(jobs: int | None, cluster: str | None) -> Callable[[], AbstractContextManager[Workers]]:
+    if cluster is not None:
+        if jobs is not None:
+            raise Refused("--jobs: the workers of a cluster are its own; leave one of --jobs and --cluster out")
+        return partial(Cluster, cluster)
+    if jobs is not None and not 1 <= jobs <= MOST_JOBS:
+        raise Refused(f"--jobs: {jobs} is no number of processes from 1 to {MOST_JOBS}")
+    return partial(Pool, jobs or processors())
+
+
+def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str]) -> Callable[[Point], Row]:
+    if sweep.keep == "summary":
+        return keep_summary
+    return partial(keep_run, root=folder.root, command=tuple(command))
+
+
+def keep_run(point: Point, *, root: Path, command: Sequence[str]) -> Row:
+    """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
+
+    What an earlier attempt left unfinished is gone on with.
+    Raises OutputRefused for a file in its place that is not the run.
+    """
+    if (row := found_run(point, root=root)) is not None:
+        return row
+    path = SweepFolder(root).run(point.run_id)
+    with run(point.scenario, path, command=command, watch=ORDERS.check) as result:
+        figures: dict[str, float] = {}
+        for figure in result.summary:
+            figures |= figure.as_attributes()
+    return Row(run_id=point.run_id, file=SweepFolder(root).relative(point.run_id), figures=figures)
+
+
+def _nothing(_point: Point) -> None:
+    return None
+
+
+def _check_room(sweep: Sweep, folder: SweepFolder, points: Sequence[Point]) -> None:
+    """Refuse a sweep whose results the disk does not hold."""
+    if sweep.keep == "summary":
+        return
+    sizes: dict[Model, int] = {}
+    needed = 0
+    for point in points:
+        model = point.scenario.model()
+        if model not in sizes:
+            sizes[model] = expected(point.scenario).result_bytes
+        needed += sizes[model]
+    room = disk_usage(folder.root).free
+    if needed > room:
+        raise OutputRefused(
+            f"{folder.root}: the results of {len(points):,} runs may take {needed:,} bytes, and there is room for"
+            f' {room:,}; sweep.keep = "summary" keeps kilobytes of each run'
+        )

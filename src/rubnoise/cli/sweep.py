@@ -1,0 +1,156 @@
+"""`rubnoise sweep`: every run of a sweep that is not done yet, and an index of them all."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rubnoise.scenario.sweep import Sweep
+    from rubnoise.sweep.conducting import Ending
+
+
+def command(
+    file: Annotated[Path, typer.Argument(help="A file with a table [sweep].", metavar="FILE", show_default=False)],
+    *,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="The folder; FILE's name without .toml, here, when left out.", metavar="DIR"
+        ),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", help="Processes; as many as processors when left out.", show_default=False),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            help="A Dask scheduler: its address or its scheduler file.", metavar="ADDRESS", show_default=False
+        ),
+    ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(help="Make one of several parts only, e.g. 2/8 for a task of a batch queue.", metavar="I/N"),
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Change a key, e.g. --set sweep.replicates=40.", metavar="KEY=VALUE"),
+    ] = None,
+    engine: Annotated[str | None, typer.Option(help="Engine, in place of the file's.")] = None,
+    merge: Annotated[bool, typer.Option("--merge", help="In the end put everything into one file, merged.h5.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
+) -> None:
+    """Make every run of a sweep, each a result file in one folder, with an index of them all.
+
+    What is done is not done again: the same command goes on where an earlier one was stopped, and takes in points and
+    replicates that were added since. Exit code 1 where a run failed.
+
+    Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
+    """
+    from rubnoise.api.sweeping import carry_out
+    from rubnoise.cli.loading import overrides, sweep_of
+    from rubnoise.cli.progress import announce_compilation, on_terminal
+    from rubnoise.cli.sweep_progress import watching_sweep
+
+    sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
+    place = Path(file.stem) if folder is None else folder
+    shown = on_terminal() and not quiet and not as_json
+    if shown:
+        announce_compilation()
+    with watching_sweep(shown=shown) as watch:
+        ending = carry_out(
+            sweep,
+            place,
+            jobs=jobs,
+            cluster=cluster,
+            shard=shard,
+            command=["rubnoise", *sys.argv[1:]],
+            watch=watch,
+        )
+    _tell(sweep, place, ending, merged=_merged(place) if merge else None, as_json=as_json, quiet=quiet)
+    if ending.known.count("failed"):
+        raise typer.Exit(1)
+
+
+def _merged(folder: Path) -> Path:
+    from rubnoise.sweep.folder import SweepFolder
+    from rubnoise.sweep.merging import merge
+
+    return merge(SweepFolder(folder))
+
+
+def _tell(sweep: "Sweep", folder: Path, ending: "Ending", *, merged: Path | None, as_json: bool, quiet: bool) -> None:
+    import json
+
+    answer = contents(sweep, folder, ending, merged)
+    if as_json:
+        print(json.dumps(answer))
+    elif not quiet:
+        print("\n".join(described(answer)))
+    if answer["failures"] and not as_json:
+        print("\n".join(failures(answer["failures"])), file=sys.stderr)
+
+
+def contents(sweep: "Sweep", folder: Path, ending: "Ending", merged: Path | None) -> dict[str, Any]:
+    """Return what became of a sweep, by name."""
+    known = ending.known
+    failed = [
+        {
+            "run_id": point.run_id,
+            "values": dict(point.values),
+            "replicate": point.replicate,
+            "reason": known.reasons[known.places[point.run_id]],
+        }
+        for point in ending.points
+        if known.states[known.places[point.run_id]] == "failed"
+    ]
+    return {
+        "folder": str(folder),
+        "index": str(folder / "index.h5"),
+        "merged": None if merged is None else str(merged),
+        "points": len(sweep.cases),
+        "runs": len(ending.points),
+        "done": known.count("done"),
+        "failed": known.count("failed"),
+        "planned": known.count("planned"),
+        "failures": failed,
+        "imprecise": [
+            {"values": dict(unmet.values), "replicates": unmet.replicates, "reached": unmet.reached}
+            for unmet in ending.imprecise
+        ],
+        "warnings": list(sweep.warnings),
+    }
+
+
+def described(answer: dict[str, Any]) -> list[str]:
+    """Return the same as lines to print; failed runs are told apart."""
+    from rubnoise.cli.layout import grouped, remark
+
+    states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
+    lines = [f"{answer['folder']}: {grouped(answer['points'])} points, {grouped(answer['runs'])} runs: {states}"]
+    if answer["merged"]:
+        lines.append(remark(f"everything in one file: {answer['merged']}"))
+    for short in answer["imprecise"]:
+        told = f"{_values(short['values'])}: relative standard error {short['reached']:.2g}"
+        lines.append(remark(f"not as precise as asked for: {told} with {grouped(short['replicates'])} replicates"))
+    return lines
+
+
+def failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
+    """Return a table of runs that failed."""
+    from rubnoise.cli.layout import grouped, printable
+
+    lines = [f"{grouped(len(failed))} {'run' if len(failed) == 1 else 'runs'} failed; the same command tries again:"]
+    for each in failed[:most]:
+        where = ", ".join(part for part in (_values(each["values"]), f"replicate {each['replicate']}") if part)
+        lines += [f"  {each['run_id']}  {where}", f"    {printable(each['reason'])}"]
+    return lines + ([f"  and {grouped(len(failed) - most)} more"] if len(failed) > most else [])
+
+
+def _values(values: dict[str, Any]) -> str:
+    from rubnoise.cli.layout import printable
+
+    return printable(", ".join(f"{key} = {value}" for key, value in values.items()))

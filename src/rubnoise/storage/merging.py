@@ -1,0 +1,114 @@
+"""The index of a sweep with values in place of references, and the junctions of all of its runs.
+
+What is read are files of ours in a folder of ours, which the index names; each is opened by the door for run files.
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_scale, describe_column
+from rubnoise.storage.index_file import open_index
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Column
+from rubnoise.storage.structure import LIBRARY_VERSIONS
+
+COPIED: Final = ("points", RUNS, SUMMARIES)
+_UNNUMBERED: Final = tuple(column for column in JUNCTIONS.columns if column.name != "junction")
+
+
+def write_merged(path: Path, index: Path) -> None:
+    """Write a file that needs no other: tables and traces as in the index, and /junctions with the run of each.
+
+    Memory does not grow with the length of runs. Raises RunFileRefused where a result cannot be read, OSError where the
+    disk fails.
+    """
+    with h5py.File(index, "r") as given, h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
+        for name, value in given.attrs.items():
+            file.attrs.create(name, value, dtype=given.attrs.get_id(name).dtype)
+        for name in COPIED:
+            if name in given:
+                given.copy(name, file)
+        files = _files(index)
+        for number in given.get(TRACES, ()):
+            _write_stack(file, given[TRACES][number], number, files)
+        _write_junctions(file, files)
+
+
+def _files(index: Path) -> dict[int, Path]:
+    """Return the results that an index names, by row."""
+    with open_index(index) as opened:
+        named, done = opened.read(RUNS, "file"), opened.read(RUNS, "state") == "done"
+    return {row: index.parent / str(name) for row, name in enumerate(named) if name and done[row]}
+
+
+def _write_stack(file: h5py.File, given: h5py.Group, number: str, files: dict[int, Path]) -> None:
+    for name, datasets in given.items():
+        owner = file.create_group(f"{TRACES}/{number}/{name}", track_order=True)
+        group = next(group for group in GROUPS if group.name == name)
+        rows = datasets[RUN.name][:]
+        about, *rest = (column for column in group.columns if column.name in datasets)
+        runs = create_scale(owner, RUN, rows)
+        with open_run(files[int(rows[0])]) as first:
+            ticks = create_scale(owner, about, first.column(name, about.name))
+        filled = [_empty(owner, column, (rows.size, ticks.size)) for column in rest]
+        for dataset in filled:
+            attach(dataset, runs, ticks)
+        for place, row in enumerate(rows):
+            with open_run(files[int(row)]) as run:
+                _fill(filled, rest, run, name, place)
+
+
+def _fill(datasets: Sequence[h5py.Dataset], columns: Sequence[Column], run: RunFile, group: str, place: int) -> None:
+    for dataset, column in zip(datasets, columns, strict=True):
+        for first, values in _panels(run, group, column.name):
+            dataset[place, first : first + values.size] = values
+
+
+def _write_junctions(file: h5py.File, files: dict[int, Path]) -> None:
+    """Write the junctions of all runs, one run after another, with the row of the run and the number within it."""
+    counts = {row: _count(path) for row, path in files.items()}
+    total = sum(counts.values())
+    owner = file.create_group(JUNCTIONS.name, track_order=True)
+    stored = _stored(files)
+    number = next(column for column in JUNCTIONS.columns if column.name == "junction")
+    datasets = {column.name: _empty(owner, column, (total,)) for column in (RUN, number, *stored)}
+    start = 0
+    for row, path in files.items():
+        with open_run(path) as run:
+            stop = start + counts[row]
+            datasets[RUN.name][start:stop] = row
+            for column in (number, *stored):
+                if column.name in run.columns[JUNCTIONS.name]:
+                    for first, values in _panels(run, JUNCTIONS.name, column.name):
+                        datasets[column.name][start + first : start + first + values.size] = values
+            start = stop
+
+
+def _count(path: Path) -> int:
+    with open_run(path) as run:
+        return run.extent.junctions
+
+
+def _stored(files: dict[int, Path]) -> tuple[Column, ...]:
+    """Return the columns that any run has."""
+    names: set[str] = set()
+    for path in files.values():
+        with open_run(path) as run:
+            names.update(run.columns[JUNCTIONS.name])
+    return tuple(column for column in _UNNUMBERED if column.name in names)
+
+
+def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
+    for first in range(0, run.rows(group), CHUNK_ROWS):
+        yield first, run.column(group, name, first, first + CHUNK_ROWS)
+
+
+def _empty(owner: h5py.Group, about: Column, shape: tuple[int, ...]) -> h5py.Dataset:
+    kind = np.dtype(about.dtype)
+    missing = np.nan if kind.kind == "f" else 0
+    return describe_column(owner.create_dataset(about.name, shape, kind, fillvalue=missing), about)

@@ -1,0 +1,184 @@
+"""The folder of a sweep: which file is what, who may write there, and what is known of its runs."""
+
+import fcntl
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Self
+
+from rubnoise.errors import OutputRefused, Refused
+from rubnoise.scenario.points import Case, Point, run_id
+from rubnoise.scenario.sweep import Sweep
+from rubnoise.storage.whole import whole_file
+from rubnoise.sweep.identity import FORMAT, FORMAT_VERSION, difference, identity
+from rubnoise.sweep.journal import Entry, entries
+
+_SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shard:
+    """One of several parts of a sweep, numbered from 1, which processes without a word between them work through."""
+
+    number: int
+    count: int
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """Return the shard that a text such as `2/8` names; raises Refused."""
+        found = _SHARD.fullmatch(text)
+        if found is None or int(found[1]) > int(found[2]):
+            raise Refused(f'--shard: "{text[:20]}" is no part of a whole; right form: --shard 2/8, from 1/8 to 8/8')
+        return cls(number=int(found[1]), count=int(found[2]))
+
+    def of_points(self, points: Sequence[Point], whole: Sequence[Point]) -> tuple[Point, ...]:
+        """Return those points that are of this shard of a whole: by the names of runs, whatever their order."""
+        mine = self._share(point.run_id for point in whole)
+        return tuple(point for point in points if point.run_id in mine)
+
+    def of_cases(self, cases: Sequence[Case]) -> tuple[Case, ...]:
+        """Return the points of this shard, each with all of its replicates; it may be without any."""
+        mine = self._share(run_id(case.scenario) for case in cases)
+        return tuple(case for case in cases if run_id(case.scenario) in mine)
+
+    def _share(self, names: Iterable[str]) -> set[str]:
+        return set(sorted(names)[self.number - 1 :: self.count])
+
+
+@dataclass(frozen=True, slots=True)
+class SweepFolder:
+    """The folder of a sweep, which has its names and locks from here."""
+
+    root: Path
+
+    @property
+    def index(self) -> Path:
+        """What everybody opens."""
+        return self.root / "index.h5"
+
+    @property
+    def merged(self) -> Path:
+        """Everything in one file."""
+        return self.root / "merged.h5"
+
+    def run(self, run_id: str) -> Path:
+        """Return where the result of a run lies."""
+        return self.root / self.relative(run_id)
+
+    def relative(self, run_id: str) -> str:
+        """Return the same, as seen from the folder."""
+        return f"runs/{run_id}.h5"
+
+    def journal(self, shard: Shard | None) -> Path:
+        """Return the journal of a shard, or of who does it all."""
+        part = "" if shard is None else f"-{shard.number}-of-{shard.count}"
+        return self.root / "journal" / f"runs{part}.jsonl"
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield all that is known of runs; of two entries of one run that counts which says that it is done."""
+        for path in sorted((self.root / "journal").glob("runs*.jsonl")):
+            yield from entries(path)
+
+    def claim(self, sweep: Sweep) -> None:
+        """Make the folder that of a sweep, or see that it is; raises OutputRefused with the difference."""
+        for name in ("runs", "journal"):
+            (self.root / name).mkdir(exist_ok=True)
+        # Shards that begin at the same moment all write the same, one after another.
+        with self.alone_at("claim"):
+            kept = self._identity()
+            if kept is not None and (differs := difference(kept, sweep)) is not None:
+                raise OutputRefused(f"{self.root}: is the folder of another sweep: {differs}")
+            wanted = json.dumps(identity(sweep))
+            if kept != json.loads(wanted):
+                with whole_file(self._manifest, force=True) as part:
+                    part.write_text(f"{wanted}\n", encoding="utf-8")
+
+    @property
+    def _manifest(self) -> Path:
+        return self.root / "sweep.json"
+
+    def _identity(self) -> dict[str, Any] | None:
+        try:
+            kept: Any = json.loads(self._manifest.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError) as problem:
+            raise OutputRefused(f"{self._manifest}: cannot be read: {problem}") from problem
+        if not isinstance(kept, dict) or kept.get("format") != FORMAT:
+            raise OutputRefused(f"{self._manifest}: is none of rubnoise")
+        if kept.get("format_version") != FORMAT_VERSION:
+            raise OutputRefused(f"{self._manifest}: is of format version {kept.get('format_version')}, not 1")
+        return dict(kept)
+
+    def check(self) -> None:
+        """Raise OutputRefused where the folder cannot be one of a sweep: it is none, or holds other things."""
+        above = next(place for place in (self.root, *self.root.absolute().parents) if place.exists())
+        if not above.is_dir():
+            raise OutputRefused(f"{above}: is no folder")
+        if not os.access(above, os.W_OK | os.X_OK):
+            raise OutputRefused(f"{above}: the folder is not writable")
+        if above == self.root and not self._manifest.exists() and any(self._strangers()):
+            raise OutputRefused(f"{self.root}: holds other things; a sweep needs a folder of its own")
+
+    def _strangers(self) -> Iterator[Path]:
+        """Yield what was not left by a sweep that was stopped before it had said what it is."""
+        own = {"runs", "journal", "sweep.json.part"}
+        return (entry for entry in self.root.iterdir() if entry.name not in own and not entry.name.endswith(".lock"))
+
+    @contextmanager
+    def alone_at(self, what: str) -> Iterator[None]:
+        """Hold one file of the folder, when whoever holds it now is done with it."""
+        with _locked(self.root / f".{what}.lock", shared=False, wait=True):
+            yield
+
+    @contextmanager
+    def writing(self, shard: Shard | None) -> Iterator[None]:
+        """Hold the folder: alone, or together with other shards; raises OutputRefused while others do.
+
+        Makes the folder where there is none.
+        """
+        try:
+            self.root.mkdir(parents=True, exist_ok=True)
+            with _locked(self.root / ".sweep.lock", shared=shard is not None):
+                if shard is None:
+                    yield
+                else:
+                    with _locked(self.root / f".shard-{shard.number}-of-{shard.count}.lock", shared=False):
+                        yield
+        except _Busy as busy:
+            raise OutputRefused(f"{self.root}: another process is at work on this sweep") from busy
+
+
+class _Busy(Exception):  # noqa: N818  (no failure: somebody is there)
+    """Somebody holds the lock."""
+
+
+@contextmanager
+def _locked(path: Path, *, shared: bool, wait: bool = False) -> Iterator[None]:
+    """Hold a lock that goes with its process; its file stays, since others may be waiting with it open."""
+    descriptor = _opened(path)
+    try:
+        _lock(descriptor, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | (0 if wait else fcntl.LOCK_NB), path)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _opened(path: Path) -> int:
+    try:
+        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    except OSError as problem:
+        raise OutputRefused(f"{path.parent}: cannot be written: {problem.strerror}") from problem
+
+
+def _lock(descriptor: int, how: int, path: Path) -> None:
+    try:
+        fcntl.flock(descriptor, how)
+    except BlockingIOError as problem:
+        raise _Busy from problem
+    except OSError as problem:
+        raise OutputRefused(f"{path}: cannot be locked: {problem.strerror}") from problem

@@ -1,0 +1,73 @@
+"""Whether a folder is of this sweep: what is kept of a sweep to tell, and how two of them differ."""
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from rubnoise.scenario.points import run_id
+from rubnoise.scenario.sweep import Sweep
+from rubnoise.scenario.sweep_problems import in_words
+from rubnoise.streams import STREAM_VERSION
+
+FORMAT: Final = "rubnoise-sweep"
+FORMAT_VERSION: Final = 1
+
+_FREE: Final = ("title", "run.engine")
+"""What may change: it has no part in the names of runs."""
+
+
+def identity(sweep: Sweep) -> dict[str, Any]:
+    """Return what tells a sweep from others (JSON-able): its points by name, and the whole scenario of the first."""
+    return {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "title": sweep.title,
+        "keys": list(sweep.keys),
+        "keep": sweep.keep,
+        "stream_version": STREAM_VERSION,
+        "points": [{"values": dict(case.values), "name": run_id(case.scenario)} for case in sweep.cases],
+        "first": sweep.cases[0].scenario.resolved(),
+    }
+
+
+def difference(kept: Mapping[str, Any], sweep: Sweep) -> str | None:
+    """Return in what a sweep differs from the one kept, or None where it goes on with it.
+
+    It may have more points and other replicates: seeds do not depend on either.
+    """
+    if kept["stream_version"] != STREAM_VERSION:
+        return f"its random streams are of version {kept['stream_version']}, and those of today of {STREAM_VERSION}"
+    if kept["keep"] != sweep.keep:
+        return f'sweep.keep is "{kept["keep"]}" there, and "{sweep.keep}" here'
+    there = {run_id(case.scenario) for case in sweep.cases}
+    gone = [point for point in kept["points"] if point["name"] not in there]
+    if not gone:
+        return None
+    changed = next(_changes(kept, sweep), None)
+    if changed is not None:
+        return changed
+    more = f", and {len(gone) - 1:,} more" if len(gone) > 1 else ""
+    return f"it has a point that this one lacks: {in_words(gone[0]['values']) or 'no key swept'}{more}"
+
+
+def _changes(kept: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:
+    """Yield the keys outside of the swept ones in which the scenarios differ."""
+    values = kept["points"][0]["values"]
+    same = next((case for case in sweep.cases if dict(case.values) == values), sweep.cases[0])
+    before, now = _flat(kept["first"]), _flat(json.loads(json.dumps(same.scenario.resolved())))
+    swept = {*kept["keys"], *sweep.keys, *_FREE}
+    # The tick comes last, since without one in the file it follows from the others.
+    for key in sorted(before.keys() | now.keys(), key=lambda key: (key == "output.tick", key)):
+        if key not in swept and before.get(key) != now.get(key):
+            yield f"{key} is {_shown(before.get(key))} there, and {_shown(now.get(key))} here"
+
+
+def _flat(scenario: Mapping[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in scenario.items():
+        flat |= {f"{name}.{key}": item for key, item in value.items()} if isinstance(value, dict) else {name: value}
+    return flat
+
+
+def _shown(value: Any) -> str:
+    return "not given" if value is None else str(value)

@@ -1,0 +1,108 @@
+"""What is known of the runs of a sweep, line by line: appended as it happens, and read back after whatever happened."""
+
+import json
+import os
+import time
+from base64 import b64decode, b64encode
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Literal, Self
+
+import numpy as np
+import xxhash
+from numpy.typing import NDArray
+
+from rubnoise.sweep.rows import Row
+
+SYNC_EVERY: Final = 1.0
+"""Seconds of lines that a power cut may take; their runs are found again by their files."""
+
+_DIGITS: Final = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """The end of one run: done, with what is left of it, or failed, with the reason."""
+
+    run_id: str
+    state: Literal["done", "failed"]
+    row: Row | None = None
+    reason: str = ""
+
+
+class Journal:
+    """Lines appended to a file, each behind its checksum; a line that was cut short is as if it had never been."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a journal to go on at its end."""
+        self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+        self._synced = time.monotonic()
+        size = os.fstat(self._descriptor).st_size
+        if size and os.pread(self._descriptor, 1, size - 1) != b"\n":
+            self._write(b"\n")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        os.fsync(self._descriptor)
+        os.close(self._descriptor)
+
+    def add(self, entry: Entry) -> None:
+        """Append an entry; raises OSError where the disk fails."""
+        text = json.dumps(_packed(entry), separators=(",", ":")).encode()
+        self._write(xxhash.xxh3_64_hexdigest(text).encode() + b" " + text + b"\n")
+        if time.monotonic() - self._synced >= SYNC_EVERY:
+            os.fsync(self._descriptor)
+            self._synced = time.monotonic()
+
+    def _write(self, line: bytes) -> None:
+        while line:
+            line = line[os.write(self._descriptor, line) :]
+
+
+def entries(path: Path) -> Iterator[Entry]:
+    """Yield every sound entry of a journal, the oldest first; nothing where there is none."""
+    try:
+        with path.open("rb") as lines:
+            for line in lines:
+                digest, _, text = line.rstrip(b"\n").partition(b" ")
+                if len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode():
+                    yield _unpacked(json.loads(text))
+    except FileNotFoundError:
+        return
+
+
+def _packed(entry: Entry) -> dict[str, Any]:
+    told: dict[str, Any] = {"run": entry.run_id, "state": entry.state}
+    if entry.reason:
+        told["reason"] = entry.reason
+    if entry.row is not None:
+        told |= {"file": entry.row.file, "figures": dict(entry.row.figures)}
+        for kind, arrays in (("arrays", entry.row.arrays), ("of_point", entry.row.of_point)):
+            if arrays:
+                told[kind] = {name: _as_text(values) for name, values in arrays.items()}
+    return told
+
+
+def _unpacked(told: Mapping[str, Any]) -> Entry:
+    row = None
+    if told["state"] == "done":
+        arrays, of_point = (
+            {name: _as_array(*packed) for name, packed in told.get(kind, {}).items()} for kind in ("arrays", "of_point")
+        )
+        row = Row(run_id=told["run"], file=told["file"], figures=told["figures"], arrays=arrays, of_point=of_point)
+    return Entry(run_id=told["run"], state=told["state"], row=row, reason=told.get("reason", ""))
+
+
+def _as_text(values: NDArray[Any]) -> tuple[str, list[int], str]:
+    little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
+    return little.dtype.str, list(values.shape), b64encode(little.tobytes()).decode()
+
+
+def _as_array(kind: str, shape: list[int], text: str) -> NDArray[Any]:
+    return np.frombuffer(b64decode(text), dtype=np.dtype(kind)).reshape(shape)

@@ -1,0 +1,52 @@
+"""What the journals of a sweep know of its runs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.scenario.points import Point
+from rubnoise.sweep.folder import SweepFolder
+from rubnoise.sweep.journal import Entry
+
+PLANNED: Final = "planned"
+DONE: Final = "done"
+FAILED: Final = "failed"
+
+
+@dataclass(slots=True)
+class Known:
+    """States, files, reasons and figures of the runs of a plan, one after another in its order."""
+
+    places: Mapping[str, int]
+    states: list[str]
+    files: list[str]
+    reasons: list[str]
+    figures: dict[str, NDArray[np.float64]]
+
+    @classmethod
+    def of(cls, folder: SweepFolder, points: Sequence[Point]) -> Self:
+        """Read the journals; of one run an entry that says done counts more than one that says failed."""
+        count = len(points)
+        known = cls({p.run_id: n for n, p in enumerate(points)}, [PLANNED] * count, [""] * count, [""] * count, {})
+        for entry in folder.entries():
+            if (place := known.places.get(entry.run_id)) is not None:
+                known._take(place, entry)
+        return known
+
+    def _take(self, place: int, entry: Entry) -> None:
+        if entry.row is None and self.states[place] == DONE:
+            return
+        self.states[place], self.reasons[place] = entry.state, entry.reason
+        if entry.row is not None:
+            self.files[place] = entry.row.file
+            for name, value in entry.row.figures.items():
+                if name not in self.figures:
+                    self.figures[name] = np.full(len(self.states), np.nan)
+                self.figures[name][place] = value
+
+    def count(self, state: str) -> int:
+        """Return how many runs are in a state."""
+        return self.states.count(state)

@@ -1,0 +1,254 @@
+"""A sweep gives the same files whoever makes them and whoever dies meanwhile, and one index of them all."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.scenario.sweep import expand, load_sweep
+from tests.cli.terminal import CONTACT, call, columns, command, spawn
+
+TABLE = """
+[sweep]
+replicates = 3
+[sweep.grid]
+interface.mean_junction_count = [10, 40]
+"""
+SLOW = ("--set", "sliding.distance=30 mm", "--set", "output.tick=0.005 um", "--set", "sweep.replicates=4")
+"""Changes that make each run last about a second."""
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    """Write a sweep of six short runs."""
+    (path := here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
+    return path
+
+
+def _runs(folder: Path) -> dict[str, dict[str, bytes]]:
+    return {path.stem: columns(path) for path in sorted((folder / "runs").glob("*.h5"))}
+
+
+def _alone(file: Path, folder: Path, *changes: str) -> dict[str, dict[str, bytes]]:
+    """Return what every point gives as a run of its own in this process."""
+    found = {}
+    for point in expand(load_sweep(file, changes)):
+        rubnoise.run(point.scenario, path := folder / f"{point.run_id}.h5").close()
+        found[point.run_id] = columns(path)
+    return found
+
+
+def _entries(folder: Path) -> list[dict[str, Any]]:
+    journals = (folder / "journal").glob("*.jsonl")
+    return [json.loads(line.partition(" ")[2]) for path in journals for line in path.read_text("utf-8").splitlines()]
+
+
+def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Path) -> None:
+    alone = _alone(file, tmp_path)
+    assert call("sweep", file, "-o", "pool", "--jobs", "2").out == "pool: 2 points, 6 runs: 6 done\n"
+    for number in (2, 1):
+        assert call("sweep", file, "-o", "shards", "--jobs", "1", "--shard", f"{number}/2", "-q").out == ""
+    assert _runs(Path("pool")) == _runs(Path("shards")) == alone
+    tables = [h5py.File(Path(folder) / "index.h5") for folder in ("pool", "shards")]
+    first, second = ({name: table["runs"][name][:].tobytes() for name in table["runs"]} for table in tables)
+    assert first == second
+
+
+def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(file: Path) -> None:
+    assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
+    before = {path: path.stat().st_mtime_ns for path in Path("d/runs").iterdir()}
+    more = ("--set", "sweep.replicates=4", "--set", "sweep.grid.interface.mean_junction_count=[40, 10, 20]")
+    answer = call("sweep", file, "-o", "d", "--jobs", "1", *more, "--json").json()
+    assert (answer["points"], answer["runs"], answer["done"]) == (3, 12, 12)
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert sorted(entry["run"] for entry in _entries(Path("d"))) == sorted(
+        path.stem for path in Path("d/runs").iterdir()
+    )
+    with rubnoise.open_sweep("d") as sweep:
+        assert [values["interface.mean_junction_count"] for values in sweep.values] == [40, 10, 20]
+
+
+def test_a_result_that_nobody_wrote_down_is_found_and_one_that_went_missing_is_made_anew(file: Path) -> None:
+    call("sweep", file, "-o", "d", "--jobs", "1", "-q")
+    first, *others = sorted(Path("d/runs").iterdir())
+    kept = _runs(Path("d"))
+    before = {path: path.stat().st_mtime_ns for path in others}
+    shutil.rmtree("d/journal")
+    first.unlink()
+    assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
+    assert {path: path.stat().st_mtime_ns for path in others} == before
+    assert _runs(Path("d")) == kept
+
+
+def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
+    spoilt, *_ = expand(load_sweep(file))
+    (place := Path("d/runs") / f"{spoilt.run_id}.h5").parent.mkdir(parents=True)
+    place.write_bytes(b"mine")
+    answer = call("sweep", file, "-o", "d", "--jobs", "1")
+    assert (answer.code, answer.out) == (1, "d: 2 points, 6 runs: 5 done, 1 failed\n")
+    heading, where, why = answer.err.splitlines()
+    assert heading == "1 run failed; the same command tries again:"
+    assert where == f"  {spoilt.run_id}  interface.mean_junction_count = 10, replicate 0"
+    assert "exists already" in why
+    assert place.read_bytes() == b"mine"
+    with rubnoise.open_sweep("d") as sweep:
+        assert [failure.run_id for failure in sweep.failures] == [spoilt.run_id]
+        assert np.isnan(sweep.runs["real_contact_area_mean"][0])
+        with pytest.raises(rubnoise.Refused, match="has no file"):
+            sweep.run(spoilt.run_id)
+    told = call("info", "d")
+    assert told.code == 0
+    assert "6: 5 done, 1 failed" in told.out
+    place.unlink()
+    assert call("sweep", file, "-o", "d", "--jobs", "1", "--json").json()["failures"] == []
+
+
+def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, tmp_path: Path) -> None:
+    import xarray as xr
+
+    call("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q")
+    Path("d").rename(moved := tmp_path / "elsewhere")
+    runs = _runs(moved)
+    with h5py.File(moved / "index.h5") as index, h5py.File(moved / "merged.h5") as merged:
+        names = [name.decode() for name in index["runs/run_id"][:]]
+        stacks = [(group[:], index[f"traces/{n}/trace/run"][:], n) for n in index["traces"]
+                  for group in [index[f"traces/{n}/trace/real_contact_area"]]]  # fmt: skip
+        assert sum(len(rows) for _, rows, _ in stacks) == 6
+        for area, rows, number in stacks:
+            assert index[f"traces/{number}/trace/real_contact_area"].is_virtual
+            assert not merged[f"traces/{number}/trace/real_contact_area"].is_virtual
+            assert np.array_equal(merged[f"traces/{number}/trace/real_contact_area"][:], area)
+            for values, row in zip(area, rows, strict=True):
+                assert values.tobytes() == runs[names[row]]["trace/real_contact_area"]
+        junctions = merged["junctions"]
+        for row, name in enumerate(names):
+            mine = junctions["run"][:] == row
+            assert junctions["diameter"][mine].tobytes() == runs[name]["junctions/diameter"]
+        assert index["runs/interface.mean_junction_count"].attrs["units"] == b"1"
+    with xr.open_dataset(moved / "index.h5", group="traces/0/trace", engine="h5netcdf") as opened:
+        assert opened["real_contact_area"].dims == ("run", "distance")
+        assert opened["real_contact_area"].attrs["units"] == "um^2"
+    with xr.open_dataset(moved / "index.h5", group="runs", engine="h5netcdf") as opened:
+        assert opened["state"].values.tolist() == [b"done"] * 6
+
+
+def test_a_sweep_opened_in_python_has_its_keys_for_dimensions(file: Path) -> None:
+    with rubnoise.run_sweep(file, "d", jobs=1) as sweep:
+        labelled = sweep.to_xarray()
+        assert labelled["real_contact_area_std"].dims == ("interface.mean_junction_count", "replicate")
+        picked = labelled["run_id"].sel({"interface.mean_junction_count": 40.0}).values
+        assert picked.tolist() == sweep.runs["run_id"][:][3:].tolist()
+        with sweep.run(str(picked[1])) as run:
+            assert run.scenario.interface.mean_junction_count == 40.0
+            mean = next(figure for figure in run.summary if figure.name == "real_contact_area_mean")
+        assert sweep.runs["real_contact_area_mean"][4] == mean.observed
+        assert sweep.runs["real_contact_area_mean_exact"][4] == mean.expected
+        assert sweep.scenario(1).interface.mean_junction_count == 40.0
+        assert sweep.figures[:2] == ("real_contact_area_mean", "real_contact_area_std")
+        with pytest.raises(KeyError, match="no run is named"):
+            sweep.run("nobody")
+
+
+def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
+    table = '[sweep.zip]\ninterface.mean_junction_count = [10, 40]\ndiameter.law = ["fixed", "exponential"]\n'
+    (here / "z.toml").write_text(CONTACT + table, encoding="utf-8")
+    with rubnoise.run_sweep("z.toml", "d", jobs=1) as sweep:
+        labelled = sweep.to_xarray()
+    assert labelled["real_contact_area_mean"].dims == ("side_by_side", "replicate")
+    assert labelled["diameter.law"].values.tolist() == ["fixed", "exponential"]
+    assert labelled["interface.mean_junction_count"].values.tolist() == [10.0, 40.0]
+
+
+def _children(process: int) -> list[int]:
+    told = Path(f"/proc/{process}/task/{process}/children")
+    return [int(number) for number in told.read_text(encoding="ascii").split()] if told.exists() else []
+
+
+def _begun(folder: Path, *arguments: str | Path) -> "subprocess.Popen[str]":
+    """Start a sweep in a process of its own, and return it when a run is being written."""
+    begun = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    for _ in range(6000):
+        if any((folder / "runs").glob("*.part")) or begun.poll() is not None:
+            break
+        time.sleep(0.01)
+    assert begun.poll() is None, "the sweep ended before it began"
+    return begun
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
+def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> None:
+    begun = _begun(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    os.kill(_children(begun.pid)[0], signal.SIGKILL)
+    out, err = begun.communicate(timeout=300)
+    assert (begun.returncode, out, err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
+    assert _runs(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
+    assert len(_entries(Path("d"))) == 8
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
+def test_a_sweep_that_is_killed_is_gone_on_with(file: Path, tmp_path: Path) -> None:
+    begun = _begun(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    workers = _children(begun.pid)
+    begun.kill()
+    begun.communicate(timeout=60)
+    answer = spawn("sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    assert (answer.code, answer.out, answer.err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
+    assert _runs(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
+    assert len(_entries(Path("d"))) == 8
+    assert not any(Path(f"/proc/{worker}").exists() for worker in workers)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_stops_a_sweep_that_can_be_gone_on_with(file: Path, number: signal.Signals, code: int) -> None:
+    begun = _begun(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    begun.send_signal(number)
+    out, err = begun.communicate(timeout=60)
+    assert (begun.returncode, out) == (code, "")
+    assert err == "stopped by a signal; what is done is kept, and the same command goes on from here\n"
+    done = set(Path("d/runs").glob("*.h5"))
+    assert len(done) < 8
+    assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--jobs", "0"), "--jobs: 0 is no number of processes from 1 to 1024"),
+        (("--jobs", "2", "--cluster", "tcp://nowhere:1"), "leave one of --jobs and --cluster out"),
+        (("--shard", "3/2"), '--shard: "3/2" is no part of a whole'),
+        (("--set", "run.sed=1"), "run.sed: unknown key"),
+        (("-o", "s.toml"), "is no folder"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_made(file: Path, options: tuple[str, ...], said: str) -> None:
+    answer = call("sweep", file, *options)
+    assert answer.code == 2
+    assert said in answer.err
+    assert [path.name for path in Path().iterdir()] == ["s.toml"]
+
+
+def test_one_run_is_no_sweep_and_no_folder_is_none(here: Path) -> None:
+    answer = call("sweep", "../given/contact.toml")
+    assert (answer.code, answer.err) == (
+        2,
+        "../given/contact.toml: no sweep: it has no table [sweep], and is one run\n",
+    )
+    assert "no folder of a sweep: it has no index.h5" in call("info", here).err
+
+
+def test_a_sweep_that_the_disk_does_not_hold_is_refused(file: Path) -> None:
+    answer = call("sweep", file, "-o", "d", "--set", "sliding.distance=300 mm", "--set", "output.tick=0.001 um",
+                  "--set", "sweep.replicates=4000")  # fmt: skip
+    assert answer.code == 2
+    assert "d: the results of 8,000 runs may take" in answer.err
+    assert not any(Path("d/runs").iterdir())

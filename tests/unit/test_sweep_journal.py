@@ -1,0 +1,62 @@
+"""What was written down of a run is read back as it was, whatever happened to the file's end."""
+
+from math import inf, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rubnoise.sweep.journal import Entry, Journal, entries
+from rubnoise.sweep.rows import Row
+
+FIGURES = {"real_contact_area_mean": pi, "real_contact_area_std": 0.1 + 0.2, "far": 1e-300}
+DONE = Entry(
+    run_id="0123456789abcdef", state="done", row=Row(run_id="0123456789abcdef", file="runs/a.h5", figures=FIGURES)
+)
+FAILED = Entry(run_id="fedcba9876543210", state="failed", reason='no room: "a\nb" \u00b5')
+
+
+def _written(path: Path, *told: Entry) -> bytes:
+    with Journal(path) as journal:
+        for entry in told:
+            journal.add(entry)
+    return path.read_bytes()
+
+
+def test_entries_come_back_to_the_last_bit(tmp_path: Path) -> None:
+    _written(tmp_path / "j", DONE, FAILED)
+    assert list(entries(tmp_path / "j")) == [DONE, FAILED]
+    assert list(entries(tmp_path / "absent")) == []
+
+
+def test_arrays_come_back_too(tmp_path: Path) -> None:
+    arrays = {"spectrum": np.array([1.5, np.nan, inf]), "counts": np.arange(6, dtype=np.int64).reshape(2, 3)}
+    row = Row(run_id="a", arrays=arrays, of_point={"place": np.linspace(0.0, 1.0, 3)})
+    _written(tmp_path / "j", Entry(run_id="a", state="done", row=row))
+    [found] = entries(tmp_path / "j")
+    assert found.row is not None
+    for kept, given in ((found.row.arrays, row.arrays), (found.row.of_point, row.of_point)):
+        assert kept.keys() == given.keys()
+        for name, values in given.items():
+            assert kept[name].dtype == values.dtype
+            assert np.array_equal(kept[name], values, equal_nan=values.dtype.kind == "f")
+
+
+def test_a_journal_cut_anywhere_loses_nothing_but_its_last_entry_and_can_be_gone_on_with(tmp_path: Path) -> None:
+    whole = _written(tmp_path / "j", DONE, FAILED)
+    first = whole.index(b"\n") + 1
+    for end in range(first, len(whole)):
+        (path := tmp_path / "cut").write_bytes(whole[:end])
+        # Of the last line nothing but its end is missing at most.
+        assert list(entries(path)) == ([DONE, FAILED] if end == len(whole) - 1 else [DONE])
+        _written(path, FAILED)
+        assert list(entries(path))[-1] == FAILED
+        assert next(iter(entries(path))) == DONE
+
+
+@pytest.mark.parametrize("place", [0, 5, 17, 30])
+def test_a_changed_byte_is_noticed(tmp_path: Path, place: int) -> None:
+    whole = bytearray(_written(tmp_path / "j", DONE, FAILED))
+    whole[place] ^= 1
+    (tmp_path / "j").write_bytes(whole)
+    assert list(entries(tmp_path / "j")) == [FAILED]
