@@ -3,7 +3,7 @@
 import pytest
 from simpy import Environment, Interrupt
 
-from rubnoise.simulation.process import PromptProcess
+from rubnoise.simulation.process import LifeProcess, PromptProcess
 
 
 def sleeper(env, seconds, value=None):
@@ -151,3 +151,60 @@ def test_the_maker_is_active_again_after_making():
 
     process = PromptProcess(env, maker())
     assert active == [process, process]
+
+
+def life(env, *events, told=None):
+    """A life that returns nothing: it waits for events and notes what they bring."""
+    for event in events:
+        try:
+            brought = yield event
+        except Interrupt as interrupt:
+            brought = interrupt.cause
+        if told is not None:
+            told.append((env.now, brought))
+
+
+def test_a_life_is_one_event_and_ends_without_a_value():
+    env = Environment()
+    process = LifeProcess(env, life(env, env.timeout(3)))
+    assert process.is_alive
+    env.run()
+    assert (env.now, next(env._eid)) == (3, 1)
+    assert not process.is_alive
+    assert process.ok
+    assert process.value is None
+
+
+def test_a_life_is_waited_for_before_and_after_its_end():
+    env, told = Environment(), []
+    first, second = (LifeProcess(env, life(env, env.timeout(after))) for after in (1, 4))
+    LifeProcess(env, life(env, env.timeout(2), first, second, first & second, told=told))
+    env.run()
+    assert [now for now, _ in told] == [2, 2, 4, 4]
+
+
+def test_a_life_gets_what_events_bring_and_is_interrupted():
+    env, told = Environment(), []
+    happened = env.timeout(1, "early")
+    process = LifeProcess(env, life(env, env.timeout(2, "late"), happened, env.timeout(50), told=told))
+
+    def ends():
+        yield env.timeout(7)
+        process.interrupt("enough")
+
+    PromptProcess(env, ends())
+    env.run(until=60)
+    assert told == [(2, "late"), (2, "early"), (7, "enough")]
+    assert not process.is_alive
+
+
+def test_a_life_that_fails_is_heard_of():
+    env = Environment()
+
+    def breaks():
+        yield env.timeout(1)
+        raise ValueError("broken")
+
+    LifeProcess(env, breaks())
+    with pytest.raises(ValueError, match="broken"):
+        env.run()

@@ -17,7 +17,7 @@ from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.panels import Panel
-from rubnoise.simulation.process import PromptProcess, Wait
+from rubnoise.simulation.process import LifeProcess, PromptProcess, Wait
 from rubnoise.simulation.state import LiveRows, State
 
 
@@ -34,28 +34,30 @@ class LiveSet:
         self.joined = len(carried)
         self.processes: dict[int, Process] = {}
         self._numbers = self._rows.junction.tolist()
-        self._departure = self._rows.departure.tolist()
+        self.departure: list[float] = self._rows.departure.tolist()
         for row in np.flatnonzero(carried.death <= begin).tolist():
-            self._departure[row] = float(carried.death[row])
+            self.departure[row] = float(carried.death[row])
 
     def row(self, row: int) -> tuple[int, float, float]:
         """Return a junction's row number, birth and diameter (um)."""
         return self._numbers[row], float(self._rows.birth[row]), float(self._rows.diameter[row])
 
-    def join(self, row: int, process: Process) -> None:
-        """Count a junction among the living from now on."""
-        self.processes[self._numbers[row]] = process
+    def join(self, row: int, env: Environment) -> int:
+        """Count the junction whose process is running among the living; return its row number.
+
+        It counts until it takes itself from ``processes`` and says in ``departure`` from what distance (um) on it is
+        no longer alive.
+        """
+        number = self._numbers[row]
+        # The property says the same, and takes longer.
+        self.processes[number] = env._active_proc  # type: ignore[assignment]  # noqa: SLF001
         if row >= self.joined:
             self.joined = row + 1
-
-    def leave(self, row: int, distance: float) -> None:
-        """Count a junction no longer: it was alive before this distance (um) and is not from it on."""
-        del self.processes[self._numbers[row]]
-        self._departure[row] = distance
+        return number
 
     def rows(self) -> LiveRows:
         """Return the junctions that have joined so far, with the departures of those that have left."""
-        joined = replace(self._rows, departure=np.array(self._departure))
+        joined = replace(self._rows, departure=np.array(self.departure))
         return joined.where(np.arange(len(joined)) < self.joined)
 
 
@@ -68,13 +70,13 @@ Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
 
 def junction(env: Environment, live: LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
     """Live from now through ``rest`` um of sliding; die at ``death``, or wherever an interrupt ends it."""
-    live.join(row, env.active_process)  # type: ignore[arg-type]  # a process is running: this one
+    number = live.join(row, env)
     try:
         yield Wait(env, rest)
     except Interrupt:
-        live.leave(row, env.now)
-    else:
-        live.leave(row, death)
+        death = env.now
+    del live.processes[number]
+    live.departure[row] = death
 
 
 def told_junction(
@@ -82,7 +84,7 @@ def told_junction(
 ) -> ProcessGenerator:
     """Live as a junction does, and have mid-life and death told."""
     number, birth, diameter = live.row(row)
-    live.join(row, env.active_process)  # type: ignore[arg-type]  # a process is running: this one
+    live.join(row, env)
     try:
         rise = birth + diameter - env.now
         if telling.is_rising(number) and rise > 0.0:
@@ -92,7 +94,8 @@ def told_junction(
         yield Wait(env, rest)
     except Interrupt:
         death = env.now
-    live.leave(row, death)
+    del live.processes[number]
+    live.departure[row] = death
     telling.death(number, death)
 
 
@@ -115,7 +118,7 @@ def births(
     lives = zip(deaths.tolist(), life_distances.tolist(), block.gaps.tolist(), strict=True)
     for row, (death, life, gap) in enumerate(lives, start=len(state.live)):
         yield Wait(env, wait)
-        PromptProcess(env, newborn(env, live, row, death, life))
+        LifeProcess(env, newborn(env, live, row, death, life))
         wait = gap
     last = block.next_birth > run_end
     # The clock adds gaps and rounds; a birth at the very end may have put it a trifle beyond.
@@ -172,7 +175,7 @@ def play_block(
     if telling is not None:
         telling.begin(state.live, state.begin)
     for row, death in _survivors(state.live, state.begin):
-        PromptProcess(env, survivor(env, live, row, death, death - state.begin))
+        LifeProcess(env, survivor(env, live, row, death, death - state.begin))
     block_end = PromptProcess(env, births(env, live, state, births_of_block, run_end, newborn))
     sampled = [env.event() for _ in panels]
     last: Process = PromptProcess(env, aggregate(env, panels, sampled, block_end, sample, live))

@@ -81,3 +81,28 @@ class PromptProcess(Process):
             self.callbacks = None  # type: ignore[assignment]  # SimPy's mark of an event that has been processed
         else:
             self.env.schedule(self)
+
+
+class LifeProcess(PromptProcess):
+    """A prompt process whose generator returns nothing: to see that it has ended then takes no exception."""
+
+    def _resume(self, event: Event) -> None:
+        """Run the generator to its next ``yield`` or its end, as an event without a value asks for."""
+        if not event._ok or event._value is not None:
+            super()._resume(event)
+            return
+        env = self.env
+        env._active_proc = self
+        try:
+            awaited = next(self._generator, None)
+        except BaseException as error:  # noqa: BLE001  (the failure belongs to whoever waits for the process)
+            self._end(False, error)
+        else:
+            if awaited is None:
+                self._end(True, None)
+            elif awaited.callbacks is None:
+                super()._resume(awaited)
+            else:
+                awaited.callbacks.append(self._resume)
+                self._target = awaited
+        env._active_proc = None

@@ -1,6 +1,8 @@
 """A run from its first block to its last: the fold that everything else is folded into."""
 
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache, partial
 from typing import Literal
 
@@ -75,11 +77,28 @@ def simulate(
         watch=watch,
     )
     state = start(model, seed) if state is None else state
-    while not finished(model, state):
-        state = next_state(run, state)
-        if commit is not None:
-            commit(state)
+    with _collecting_by_blocks() as collect:
+        while not finished(model, state):
+            state = next_state(run, state)
+            collect()
+            if commit is not None:
+                commit(state)
     return state
+
+
+@contextmanager
+def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
+    """Hand over what collects the garbage of a block, and keep Python from looking for it in the middle of one.
+
+    It would look at every process and event that lives again and again, which takes a fifth of the time.
+    """
+    looked = gc.isenabled()
+    gc.disable()
+    try:
+        yield partial(gc.collect, 0)
+    finally:
+        if looked:
+            gc.enable()
 
 
 def _play(engine: Engine, intervene: Intervention | None, observe: Observer | None) -> Play:
