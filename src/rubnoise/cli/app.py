@@ -22,7 +22,6 @@ from rubnoise.cli import (
     listen,
     new,
     plot,
-    resume,
     run,
     schema,
     sweep,
@@ -43,7 +42,6 @@ app = Typer(
     pretty_exceptions_enable=False,
 )
 app.command("run")(run.command)
-app.command("resume")(resume.command)
 app.command("sweep")(sweep.command)
 app.command("check")(check.command)
 app.command("info")(info.command)
