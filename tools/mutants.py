@@ -190,13 +190,13 @@ def _report(mutants: Sequence[Mutant], folders: Sequence[Path]) -> int:
         print(sound.report, "without any fault these tests have to pass", sep="\n", file=sys.stderr)
         return 1
     z, figure = sound.largest
-    print(f"{'no fault':36} passed     largest z = {z:+.1f}, {figure}", flush=True)
+    print(f"{'no fault':38} passed     largest z = {z:+.1f}, {figure}", flush=True)
     survived = 0
     for mutant, verdict in verdicts(mutants, folders):
         survived += not verdict.killed
         word = "killed" if verdict.killed else "SURVIVED"
         test = mutant.test.removeprefix("tests/")
-        print(f"{mutant.name:36} {word:9}  {verdict.evidence:48} {test}  {verdict.seconds:.0f} s", flush=True)
+        print(f"{mutant.name:38} {word:9}  {verdict.evidence:48} {test}  {verdict.seconds:.0f} s", flush=True)
     print(f"{len(mutants) - survived} of {len(mutants)} killed")
     return int(survived > 0)
 

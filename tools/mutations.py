@@ -11,13 +11,14 @@ MOMENTS = f"{_SENTINELS}test_births_count_and_area_of_one_size"
 NEWBORN = f"{_SENTINELS}test_diameters_of_newborns"
 START = f"{_SENTINELS}test_who_is_alive_at_the_start"
 STREAMS = f"{_SENTINELS}test_streams_and_blocks_are_independent"
-BIRTHS = f"{_ROWS}test_births_are_those_that_the_streams_hold[batch]"
+BIRTHS = f"{_ROWS}test_births_are_those_that_the_streams_hold[events]"
 LIVES = f"{_ROWS}test_every_life_lasts_two_diameters[batch]"
 TICKS = f"{_ROWS}test_ticks_lie_at_multiples_of_the_tick[batch]"
 STRENGTHS = f"{_ROWS}test_every_strength_is_the_one_that_was_given[batch]"
 LENSES = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[lenses-batch]"
 UNEQUAL = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[unequal strengths-batch]"
-MOTION = f"{_ROWS}test_the_motion_follows_from_the_rows[batch]"
+FINE_LENSES = f"{_ROWS}test_area_count_and_force_follow_from_the_rows[lenses, fine ticks-batch]"
+MOTION = f"{_ROWS}test_the_motion_follows_from_the_rows[0.1 um-batch]"
 OVERLAP = "tests/unit/test_overlap.py::test_area_is_that_of_two_segments"
 
 
@@ -50,8 +51,10 @@ def one(name: str, test: str, file: str, old: str, new: str, *, identity: bool =
 
 _POISSON_GAP = "return self.mean_spacing * exponential(uniform)"
 _NEWBORN = "self.mean + self.std * normal_above(uniform, self._positive_mass)"
-_TICKS = "return np.arange(self.first, self.end, dtype=np.float64) * self.tick"
-_SINGLE = f"{_TICKS[:7]}({_TICKS[7:]}).astype(np.float32).astype(np.float64)"
+_TICKS = "np.arange(origin, beyond, dtype=np.float64) * spacing"
+_SINGLE = f"({_TICKS}).astype(np.float32).astype(np.float64)"
+_AREA = "total[tick] = fused(weight * (u * np.sqrt(u)), _horner(AREA_COEFFICIENTS, u), total[tick])"
+_SECOND_TERM = "weight * (1.0 - u) * np.sqrt(u * (2.0 - u)) / 2.0"
 
 LAWS = (
     one("0.327 for 1/3", MOMENTS, "contact/pulses.py", "return mpmath.mpf(1) / 3", 'return mpmath.mpf("0.327")'),
@@ -148,13 +151,13 @@ STREAM_USE = (
         "simulation/draws.py",
         """        birth=birth[:count],
         gaps=gaps[:count],
-        diameter=_drawn(model, seed, Stream.DIAMETERS, block)[:count],
-        strength=_drawn(model, seed, Stream.STRENGTHS, block)[:count],
+        diameter=_drawn(model, seed, Stream.DIAMETERS, block, blocks)[:count],
+        strength=_drawn(model, seed, Stream.STRENGTHS, block, blocks)[:count],
 """,
         """        birth=birth[1:count],
         gaps=gaps[1:count],
-        diameter=_drawn(model, seed, Stream.DIAMETERS, block)[1:count],
-        strength=_drawn(model, seed, Stream.STRENGTHS, block)[1:count],
+        diameter=_drawn(model, seed, Stream.DIAMETERS, block, blocks)[1:count],
+        strength=_drawn(model, seed, Stream.STRENGTHS, block, blocks)[1:count],
 """,
         identity=True,
     ),
@@ -194,10 +197,41 @@ PULSES = (
     ),
     one(
         "second term of the lens 2 % off",
+        MOMENTS,
+        "simulation/kernels.py",
+        _AREA,
+        f"{_AREA} - 0.02 * {_SECOND_TERM}",
+    ),
+    one(
+        "second term of a single life 2 % off",
         OVERLAP,
         "contact/overlap.py",
         "- x * np.sqrt((d - x) * (d + x))",
         "- 1.02 * x * np.sqrt((d - x) * (d + x))",
+        identity=True,
+    ),
+    one(
+        "second coefficient of the lens 2 % off",
+        LENSES,
+        "simulation/kernels.py",
+        "-0.14142135623740776",
+        "-0.14424978336495591",
+        identity=True,
+    ),
+    one(
+        "no kink where ticks are fine",
+        FINE_LENSES,
+        "simulation/kernels_fine.py",
+        "add_kink(position, PANEL * kink + 1, born, size, spacing, weight, total, moments)",
+        "pass",
+        identity=True,
+    ),
+    one(
+        "no kink in the slider's force",
+        MOTION,
+        "simulation/kernels.py",
+        "        _pass_mid_life(positions, born, size, departure[row], scale, moments)\n",
+        "",
         identity=True,
     ),
 )
@@ -233,13 +267,21 @@ def _death_at(factor: str) -> tuple[Edit, ...]:
 PLACES = (
     Mutant("death at d", _death_at("1.0"), MOMENTS),
     Mutant("death at 1.99 d", _death_at("1.99"), LIVES, identity=True),
-    one("float32 positions", TICKS, "simulation/panels.py", _TICKS, _SINGLE, identity=True),
+    one("float32 positions", TICKS, "simulation/grid.py", _TICKS, _SINGLE, identity=True),
     one(
         "off-by-one tick",
         TICKS,
-        "simulation/panels.py",
+        "simulation/grid.py",
         _TICKS,
-        _TICKS.replace("self.first, self.end", "self.first + 1, self.end + 1"),
+        _TICKS.replace("origin, beyond", "origin + 1, beyond + 1"),
+        identity=True,
+    ),
+    one(
+        "count a tick late",
+        LENSES,
+        "simulation/ticks.py",
+        "        live += change[tick]\n        count[tick] = live\n",
+        "        count[tick] = live\n        live += change[tick]\n",
         identity=True,
     ),
 )

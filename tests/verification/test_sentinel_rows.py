@@ -33,6 +33,7 @@ FIRST_BIRTH, GAPS, DIAMETERS = 1, 2, 3
 
 LAWS = {
     "lenses": (lens_area, {"strength": {"mean": "250 MPa"}}),
+    "lenses, fine ticks": (lens_area, {"strength": {"mean": "250 MPa"}, "output": {"tick": "0.03 um"}}),
     "triangles": (triangle_area, {"strength": {"mean": "250 MPa"}, "pulse": {"shape": "triangle"}}),
     "unequal strengths": (lens_area, {"strength": {"mean": "250 MPa", "law": "lognormal", "spread": "60 %"}}),
 }
@@ -45,9 +46,8 @@ def run(law: str, engine: str) -> Record:
     given = scenario(
         diameter={"law": "normal", "spread": "20 %"},
         sliding={"distance": "2 mm", "speed": "1 mm/s"},
-        output={"tick": "0.1 um"},
         run={"engine": engine},
-        **LAWS[law][1],
+        **({"output": {"tick": "0.1 um"}} | LAWS[law][1]),
     )
     return rubnoise.simulate(given, SEED)
 
@@ -141,12 +141,13 @@ def alive_at(rows: Rows, place: float) -> Rows:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_the_motion_follows_from_the_rows(engine: str) -> None:
+@pytest.mark.parametrize("tick", ["0.1 um", "0.03 um"])
+def test_the_motion_follows_from_the_rows(tick: str, engine: str) -> None:
     """By the theta substitution, which shares no line with the slider, from where the mean force would hold it."""
     given = scenario(
         strength={"mean": "250 MPa"},
         sliding={"distance": "100 um", "speed": "1 mm/s"},
-        output={"tick": "0.1 um"},
+        output={"tick": tick},
         slider=SLIDER,
         run={"engine": engine},
     )
