@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.expected_figures import FIGURES, expected_figure
-from rubnoise.analysis.replicates import pooled
+from rubnoise.analysis.replicates import Pooled, pooled, ratio
 from rubnoise.analysis.summary import summarise
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
@@ -64,3 +64,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(name: str, truth: float) 
         missed += abs(found.value - 1.03 * truth) <= found.reach
     assert 922 <= held <= 978
     assert missed < 850
+
+
+def test_a_ratio_is_as_uncertain_as_both_together() -> None:
+    first, second = (Pooled(value=v, standard_error=e, runs=n) for v, e, n in ((6.0, 0.3, 9), (-2.0, 0.06, 12)))
+    found = ratio(first, second)
+    assert (found.value, found.runs) == (-3.0, 9)
+    assert found.standard_error == pytest.approx(3.0 * sqrt(0.05**2 + 0.03**2))

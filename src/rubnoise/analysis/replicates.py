@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, nan, sqrt
+from math import hypot, inf, isfinite, nan, sqrt
 
 import numpy as np
 
@@ -46,6 +46,13 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> P
     squares = np.square(found)
     value = sqrt(float(squares.mean()))
     return Pooled(value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size)
+
+
+def ratio(first: Pooled, second: Pooled) -> Pooled:
+    """Return first / second for independent runs, with the standard error of first order; counts the fewer runs."""
+    value = first.value / second.value
+    relative = hypot(first.standard_error / first.value, second.standard_error / second.value)
+    return Pooled(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
 
 
 def _error(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:

@@ -1,0 +1,106 @@
+"""The studies that come along ask what their comments say, and theory answers it."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from rubnoise.analysis.expected_figures import expected_figure
+from rubnoise.analysis.replicates import Pooled, pooled, ratio
+from rubnoise.record.tally import Tally
+from rubnoise.scenario.points import points_of
+from rubnoise.scenario.sweep import Sweep, load_sweep
+from rubnoise.sweep.serial import Measure, run_points
+from tests.architecture.sources import ROOT
+
+STUDIES = ROOT / "scenarios" / "studies"
+NAMES = ("damping", "speed", "texture")
+COUNT, RATIO, SPEED = "interface.mean_junction_count", "slider.damping_ratio", "sliding.speed"
+FORCE = "friction_force_std"
+
+
+def _study(name: str, *changes: str) -> Sweep:
+    return load_sweep(STUDIES / f"{name}.toml", changes)
+
+
+def _exact(sweep: Sweep, quantity: str, key: str = "", value: object = None) -> list[float]:
+    """Return the exact quantity at the points where a key, if one is named, has a value."""
+    chosen = [case for case in sweep.cases if not key or case.values[key] == value]
+    return [expected_figure(case.scenario.model(), quantity) for case in chosen]
+
+
+def test_these_are_all() -> None:
+    assert tuple(sorted(path.stem for path in STUDIES.iterdir())) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_is_sound_and_long_enough_for_its_slider(name: str) -> None:
+    study = _study(name)
+    assert study.warnings == ()
+    assert study.keep == "summary"
+    assert study.precision is not None
+    assert study.precision.quantity == "displacement_std"
+    for case in study.cases:
+        model = case.scenario.model()
+        assert model.slider is not None
+        assert model.sliding_speed is not None
+        decays = 0.5 * model.slider.damping / model.slider.mass * model.distance / model.sliding_speed
+        assert decays >= 29.9
+        assert model.mean_life_distance >= 12.0 * model.tick
+
+
+def test_vibration_rises_and_falls_with_the_speed() -> None:
+    stds = _exact(_study("speed"), "displacement_std")
+    highest = int(np.argmax(stds))
+    assert 0 < highest < len(stds) - 1
+    assert stds == sorted(stds[: highest + 1]) + sorted(stds[highest + 1 :], reverse=True)
+    assert stds[-1] < 0.5 * stds[0] < 0.25 * stds[highest]
+    # Beyond the corner of the spectrum the power on the resonance goes with S(0)/V.
+    assert stds[-1] / stds[-2] == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)
+    assert _exact(_study("speed"), "one_way_validity")[-1] < 0.1
+
+
+@pytest.mark.parametrize("speed", ["10 mm/s", "50 mm/s"])
+def test_vibration_falls_as_the_root_of_the_damping(speed: str) -> None:
+    study = _study("damping")
+    stds = _exact(study, "displacement_std", SPEED, speed)
+    damping = sorted({case.values[RATIO] for case in study.cases})
+    products = [std * sqrt(damped) for std, damped in zip(stds, damping, strict=True)]
+    assert products == pytest.approx([products[0]] * len(products), rel=2e-3)
+
+
+def test_a_texture_has_the_same_area_and_less_vibration() -> None:
+    study = _study("texture")
+    areas = _exact(study, "real_contact_area_mean")
+    assert areas == pytest.approx([200.0] * len(areas), rel=1e-12)
+    forces = [_exact(study, FORCE, COUNT, count)[0] for count in (20, 100)]
+    assert forces[0] / forces[1] == pytest.approx(sqrt(5.0), rel=1e-9)
+    plain, textured = (_exact(study, "displacement_std", COUNT, count) for count in (20, 100))
+    reductions = [before / after for before, after in zip(plain, textured, strict=True)]
+    assert reductions == sorted(reductions)
+    assert 3.0 < reductions[0] < 3.1
+    # Where S is flat over the resonance, its S(0) goes with N d^5 and so with N^(-3/2).
+    assert reductions[-1] == pytest.approx(5.0**0.75, rel=1e-3)
+
+
+def _spread(_model: object, tally: Tally) -> float:
+    return tally.moments["friction_force"].std
+
+
+def _tally(_extent: object) -> Tally:
+    return Tally()
+
+
+def _pooled(study: Sweep, count: int) -> Pooled:
+    [case] = [case for case in study.cases if case.values[COUNT] == count]
+    runs = run_points(points_of([case], 12), Measure(sink=_tally, read=_spread))
+    return pooled(FORCE, [value for _, value in runs])
+
+
+def test_the_reduction_is_found_by_simulation_with_an_interval_that_holds_it() -> None:
+    study = _study("texture", 'sweep.zip.sliding.speed=["10 mm/s"]', 'sweep.zip.sliding.distance=["4 mm"]')
+    found = ratio(_pooled(study, 20), _pooled(study, 100))
+    assert abs(found.value - sqrt(5.0)) <= 4.0 * found.standard_error
+    assert found.standard_error < 0.03 * found.value
+    # No reduction, and one as that of the number itself, are both ruled out.
+    assert all(abs(found.value - wrong) > 4.0 * found.standard_error for wrong in (1.0, 5.0))
