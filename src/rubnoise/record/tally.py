@@ -36,14 +36,11 @@ class Moments:
         """Take in one panel of values."""
         if not values.size:
             return
-        # Sums rather than dot products, which wake a linear algebra library's threads for a few thousand numbers.
-        mean = float(np.add.reduce(values)) / values.size
-        away = values - mean
-        square = away * away
-        second, third, fourth = float(np.add.reduce(square)), 0.0, 0.0
-        if self.powers > 2:
-            third = float(np.add.reduce(np.multiply(away, square, out=away)))
-            fourth = float(np.add.reduce(np.multiply(square, square, out=square)))
+        # Only who runs a model waits for the compiler to be loaded, and no one who opens its result.
+        from rubnoise.record.central_sums import central_sums
+
+        whole = values if values.flags.writeable else values.copy()
+        mean, second, third, fourth = central_sums(whole, self.powers)
         self._merge(values.size, mean, second, third, fourth)
 
     def _merge(self, count: int, mean: float, second: float, third: float, fourth: float) -> None:

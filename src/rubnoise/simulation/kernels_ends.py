@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.simulation.compiling import inlined
+from rubnoise.compiling import inlined
 from rubnoise.simulation.kernels_panels import PANEL
 from rubnoise.simulation.lanes import fused, larger, load, one_after, one_before, polynomial, root, spread, store
 

@@ -13,7 +13,7 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.simulation.compiling import compiled, inlined
+from rubnoise.compiling import compiled, inlined
 from rubnoise.simulation.kernels_ends import END, add_fall, add_kink, add_rise
 from rubnoise.simulation.kernels_panels import BLOCK, PANEL, TERMS, add_panels, add_series
 

@@ -6,7 +6,7 @@ The coefficients follow from those of sqrt(2u - u^2), the slope of the lens, by 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.simulation.compiling import inlined
+from rubnoise.compiling import inlined
 from rubnoise.simulation.kernels import AREA_COEFFICIENTS
 from rubnoise.simulation.lanes import fused, larger, load, polynomial, root, smaller, spread, store, where_above
 

@@ -8,7 +8,7 @@ of the place in the cell, from which nothing has to be subtracted, however narro
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.simulation.compiling import compiled
+from rubnoise.compiling import compiled
 from rubnoise.simulation.ticks import first_at_or_after
 
 Doubles = NDArray[np.float64]

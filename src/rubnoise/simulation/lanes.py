@@ -17,7 +17,7 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numba.extending import intrinsic, models, register_model
 from numba.np.arrayobj import make_array
 
-from rubnoise.simulation.compiling import inlined
+from rubnoise.compiling import inlined
 
 WIDTH = 8
 

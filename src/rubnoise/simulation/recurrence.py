@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.simulation.compiling import compiled
+from rubnoise.compiling import compiled
 
 Doubles = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import Pulse
-from rubnoise.simulation.compiling import compiled
+from rubnoise.compiling import compiled
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]

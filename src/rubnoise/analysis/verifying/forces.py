@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import lens_fraction
 from rubnoise.contact.pulses import Pulse
-from rubnoise.simulation.compiling import compiled
+from rubnoise.compiling import compiled
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]

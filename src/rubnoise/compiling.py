@@ -7,8 +7,8 @@ from typing import Any
 from numba import float64, njit
 from numba.extending import intrinsic
 
-SOURCES = ("compiling.py", "kernels*.py", "lanes.py", "recurrence.py", "ticks.py")
-"""Files that are compiled, or compiled into one another."""
+SOURCES = ("compiling.py", "simulation/kernels*.py", "simulation/lanes.py", "simulation/ticks.py")
+"""Files that are compiled into functions of other files."""
 
 
 def compiled(function: Any) -> Any:
@@ -16,19 +16,29 @@ def compiled(function: Any) -> Any:
 
     No fastmath: sums keep their order and products their rounding, since the bits are part of the result.
     """
+    return _kept(function, fastmath=False)
+
+
+def compiled_for_speed(function: Any) -> Any:
+    """Compile a function likewise whose bits are promised to nobody: its sums may be added up in any order."""
+    return _kept(function, fastmath={"reassoc", "contract"})
+
+
+def _kept(function: Any, **how: Any) -> Any:
     try:
-        kernel: Any = njit(cache=True)(function)
+        kernel: Any = njit(cache=True, **how)(function)
     except RuntimeError:
         # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles anew.
-        return njit(function)
+        return njit(**how)(function)
     # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
-    kernel._cache._cache_file._source_stamp = _stamp()  # noqa: SLF001  (there is no other way to tell it)
+    kept = kernel._cache._cache_file  # noqa: SLF001  (there is no other way to tell it)
+    kept._source_stamp = (kept._source_stamp, _stamp())  # noqa: SLF001
     return kernel
 
 
 @cache
 def _stamp() -> tuple[tuple[str, int, int], ...]:
-    """Return names, sizes and times of all files that are compiled."""
+    """Return names, sizes and times of the files that are compiled into others."""
     folder = Path(__file__).parent
     files = sorted(path for pattern in SOURCES for path in folder.glob(pattern))
     return tuple((path.name, path.stat().st_size, path.stat().st_mtime_ns) for path in files)
