@@ -98,7 +98,7 @@ def test_a_folder_is_no_result(here: Path) -> None:
     assert (answer.code, answer.err) == (2, f"{here.parent}: is not a regular file\n")
 
 
-def test_an_unfinished_file_gets_one_line(here: Path) -> None:
+def test_a_part_that_is_being_written_is_told_of(here: Path) -> None:
     description = describe()
     said = []
 
@@ -106,9 +106,10 @@ def test_an_unfinished_file_gets_one_line(here: Path) -> None:
         said.append(call("info", "x.h5.part"))
 
     write_run("x.h5", description, random_rows(description), meanwhile=look)
-    assert said[0].code == 2
-    assert said[0].out == ""
-    assert said[0].err == "x.h5.part: unfinished; the run that writes it goes on or was stopped\n"
+    assert (said[0].code, said[0].err) == (0, "")
+    assert said[0].out.startswith("x.h5.part: a small run of µm, unfinished\n")
+    assert "0%: 0 of 7 junctions, 0 of 11 ticks" in " ".join(said[0].out.split())
+    assert "a process is writing it" in said[0].out
     assert names(here) == ["x.h5"]
 
 

@@ -127,7 +127,7 @@ def test_an_unfinished_result_is_refused(here: Path) -> None:
     description = describe()
     write_run("x.h5", description, random_rows(description), meanwhile=look)
     assert said[0].code == 2
-    assert said[0].err == "x.h5.part: unfinished; the run that writes it goes on or was stopped\n"
+    assert said[0].err == "x.h5.part: unfinished; rubnoise resume x.h5.part goes on with it\n"
 
 
 def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:

@@ -39,6 +39,12 @@ def resume(part: str | os.PathLike[str], *, force: bool = False, watch: Watch | 
     return go_on(Path(part).with_suffix(""), examined(paths), force=force, watch=watch)
 
 
+def distance_of(part: str | os.PathLike[str]) -> float:
+    """Return the sliding distance in um of a run that did not finish; refused as by `resume`."""
+    scenario = build(examined(paths_of(part)).scenario_resolved)
+    return scenario.model().distance
+
+
 def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescription | None:
     """Return the run that was begun at an output path and did not finish, or None where there is none.
 

@@ -22,6 +22,7 @@ from rubnoise.cli import (
     listen,
     new,
     plot,
+    resume,
     run,
     schema,
     sweep,
@@ -42,6 +43,7 @@ app = Typer(
     pretty_exceptions_enable=False,
 )
 app.command("run")(run.command)
+app.command("resume")(resume.command)
 app.command("sweep")(sweep.command)
 app.command("check")(check.command)
 app.command("info")(info.command)

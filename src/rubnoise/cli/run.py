@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from rubnoise.api import Run
     from rubnoise.scenario import Scenario
 
 
@@ -33,6 +32,8 @@ def command(
 ) -> None:
     """Run a scenario and keep everything in one HDF5 file: every junction's life, area, force and motion.
 
+    A run of the same scenario that did not finish at this output goes on.
+
     Example: rubnoise run scenarios/paper/fig5.toml -o fig5.h5 --seed 7
     """
     from rubnoise.cli.loading import overrides, scenario_of
@@ -49,10 +50,13 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     import time
 
     from rubnoise import api
+    from rubnoise.cli.outcome import tell
     from rubnoise.cli.progress import announce_compilation, on_terminal, watching
     from rubnoise.storage.output import check_output
 
-    check_output(path, force=force)
+    check_output(path, force=force, unfinished=True)
+    if not force and not quiet:
+        _tell_of_going_on(scenario, path)
     shown = on_terminal() and not quiet and not as_json
     if shown:
         announce_compilation()
@@ -61,45 +65,17 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         watcher.counting()
         result = api.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
     with result:
-        if as_json:
-            _print_json(result, path, scenario.warnings)
-        elif not quiet:
-            _print_result(result, path, time.monotonic() - began)
+        tell(result, path, time.monotonic() - began, warnings=scenario.warnings, as_json=as_json, quiet=quiet)
 
 
-def _print_result(result: "Run", path: Path, seconds: float) -> None:
-    from rubnoise.cli import layout
+def _tell_of_going_on(scenario: "Scenario", path: Path) -> None:
+    """Say on stderr that a run of this scenario did not finish there, and from where it goes on."""
+    from rubnoise.api.resuming import interrupted
+    from rubnoise.storage.unfinished import SUFFIX, look
 
-    rows, ticks = layout.grouped(len(result.junctions)), layout.grouped(len(result.trace))
-    print(f"{path}: {rows} junctions, {ticks} ticks, {layout.size(path.stat().st_size)}, in {seconds:.1f} s")
-    print("\n".join(layout.agreement_table(result.summary)))
-    for doubt in _doubts(result):
-        print(layout.remark(f"warning: {doubt}"), file=sys.stderr)
-
-
-def _doubts(result: "Run") -> list[str]:
-    """Return what makes the result doubtful."""
-    from rubnoise.cli import layout
-
-    spread = [figure.observed for figure in result.summary if figure.name == "one_way_validity"]
-    return [layout.one_way_warning(validity) for validity in spread if validity > layout.WORTH_A_WARNING]
-
-
-def _print_json(result: "Run", path: Path, warnings: tuple[str, ...]) -> None:
-    import json
-
-    from rubnoise.analysis.agreement import as_json
-
-    answer = {
-        "output": str(path),
-        "seed": result.provenance["seed"],
-        "junctions": len(result.junctions),
-        "ticks": len(result.trace),
-        "bytes": path.stat().st_size,
-        "summary": as_json(result.summary),
-        "warnings": [*warnings, *_doubts(result)],
-    }
-    print(json.dumps(answer))
+    if interrupted(scenario, path) is not None:
+        part = f"{path}{SUFFIX}"
+        print(f"{part}: this run was begun before; it goes on from {look(part).share:.0%}", file=sys.stderr)
 
 
 def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
@@ -110,7 +86,7 @@ def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, qu
     from rubnoise.storage.budget import check_room, counted, expected
     from rubnoise.storage.output import check_output
 
-    check_output(path, force=force)
+    check_output(path, force=force, unfinished=True)
     check_room(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_room(scenario, budget, path)

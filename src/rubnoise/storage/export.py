@@ -6,11 +6,12 @@ from pathlib import Path
 from shutil import disk_usage
 from typing import Final, Literal
 
-from rubnoise.errors import OutputRefused, Refused, RunFileRefused, needing
+from rubnoise.errors import OutputRefused, Refused, needing
 from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.table import TABLES, Table, origin
+from rubnoise.storage.unfinished import refusal
 from rubnoise.storage.whole import whole_file
 
 Kind = Literal["csv", "parquet", "netcdf"]
@@ -56,7 +57,7 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
     ExtraMissing; RubnoiseError where the disk fails.
     """
     if not file.provenance["finished"]:
-        raise RunFileRefused(f"{file.path}: unfinished; the run that writes it goes on or was stopped")
+        raise refusal(file.path)
     for each in exports:
         _check(file, each, force=force)
     writers = {each.kind: _writer(each.kind) for each in exports}

@@ -93,7 +93,8 @@ def described(run: RunFile) -> RunDescription:
 
 def refusal(path: str | os.PathLike[str]) -> Refused:
     """Return what to raise where a whole result is wanted and the run did not finish."""
-    return RunFileRefused(f"{path}: unfinished; {resume_hint(str(path))} with it")
+    hint = f"; {resume_hint(str(path))} with it" if Path(path).suffix == SUFFIX else ""
+    return RunFileRefused(f"{path}: unfinished{hint}")
 
 
 def _compression(scenario: Mapping[str, Any]) -> Literal["none", "gzip"]:

@@ -1,0 +1,46 @@
+"""What `rubnoise info` says of a run that did not finish: how far it is, and whether somebody writes it."""
+
+from pathlib import Path
+from typing import Any
+
+from rubnoise.cli.layout import grouped, line, printable, size
+from rubnoise.errors import resume_hint
+from rubnoise.storage.unfinished import look
+
+
+def contents(file: Path) -> dict[str, Any]:
+    """Return how far a run is, by name."""
+    found = look(file)
+    about, origin = found.description, found.description.provenance
+    return {
+        "file": str(file),
+        "title": about.title,
+        "source": found.source,
+        "seed": origin.seed,
+        "command": origin.command,
+        "started": origin.started,
+        "bytes": file.stat().st_size,
+        "share": found.share,
+        "done": {"junctions": found.junctions, "ticks": found.ticks},
+        "whole": {"junctions": about.extent.junctions, "ticks": about.extent.ticks},
+        "committed": found.committed or None,
+        "being_written": found.being_written,
+    }
+
+
+def described(answer: dict[str, Any]) -> list[str]:
+    """Return the same as lines to print."""
+    done, whole = answer["done"], answer["whole"]
+    rows = ", ".join(f"{grouped(done[name])} of {grouped(whole[name])} {name}" for name in whole)
+    hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
+    return [
+        f"{answer['file']}: {printable(answer['title'])}, unfinished",
+        line("written by", answer["source"]),
+        line("from", answer["started"]),
+        line("command", answer["command"], whole=True),
+        line("seed", str(answer["seed"])),
+        line("size", size(answer["bytes"])),
+        line("done", f"{answer['share']:.0%}: {rows}"),
+        line("last commit", answer["committed"] or "none yet"),
+        line("now", hint, whole=True),
+    ]

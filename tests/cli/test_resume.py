@@ -1,0 +1,156 @@
+"""`rubnoise resume`, and `run` and `info` on a run that did not finish."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rubnoise.storage import writer
+from tests.cli.terminal import Answer, begin, call, columns, names, stop
+
+SLIDER = Path("../given/slider.toml")
+SOME_SECONDS = ("--set", "sliding.distance=300 mm", "--set", "output.tick=1 um")
+STOPPED = """
+import sys
+from unittest.mock import patch
+from rubnoise.cli.app import main
+from rubnoise.cli.progress import Watcher
+from rubnoise.errors import RunStopped
+from rubnoise.storage import writer
+
+class Stops(Watcher):
+    def __call__(self, distance, junctions, live):
+        if distance > 1500.0:
+            raise RunStopped(15)
+
+writer.COMMIT_SECONDS = 0.0
+with patch("rubnoise.cli.progress.Watcher", Stops):
+    main()
+"""
+SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
+
+
+@pytest.fixture
+def part(here: Path) -> Path:
+    """Return the part of a run that was stopped half-way."""
+    done = subprocess.run(
+        [sys.executable, "-c", STOPPED, "run", SLIDER, "-o", "x.h5", *SHORT],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (143, "")
+    assert done.stderr == "stopped by a signal; rubnoise resume x.h5.part goes on\n"
+    return here / "x.h5.part"
+
+
+@pytest.fixture
+def whole(here: Path) -> dict[str, bytes]:
+    """Return the columns of that run when nothing stops it."""
+    assert call("run", SLIDER, "-o", "whole.h5", "-q", *SHORT).code == 0
+    found = columns(here / "whole.h5")
+    (here / "whole.h5").unlink()
+    return found
+
+
+def test_killed_in_the_middle_a_run_goes_on_to_the_same_bits(here: Path) -> None:
+    assert call("run", SLIDER, "-o", "whole.h5", "-q", *SOME_SECONDS, "--engine", "batch").code == 0
+    run = begin("run", SLIDER, "-o", "x.h5", *SOME_SECONDS, part=here / "x.h5.part.journal")
+    killed, _ = stop(run, signal.SIGKILL)
+    assert killed.code == -signal.SIGKILL
+    assert names(here) == [".x.h5.lock", "whole.h5", "x.h5.part", "x.h5.part.journal"]
+    assert call("info", "x.h5.part", "--json").json()["share"] > 0.0
+    answer = call("resume", "x.h5.part", "-q")
+    assert answer == Answer(code=0, out="", err="")
+    assert columns(here / "x.h5") == columns(here / "whole.h5")
+    assert names(here) == ["whole.h5", "x.h5"]
+
+
+def test_resume_answers_as_run_does(here: Path, part: Path, whole: dict[str, bytes]) -> None:
+    answer = call("resume", part.name)
+    assert answer.code == 0
+    assert answer.out.startswith("x.h5: ")
+    assert "warning: the velocity of the slider" in answer.err
+    assert columns(here / "x.h5") == whole
+    assert names(here) == ["x.h5"]
+
+
+def test_run_goes_on_by_itself_and_says_so(here: Path, part: Path, whole: dict[str, bytes]) -> None:
+    share = call("info", part.name, "--json").json()["share"]
+    answer = call("run", SLIDER, "-o", "x.h5", *SHORT, "--engine", "batch", "--json")
+    assert answer.code == 0
+    assert answer.err == f"x.h5.part: this run was begun before; it goes on from {share:.0%}\n"
+    assert answer.json()["output"] == "x.h5"
+    assert columns(here / "x.h5") == whole
+
+
+def test_run_is_quiet_about_it_when_asked_to(here: Path, part: Path, whole: dict[str, bytes]) -> None:
+    assert call("run", SLIDER, "-o", "x.h5", *SHORT, "-q") == Answer(code=0, out="", err="")
+    assert columns(here / "x.h5") == whole
+
+
+def test_another_run_is_refused_and_force_starts_over(here: Path, part: Path) -> None:
+    answer = call("run", SLIDER, "-o", "x.h5", *SHORT, "--seed", "9")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == (
+        "x.h5.part: of another run: run.seed is 1 there and 9 here"
+        " (--force starts over; rubnoise resume x.h5.part goes on with the one that is there)\n"
+    )
+    assert names(here) == ["x.h5.part", "x.h5.part.journal"]
+    assert call("run", SLIDER, "-o", "x.h5", *SHORT, "--seed", "9", "--force", "-q").err == ""
+    assert names(here) == ["x.h5"]
+
+
+def test_a_dry_run_leaves_the_part_alone(here: Path, part: Path) -> None:
+    before = part.read_bytes()
+    assert call("run", SLIDER, "-o", "x.h5", *SHORT, "--dry-run").code == 0
+    assert part.read_bytes() == before
+
+
+def test_info_says_how_far_it_is(here: Path, part: Path) -> None:
+    answer = call("info", part.name)
+    told = call("info", part.name, "--json").json()
+    assert 0.1 < told["share"] < 0.6
+    assert told["done"]["ticks"] == pytest.approx(told["share"] * told["whole"]["ticks"])
+    assert not told["being_written"]
+    assert answer.code == 0
+    assert answer.out.startswith("x.h5.part: ")
+    assert f"{told['done']['junctions']:,} of {told['whole']['junctions']:,} junctions" in answer.out
+    assert f"last commit                   {told['committed']}" in answer.out
+    assert "rubnoise resume x.h5.part goes on" in answer.out
+
+
+def test_info_looks_at_a_run_under_way_without_harm(here: Path) -> None:
+    assert call("run", SLIDER, "-o", "whole.h5", "-q", *SOME_SECONDS, "--engine", "batch").code == 0
+    run = begin("run", SLIDER, "-o", "x.h5", "-q", *SOME_SECONDS, part=here / "x.h5.part.journal")
+    answers = [call("info", "x.h5.part", "--json").json() for _ in range(5)]
+    assert all(told["being_written"] for told in answers)
+    refused = call("resume", "x.h5.part")
+    assert run.poll() is None
+    assert (refused.code, refused.err) == (2, f"{here / 'x.h5'}: another process is writing it\n")
+    assert run.communicate(timeout=120)[1] == ""
+    assert columns(here / "x.h5") == columns(here / "whole.h5")
+
+
+@pytest.mark.parametrize("words", [("compare",), ("junctions",), ("plot",), ("export", "--to", "csv"), ("listen",)])
+def test_other_commands_want_the_whole_result(here: Path, part: Path, words: tuple[str, ...]) -> None:
+    answer = call(words[0], part.name, *words[1:])
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part goes on with it\n"
+    assert names(here) == ["x.h5.part", "x.h5.part.journal"]
+
+
+def test_what_is_no_part_is_told_in_a_line(here: Path) -> None:
+    (here / "x.h5").write_bytes(b"whole")
+    for name, said in (
+        ("x.h5", "x.h5: is no run that did not finish: their names end in .part\n"),
+        ("x.h5.part", "x.h5.part: no such file; x.h5 is there\n"),
+        ("y.h5.part", "y.h5.part: no such file\n"),
+    ):
+        answer = call("resume", name)
+        assert (answer.code, answer.err) == (2, said)
+    assert call("info", "y.h5.part").err == "y.h5.part: no such file\n"
+
+
+def test_a_second_is_what_a_power_cut_may_cost() -> None:
+    assert writer.COMMIT_SECONDS == 1.0
