@@ -187,4 +187,4 @@ def test_wrong_usage_is_refused(lives: Path, arguments: tuple[str, ...]) -> None
 def test_a_file_that_is_no_result_gets_one_line(here: Path) -> None:
     (here / "x.h5").write_text("format = 1")
     for command in (("junctions", "x.h5"), ("junction", "x.h5", "0")):
-        assert call(*command).err == "x.h5: is not an HDF5 file\n"
+        assert call(*command).err == "x.h5: is not an HDF5 file; `rubnoise run` makes one\n"

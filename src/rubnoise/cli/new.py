@@ -1,5 +1,6 @@
 """`rubnoise new`: a scenario file to begin with."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -17,15 +18,10 @@ def command(
     """
     from rubnoise.errors import OutputRefused
     from rubnoise.scenario.template import template
+    from rubnoise.storage.whole import whole_file
 
-    text = template()
-    try:
-        with file.open("x", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-    except FileExistsError as problem:
-        raise OutputRefused(f"{file}: exists already, and is left as it is; choose another name") from problem
-    except FileNotFoundError as problem:
-        raise OutputRefused(f"{file.parent}: no such folder") from problem
-    except OSError as problem:
-        raise OutputRefused(f"{file}: cannot be written: {problem.strerror}") from problem
+    if os.path.lexists(file):
+        raise OutputRefused(f"{file}: exists already, and is left as it is; choose another name")
+    with whole_file(file, force=False) as part:
+        part.write_text(template(), encoding="utf-8", newline="\n")
     print(f"{file}: written; `rubnoise check {file}` says what it means, `rubnoise run {file}` runs it")

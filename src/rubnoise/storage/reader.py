@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import row_count
-from rubnoise.storage.rows import StoredColumn
+from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
@@ -194,7 +194,9 @@ def _check_signature(descriptor: int) -> None:
     if not stat.S_ISREG(about.st_mode):
         raise RunFileRefused("is not a regular file")
     if os.pread(descriptor, len(SIGNATURE), 0) != SIGNATURE:
-        raise RunFileRefused("is empty" if about.st_size == 0 else "is not an HDF5 file")
+        raise RunFileRefused(
+            f"is empty; {REMEDY}" if about.st_size == 0 else "is not an HDF5 file; `rubnoise run` makes one"
+        )
 
 
 def _share(descriptor: int) -> None:
@@ -212,7 +214,7 @@ def _surveyed(descriptor: int) -> dict[str, Any]:
     try:
         found: dict[str, Any] = json.loads(_answer(descriptor))
     except (ValueError, RecursionError) as problem:
-        raise RunFileRefused(f"damaged: its structure cannot be told") from problem
+        raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
     if "refused" in found:
         raise RunFileRefused(found["refused"])
     if "too_new" in found:

@@ -12,6 +12,7 @@ from rubnoise.errors import RunFileRefused
 
 Bytes = NDArray[np.uint8]
 LARGEST_READ: Final = 1 << 30
+REMEDY: Final = "copy it again, or run its scenario again"
 SHUFFLE_SKIPPED: Final = 1
 DEFLATE_SKIPPED: Final = 2
 
@@ -57,7 +58,7 @@ class StoredColumn:
         size = self.chunk_rows * self.dtype.itemsize
         content = stored if skipped & DEFLATE_SKIPPED else _inflated(stored, size)
         if content.size != size:
-            raise RunFileRefused("damaged: a chunk has another size than its rows")
+            raise RunFileRefused(f"damaged: a chunk has another size than its rows; {REMEDY}")
         if not skipped & SHUFFLE_SKIPPED:
             content = np.ascontiguousarray(content.reshape(self.dtype.itemsize, self.chunk_rows).T)
         return content.reshape(-1).view(self.dtype)
@@ -69,9 +70,9 @@ def _inflated(stored: Bytes, size: int) -> Bytes:
     try:
         content = inflating.decompress(stored.data, size + 1)
     except zlib.error as problem:
-        raise RunFileRefused(f"damaged: {problem}") from problem
+        raise RunFileRefused(f"damaged: {problem}; {REMEDY}") from problem
     if not inflating.eof:
-        raise RunFileRefused("damaged: a chunk does not end where its rows do")
+        raise RunFileRefused(f"damaged: a chunk does not end where its rows do; {REMEDY}")
     return np.frombuffer(content, dtype=np.uint8)
 
 
@@ -81,5 +82,5 @@ def _fill(target: Bytes, descriptor: int, offset: int) -> None:
     while place < target.size:
         count = os.preadv(descriptor, [target[place : place + LARGEST_READ].data], offset + place)
         if not count:
-            raise RunFileRefused("cut short")
+            raise RunFileRefused(f"cut short; {REMEDY}")
         place += count

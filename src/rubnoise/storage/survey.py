@@ -16,6 +16,7 @@ from rubnoise.storage import index
 from rubnoise.storage.index_survey import found_in_index
 from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.pages import Overlay
+from rubnoise.storage.rows import REMEDY
 from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
 from rubnoise.storage.soundness import (
     ATTRIBUTES_LIMIT,
@@ -152,4 +153,5 @@ def _or_refusal(read: Callable[[], object]) -> dict[str, object]:
 def _reason(problem: Exception) -> str:
     if isinstance(problem, RunFileRefused):
         return str(problem)
-    return "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
+    what = "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
+    return f"{what}; {REMEDY}"

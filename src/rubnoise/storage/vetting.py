@@ -18,6 +18,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final, NoReturn
 
+from rubnoise.storage.rows import REMEDY
+
 MEMORY_BYTES: Final = 256 * 1024**2
 """Address space for a look, on top of what the program has; a compressed run of 10^9 ticks needs a tenth of it."""
 
@@ -103,7 +105,7 @@ def _outcome(child: int, receiving: int, deadline: float) -> bytes:
         _, status = os.waitpid(child, 0)
     if answer is None:
         return _refusal("reading its structure takes more time or memory than that of any run")
-    return answer if status == 0 else _refusal(f"damaged: HDF5 {_end(status)} on its structure")
+    return answer if status == 0 else _refusal(f"damaged: HDF5 {_end(status)} on its structure; {REMEDY}")
 
 
 def _received(receiving: int, deadline: float) -> bytes | None:

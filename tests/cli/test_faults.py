@@ -1,0 +1,258 @@
+"""Every command beside every fault of what it reads and where it writes: one line with the path, and nothing made."""
+
+import fcntl
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.cli.terminal import WITH_SLIDER, call, names
+
+READERS = {
+    "info": (),
+    "junction": ("0",),
+    "junctions": (),
+    "compare": (),
+    "verify": (),
+    "plot": (),
+    "animate": (),
+    "listen": (),
+    "export": ("--to", "csv"),
+}
+"""Commands that read a result and nothing else, with the words behind its path."""
+
+OF_SWEEPS = ("info", "plot")
+"""Those that take the folder of a sweep, too."""
+
+WRITERS = {
+    "run": ("scenario.toml", "-o", "{}"),
+    "new": ("{}",),
+    "plot": ("good.h5", "-o", "{}"),
+    "animate": ("good.h5", "-o", "{}"),
+    "listen": ("good.h5", "-o", "{}"),
+    "export": ("good.h5", "--to", "csv", "--group", "trace", "-o", "{}"),
+    "teach": ("scenario.toml", "-o", "{}"),
+    "theory": ("scenario.toml", "--plot", "{}"),
+    "junction": ("good.h5", "0", "--plot", "{}"),
+}
+ENDINGS = {"run": "h5", "new": "toml", "animate": "gif", "listen": "wav", "export": "csv", "teach": "html"}
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("good")
+    (folder / "scenario.toml").write_text(WITH_SLIDER, encoding="utf-8")
+    assert call("run", folder / "scenario.toml", "-o", folder / "good.h5", "-q").code == 0
+    return folder
+
+
+@pytest.fixture
+def place(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Stand in a folder with a scenario and a good result."""
+    for name in ("scenario.toml", "good.h5"):
+        (tmp_path / name).write_bytes((good / name).read_bytes())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def missing(_path: Path, _content: bytes) -> None:
+    pass
+
+
+def empty(path: Path, _content: bytes) -> None:
+    path.touch()
+
+
+def text(path: Path, _content: bytes) -> None:
+    path.write_text("distance,area\n" * 100)
+
+
+def cut_short(path: Path, content: bytes) -> None:
+    path.write_bytes(content[: len(content) // 2])
+
+
+def foreign(path: Path, _content: bytes) -> None:
+    with h5py.File(path, "w") as file:
+        file["values"] = np.arange(5.0)
+
+
+def newer(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+    with h5py.File(path, "r+") as file:
+        file.attrs.modify("format_version", 99)
+        file.attrs["source"] = np.bytes_("rubnoise 9.9")
+
+
+def damaged(path: Path, content: bytes) -> None:
+    path.write_bytes(content[:200] + bytes(3000) + content[3200:])
+
+
+def folder(path: Path, _content: bytes) -> None:
+    path.mkdir()
+
+
+def pipe(path: Path, _content: bytes) -> None:
+    os.mkfifo(path)
+
+
+def device(path: Path, _content: bytes) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def loop(path: Path, _content: bytes) -> None:
+    path.symlink_to(path)
+
+
+def behind_a_file(path: Path, _content: bytes) -> None:
+    path.parent.joinpath("file").touch()
+    path.symlink_to("file/run.h5")
+
+
+FAULTS: dict[Callable[[Path, bytes], None], str] = {
+    missing: "no such file or directory",
+    empty: "is empty; ",
+    text: "is not an HDF5 file; ",
+    cut_short: "cut short; ",
+    foreign: "is an HDF5 file, but not one of rubnoise",
+    newer: "rubnoise 9.9 or later is needed",
+    damaged: "damaged: ",
+    folder: "is not a regular file",
+    pipe: "is not a regular file",
+    device: "is not a regular file",
+    loop: "too many levels of symbolic links",
+    behind_a_file: "not a directory",
+}
+
+
+CASES = [
+    pytest.param(command, fault, id=f"{command}-{fault.__name__}")
+    for command in READERS
+    for fault in FAULTS
+    if not (fault is folder and command in OF_SWEEPS)
+]
+
+
+@pytest.mark.parametrize(("command", "fault"), CASES)
+def test_what_is_no_result_is_refused_in_a_line(
+    place: Path, command: str, fault: Callable[[Path, bytes], None]
+) -> None:
+    fault(place / "bad.h5", (place / "good.h5").read_bytes())
+    before = names(place)
+    answer = call(command, "bad.h5", *READERS[command])
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("bad.h5: ")
+    assert FAULTS[fault] in answer.err
+    assert answer.err.count("\n") == 1
+    assert names(place) == before
+
+
+def exists(path: Path) -> None:
+    path.write_bytes(b"precious")
+
+
+def no_folder(path: Path) -> None:
+    path.parent.rmdir()
+
+
+def folder_in_its_place(path: Path) -> None:
+    path.mkdir()
+
+
+def pipe_in_its_place(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def link_in_its_place(path: Path) -> None:
+    path.symlink_to("elsewhere")
+
+
+def device_in_its_place(path: Path) -> None:
+    path.symlink_to("/dev/null")
+
+
+def file_for_a_folder(path: Path) -> None:
+    path.parent.rmdir()
+    path.parent.touch()
+
+
+NOT_REPLACED = "exists already, and is left as it is; choose another name"
+"""What `new`, which replaces nothing, says in place of the first and of those about what is no file."""
+
+PLACES: dict[Callable[[Path], None], str] = {
+    exists: "exists already (--force replaces it)",
+    no_folder: "no such folder",
+    folder_in_its_place: "exists and is not a regular file",
+    pipe_in_its_place: "exists and is not a regular file",
+    link_in_its_place: "exists and is not a regular file",
+    device_in_its_place: "exists and is not a regular file",
+    file_for_a_folder: "no such folder",
+}
+
+
+def _words(command: str) -> list[str]:
+    name = f"there/out.{ENDINGS.get(command, 'png')}"
+    return [command, *(word.format(name) for word in WRITERS[command])]
+
+
+@pytest.mark.parametrize("fault", PLACES, ids=lambda fault: fault.__name__)
+@pytest.mark.parametrize("command", WRITERS)
+def test_where_nothing_may_be_written_is_told_in_a_line(
+    place: Path, command: str, fault: Callable[[Path], None]
+) -> None:
+    (place / "there").mkdir()
+    words = _words(command)
+    path = place / next(word for word in words if word.startswith("there/"))
+    fault(path)
+    before = names(place), names(path.parent) if path.parent.is_dir() else []
+    answer = call(*words)
+    assert (answer.code, answer.out) == (2, "")
+    expected = PLACES[fault]
+    assert (NOT_REPLACED if command == "new" and expected.startswith("exists") else expected) in answer.err
+    assert "there" in answer.err.partition(": ")[0]
+    assert answer.err.count("\n") == 1
+    assert (names(place), names(path.parent) if path.parent.is_dir() else []) == before
+
+
+@pytest.mark.parametrize("command", ["run", "new", "export", "teach"])
+def test_a_device_given_by_name_is_refused(place: Path, command: str) -> None:
+    answer = call(command, *(word.format("/dev/null") for word in WRITERS[command]))
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("/dev/null: exists ")
+    assert answer.err.count("\n") == 1
+
+
+@contextmanager
+def _held(path: Path) -> Iterator[None]:
+    """Hold the lock of an output, as another process that writes it would."""
+    lock = path.with_name(f".{path.name}.lock")
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+    lock.unlink()
+
+
+@pytest.mark.parametrize("command", WRITERS)
+def test_a_second_writer_is_refused(place: Path, command: str) -> None:
+    (place / "there").mkdir()
+    words = _words(command)
+    path = place / next(word for word in words if word.startswith("there/"))
+    with _held(path):
+        answer = call(*words)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == f"{path}: another process is writing it\n"
+    assert names(place / "there") == []
+
+
+@pytest.mark.parametrize("command", WRITERS)
+def test_the_same_words_write_where_nothing_is_in_the_way(place: Path, command: str) -> None:
+    """The control of the tests above."""
+    if command == "animate":
+        pytest.skip("a film takes too long to be a control")
+    (place / "there").mkdir()
+    words = _words(command)
+    assert call(*words).code == 0
+    assert names(place / "there") == [Path(next(word for word in words if word.startswith("there/"))).name]
