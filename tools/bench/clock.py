@@ -34,10 +34,11 @@ class Timing:
 
 @dataclass(frozen=True)
 class Task:
-    """Something to be timed, and its number of units."""
+    """Something to be timed, its number of units, and what is done before it and not timed."""
 
     call: Callable[[], object]
     units: float
+    prepare: Callable[[], object] = lambda: None
 
 
 def interleaved(tasks: Mapping[str, Task], repeats: int) -> dict[str, Timing]:
@@ -45,6 +46,7 @@ def interleaved(tasks: Mapping[str, Task], repeats: int) -> dict[str, Timing]:
     seconds: dict[str, list[float]] = {name: [] for name in tasks}
     for _ in range(repeats):
         for name, task in tasks.items():
+            task.prepare()
             seconds[name].append(_timed(task.call))
     return {name: Timing(tuple(taken), tasks[name].units) for name, taken in seconds.items()}
 

@@ -9,7 +9,10 @@ from bench.case import Case, Doubles, Drawn
 from bench.checks import AREA_BOUND, relative_error
 from bench.clock import Task, Timing, interleaved
 from bench.peers import c_kernel, naive_numpy, numba_loops
+from rubnoise.simulation.grid import Grid
 from rubnoise.simulation.kernels import deposit_areas
+from rubnoise.simulation.kernels_fine import deposit_fine_lives
+from rubnoise.simulation.kernels_panels import cell_weights
 
 CASE = Case(junctions=20_000)
 REPETITIONS = 3
@@ -19,6 +22,7 @@ C_PREFIX = "C, "
 ROOTS = "C, square roots alone"
 WAYS = {"C, the same polynomial": "polynomial", "C, textbook formula": "textbook", ROOTS: "roots"}
 OURS = "rubnoise"
+BY_TICK = "rubnoise, tick by tick"
 Fill = Callable[[Doubles], None]
 
 
@@ -40,13 +44,28 @@ def fills(birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
     ticks, alive, weight = CASE.ticks, np.full(birth.size, np.inf), diameter * diameter
     count = np.zeros(ticks.size)
     found: dict[str, Fill] = {
-        OURS: lambda total: deposit_areas(ticks, birth, diameter, alive, weight, total),
+        OURS: _by_series(birth, diameter, weight),
+        BY_TICK: lambda total: deposit_areas(ticks, birth, diameter, alive, weight, total),
         "numba loops": lambda total: numba_loops.add_pulses(birth, diameter, CASE.tick, total, count),
     }
     if c_kernel.available():
         for name, way in WAYS.items():
             found[name] = _of_c(c_kernel.deposit(way), ticks, birth, diameter)
     return found
+
+
+def _by_series(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
+    """Return our way for lives of as many ticks as these: on whole blocks of positions, which it needs around them."""
+    grid = Grid.around(0, CASE.ticks.size, CASE.tick)
+    wanted, whole, weights = grid.wanted, np.zeros(grid.position.size), cell_weights().ravel()
+    where = (grid.position, grid.origin, grid.spacing, wanted.start, wanted.stop)
+
+    def fill(total: Doubles) -> None:
+        whole[:] = 0.0
+        deposit_fine_lives(*where, birth, diameter, weight, weights, whole, np.empty(0))
+        total += whole[wanted]
+
+    return fill
 
 
 def _of_c(deposit: c_kernel.Deposit, ticks: Doubles, birth: Doubles, diameter: Doubles) -> Fill:

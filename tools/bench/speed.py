@@ -21,7 +21,8 @@ def task(entrant: Entrant, case: Case, path: Path | None) -> Task:
         draws = Drawn(case, seed=1)
         entrant.call(case, draws, *([path] if path else []))
 
-    return Task(call, case.junctions)
+    # Everybody writes a new file: to take an old one off the disk is nobody's work.
+    return Task(call, case.junctions, partial(path.unlink, missing_ok=True) if path else lambda: None)
 
 
 def warm(entrants: Iterable[Entrant], path: Path | None) -> None:
