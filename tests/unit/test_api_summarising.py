@@ -34,6 +34,16 @@ def test_it_fits_in_a_few_kilobytes_and_goes_through_a_pipe(tmp_path: Path) -> N
     assert again.figures == row.figures
 
 
+def test_what_is_expected_comes_once_a_point(tmp_path: Path) -> None:
+    first, second = (keep_summary(point) for point in expand(sweep_of(tmp_path, GRID))[:2])
+    assert second.of_point == {}
+    assert not set(first.of_point) & set(first.arrays)
+    theory = summary_theory(expand(sweep_of(tmp_path, GRID))[0].scenario.model())
+    assert {name: values.tobytes() for name, values in first.of_point.items()} == {
+        name: values.tobytes() for name, values in theory.items()
+    }
+
+
 def test_a_run_can_be_stopped_on_its_way(tmp_path: Path) -> None:
     def stop(_distance: float, _junctions: int, _live: int) -> None:
         raise KeyboardInterrupt

@@ -27,7 +27,8 @@ def keep_summary(point: Point, *, watch: Watch = ORDERS.check) -> Row:
     figures: dict[str, float] = {}
     for figure in summary.figures:
         figures |= figure.as_attributes()
-    return Row(run_id=point.run_id, figures=figures, arrays=summary.curves)
+    of_point = summary_theory(model) if point.replicate == 0 else {}
+    return Row(run_id=point.run_id, figures=figures, arrays=summary.curves, of_point=of_point)
 
 
 def summary_theory(model: Model) -> dict[str, NDArray[Any]]:
