@@ -169,8 +169,7 @@ def gone_on(folder: Path, run: Scenario) -> dict[str, tuple[bytes, bytes]]:
         rubnoise.resume(f"{path}.part").close()
     elif not path.exists():
         rubnoise.run(run, path).close()
-    left = names(folder)
-    assert left in (["x.h5"], [".x.h5.making", "x.h5"], ["x.h5", "x.h5.part.journal"]), left
+    assert names(folder) == ["x.h5"]
     return datasets(path)
 
 
@@ -314,7 +313,7 @@ def test_a_part_that_cannot_be_read_is_refused_until_force(tmp_path: Path) -> No
     (tmp_path / "x.h5.part").write_bytes(b"something else")
     with pytest.raises(RunFileRefused, match="not an HDF5 file"):
         rubnoise.resume(tmp_path / "x.h5.part")
-    with pytest.raises(OutputRefused, match=r"not an HDF5 file \(--force starts over\)"):
+    with pytest.raises(OutputRefused, match=r"not an HDF5 file.*\(--force starts over\)"):
         rubnoise.run(BARE, tmp_path / "x.h5")
     rubnoise.run(BARE, tmp_path / "x.h5", force=True).close()
     assert names(tmp_path) == ["x.h5"]

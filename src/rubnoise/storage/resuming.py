@@ -59,15 +59,16 @@ def settle(paths: OutputPaths, *, force: bool) -> bool:
     with mended(paths) as run:
         description, whole = described(run), bool(run.provenance["finished"]) and not run.damaged()
     if paths.final.exists() and _is_result_of(paths, description):
+        disk.remove(paths.journal)
         disk.remove(paths.part)
     elif paths.final.exists() and not force:
         raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
     elif whole:
         _sync(paths)
+        disk.remove(paths.journal)
         give_final_name(paths, force=force)
     else:
         return False
-    disk.remove(paths.journal)
     return True
 
 

@@ -150,15 +150,14 @@ class RunWriter:
         disk.sync(self._part.descriptor)
 
     def _name(self) -> None:
+        # The part is whole and needs its journal no more; one that went last would be left over by a kill.
+        self._journal.close()
+        disk.remove(self._paths.journal)
         try:
             give_final_name(self._paths, force=self._force)
         except OutputAppearedError:
             self._keep_part = True
             raise
-        finally:
-            # The part is whole: what the journal has to say about it is done.
-            self._journal.close()
-            disk.remove(self._paths.journal)
 
     def _stop(self, stopped: RunStopped) -> None:
         """Keep what there is up to the last block, and say so.
