@@ -4,9 +4,7 @@ import json
 import os
 import shutil
 import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +14,8 @@ import pytest
 
 import rubnoise
 from rubnoise.scenario.sweep import expand, load_sweep
-from tests.cli.terminal import CONTACT, call, columns, command, spawn
-
-TABLE = """
-[sweep]
-replicates = 3
-[sweep.grid]
-interface.mean_junction_count = [10, 40]
-"""
-SLOW = ("--set", "sliding.distance=30 mm", "--set", "output.tick=0.005 um", "--set", "sweep.replicates=4")
-"""Changes that make each run last about a second."""
+from tests.cli.swept import SLOW, TABLE, begin_sweep, runs_of
+from tests.cli.terminal import CONTACT, call, columns, spawn
 
 
 @pytest.fixture
@@ -33,10 +23,6 @@ def file(here: Path) -> Path:
     """Write a sweep of six short runs."""
     (path := here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
     return path
-
-
-def _runs(folder: Path) -> dict[str, dict[str, bytes]]:
-    return {path.stem: columns(path) for path in sorted((folder / "runs").glob("*.h5"))}
 
 
 def _alone(file: Path, folder: Path, *changes: str) -> dict[str, dict[str, bytes]]:
@@ -58,7 +44,7 @@ def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Pa
     assert call("sweep", file, "-o", "pool", "--jobs", "2").out == "pool: 2 points, 6 runs: 6 done\n"
     for number in (2, 1):
         assert call("sweep", file, "-o", "shards", "--jobs", "1", "--shard", f"{number}/2", "-q").out == ""
-    assert _runs(Path("pool")) == _runs(Path("shards")) == alone
+    assert runs_of(Path("pool")) == runs_of(Path("shards")) == alone
     tables = [h5py.File(Path(folder) / "index.h5") for folder in ("pool", "shards")]
     first, second = ({name: table["runs"][name][:].tobytes() for name in table["runs"]} for table in tables)
     assert first == second
@@ -81,13 +67,13 @@ def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(f
 def test_a_result_that_nobody_wrote_down_is_found_and_one_that_went_missing_is_made_anew(file: Path) -> None:
     call("sweep", file, "-o", "d", "--jobs", "1", "-q")
     first, *others = sorted(Path("d/runs").iterdir())
-    kept = _runs(Path("d"))
+    kept = runs_of(Path("d"))
     before = {path: path.stat().st_mtime_ns for path in others}
     shutil.rmtree("d/journal")
     first.unlink()
     assert call("sweep", file, "-o", "d", "--jobs", "1").code == 0
     assert {path: path.stat().st_mtime_ns for path in others} == before
-    assert _runs(Path("d")) == kept
+    assert runs_of(Path("d")) == kept
 
 
 def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
@@ -118,7 +104,7 @@ def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, t
 
     call("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q")
     Path("d").rename(moved := tmp_path / "elsewhere")
-    runs = _runs(moved)
+    runs = runs_of(moved)
     with h5py.File(moved / "index.h5") as index, h5py.File(moved / "merged.h5") as merged:
         names = [name.decode() for name in index["runs/run_id"][:]]
         stacks = [(group[:], index[f"traces/{n}/trace/run"][:], n) for n in index["traces"]
@@ -174,43 +160,32 @@ def _children(process: int) -> list[int]:
     return [int(number) for number in told.read_text(encoding="ascii").split()] if told.exists() else []
 
 
-def _begun(folder: Path, *arguments: str | Path) -> "subprocess.Popen[str]":
-    """Start a sweep in a process of its own, and return it when a run is being written."""
-    begun = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    for _ in range(6000):
-        if any((folder / "runs").glob("*.part")) or begun.poll() is not None:
-            break
-        time.sleep(0.01)
-    assert begun.poll() is None, "the sweep ended before it began"
-    return begun
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> None:
-    begun = _begun(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
     os.kill(_children(begun.pid)[0], signal.SIGKILL)
     out, err = begun.communicate(timeout=300)
     assert (begun.returncode, out, err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
-    assert _runs(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
+    assert runs_of(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
     assert len(_entries(Path("d"))) == 8
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_sweep_that_is_killed_is_gone_on_with(file: Path, tmp_path: Path) -> None:
-    begun = _begun(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
     workers = _children(begun.pid)
     begun.kill()
     begun.communicate(timeout=60)
     answer = spawn("sweep", file, "-o", "d", "--jobs", "2", *SLOW)
     assert (answer.code, answer.out, answer.err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
-    assert _runs(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
+    assert runs_of(Path("d")) == _alone(file, tmp_path, *SLOW[1::2])
     assert len(_entries(Path("d"))) == 8
     assert not any(Path(f"/proc/{worker}").exists() for worker in workers)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_stops_a_sweep_that_can_be_gone_on_with(file: Path, number: signal.Signals, code: int) -> None:
-    begun = _begun(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
     begun.send_signal(number)
     out, err = begun.communicate(timeout=60)
     assert (begun.returncode, out) == (code, "")

@@ -1,0 +1,92 @@
+"""A real scheduler with two worker processes on this machine gives the bits that a pool gives."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from tests.cli.swept import SLOW, TABLE, begin_sweep, runs_of
+from tests.cli.terminal import CONTACT, call, spawn
+
+pytest.importorskip("distributed", reason="the extra cluster is not installed")
+
+Processes = list["subprocess.Popen[bytes]"]
+
+
+def _started(module: str, *options: str) -> "subprocess.Popen[bytes]":
+    program = [sys.executable, "-m", "distributed.cli." + module, *options]
+    return subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture
+def scheduler(here: Path) -> Iterator[tuple[Path, Processes]]:
+    """Start a scheduler and two workers of one thread; yield the scheduler's file, and the three processes."""
+    file = here / "scheduler.json"
+    plain = ("--no-dashboard",)
+    with ExitStack() as ending:
+        processes: Processes = []
+
+        def start(module: str, *options: str) -> None:
+            process = _started(module, *options)
+            processes.append(process)
+            ending.callback(process.wait)
+            ending.callback(process.kill)
+
+        start("dask_scheduler", "--scheduler-file", str(file), "--host", "127.0.0.1", "--port", "0", *plain)
+        _wait_for(file)
+        for _ in range(2):
+            start("dask_worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", *plain)
+        yield file, processes
+
+
+def _wait_for(path: Path) -> None:
+    last = time.monotonic() + 120.0
+    while not path.exists():
+        assert time.monotonic() < last, f"{path} never came to be"
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    (path := here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
+    return path
+
+
+def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    answer = spawn("sweep", file, "-o", "afar", "--cluster", scheduler[0])
+    assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
+    assert call("sweep", file, "-o", "near", "--jobs", "1", "-q").code == 0
+    assert runs_of(Path("afar")) == runs_of(Path("near"))
+
+
+def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    address, (_, worker, _) = scheduler
+    begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
+    worker.kill()
+    out, err = begun.communicate(timeout=300)
+    assert (begun.returncode, out) == (0, "afar: 2 points, 8 runs: 8 done\n"), err
+    assert call("sweep", file, "-o", "near", "--jobs", "1", "-q", *SLOW).code == 0
+    assert runs_of(Path("afar")) == runs_of(Path("near"))
+
+
+def test_a_sweep_whose_scheduler_is_killed_is_gone_on_with(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    address, (boss, *_) = scheduler
+    begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
+    boss.kill()
+    out, err = begun.communicate(timeout=300)
+    assert (begun.returncode, out) == (1, "")
+    assert "the same command goes on from here" in err
+    assert call("sweep", file, "-o", "afar", "--jobs", "2", *SLOW).out == "afar: 2 points, 8 runs: 8 done\n"
+
+
+def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rubnoise.sweep import cluster
+
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    answer = call("sweep", file, "-o", "afar", "--cluster", "tcp://127.0.0.1:9")
+    assert answer.code == 2
+    assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
