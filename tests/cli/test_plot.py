@@ -106,9 +106,9 @@ def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
 @pytest.mark.parametrize(
     ("path", "said"),
     [
-        ("folder", "folder: is a folder; plot draws one result at a time\n"),
+        ("folder", "folder: no folder of a sweep: it has no index.h5\n"),
         ("missing.h5", "missing.h5: no such file or directory\n"),
-        ("../given/contact.toml", "../given/contact.toml: is not an HDF5 file\n"),
+        ("../given/contact.toml", "../given/contact.toml: is not an HDF5 file; `rubnoise run` makes one\n"),
     ],
 )
 def test_what_is_no_result_is_refused(here: Path, path: str, said: str) -> None:
