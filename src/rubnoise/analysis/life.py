@@ -110,7 +110,9 @@ class Life:
         """Return the time in s at sliding distances in um, of which it is a multiple at constant speed."""
         if self.birth_time is None or self.death_time is None:
             return None
-        pace = (self.death_time - self.birth_time) / (self.death_distance - self.birth_distance)
+        length = self.death_distance - self.birth_distance
+        # Far from the origin a life may be shorter than the step between two doubles.
+        pace = (self.death_time - self.birth_time) / length if length else 0.0
         return self.birth_time + pace * (np.asarray(distance, dtype=np.float64) - self.birth_distance)
 
     def area_at_age(self, age: ArrayLike) -> Doubles:

@@ -34,18 +34,22 @@ def command(
     """
     import json
 
+    from rubnoise.analysis.life import life_of
     from rubnoise.cli import junction_text
+    from rubnoise.cli.results import finished_run
 
     _check_wishes(picture, plot=plot, force=force, as_csv=as_csv, as_json=as_json)
-    life = _life(file, _row(number))
-    if plot:
-        _draw(life, file, picture or Path(f"{file.stem}_junction{life.number}.png"), force=force)
-    elif as_json:
-        print(json.dumps(contents(life, file)))
-    elif as_csv:
-        print("\n".join(junction_text.curve_lines(life)))
-    else:
-        print("\n".join(junction_text.described(life, file)))
+    row = _row(number)
+    with finished_run(file) as run:
+        life = life_of(run, row)
+        if plot:
+            _draw(life, file, picture or Path(f"{file.stem}_junction{life.number}.png"), force=force)
+        elif as_json:
+            print(json.dumps(contents(life, file)))
+        elif as_csv:
+            print("\n".join(junction_text.curve_lines(life)))
+        else:
+            print("\n".join(junction_text.described(life, file)))
 
 
 def contents(life: "Life", file: Path) -> dict[str, Any]:
@@ -102,14 +106,6 @@ def _row(number: str) -> int:
     if not re.fullmatch("-?[0-9]{1,100}", number):
         raise typer.BadParameter(f"{number} is no row number")
     return int(number)
-
-
-def _life(file: Path, number: int) -> "Life":
-    from rubnoise.analysis.life import life_of
-    from rubnoise.cli.results import finished_run
-
-    with finished_run(file) as run:
-        return life_of(run, number)
 
 
 def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:

@@ -1,0 +1,111 @@
+"""A few of the damaged and hostile files of `tools/fuzz_results.py`, and proof that the script would notice."""
+
+import os
+import signal
+import time
+from pathlib import Path
+from random import Random
+
+import h5py
+import numpy as np
+import pytest
+from fuzz.damage import DAMAGES, Damage, damaged, lookup3
+from fuzz.hostile import CONSTRUCTIONS, Construction, make
+from fuzz.isolated import called, isolated
+from fuzz.truth import values
+from fuzz.watching import watched
+from fuzz_results import COMMANDS, KINDS, Judge, mutations
+
+from rubnoise.storage.reader import open_run
+
+pytestmark = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the limits are those of Linux")
+FEW = 24
+
+
+@pytest.fixture(scope="module")
+def judge(tmp_path_factory: pytest.TempPathFactory) -> Judge:
+    return Judge(tmp_path_factory.mktemp("judge"))
+
+
+def test_damage_is_refused_or_found() -> None:
+    counts, found = mutations(1, range(FEW))
+    assert counts.total() == FEW
+    assert found == []
+
+
+@pytest.mark.parametrize("construction", CONSTRUCTIONS, ids=lambda each: each.__name__)
+def test_hostile_files_do_no_harm(judge: Judge, construction: Construction) -> None:
+    path, number = judge.folder / "hostile.h5", CONSTRUCTIONS.index(construction)
+    make(construction, judge.good["none"], path, judge.canary)
+    assert list(judge.judged(path, construction.__name__, "none", number, forged=True)) == []
+
+
+def test_a_change_that_verify_missed_would_be_seen(judge: Judge) -> None:
+    """Of the attributes nobody keeps a hash; a change of one, not said to be forged, stands for one missed."""
+    path = judge.folder / "changed.h5"
+    path.write_bytes(judge.good["none"].read_bytes())
+    with h5py.File(path, "r+") as file:
+        file["provenance"].attrs["command"] = np.bytes_(b"another")
+    (finding,) = judge.judged(path, "changed", "none", 0, forged=False)
+    assert finding.fault == "changed, and called good"
+
+
+def test_a_file_that_was_opened_would_be_seen(judge: Judge) -> None:
+    with watched(judge.canary) as opened:
+        pass
+    assert not opened
+    with watched(judge.canary) as opened, judge.canary.open("rb"):
+        pass
+    assert opened
+
+
+def _crash() -> int:
+    os.kill(os.getpid(), signal.SIGSEGV)
+    return 0
+
+
+def _fill() -> int:
+    np.ones(1 << 30)
+    return 0
+
+
+def _wait() -> int:
+    time.sleep(60.0)
+    return 0
+
+
+def test_every_bad_ending_would_be_seen(tmp_path: Path) -> None:
+    assert isolated(_crash).fault(0) == "crashes (SIGSEGV)"
+    assert isolated(_wait, seconds=0.3).fault(0) == "hangs"
+    assert isolated(_fill).fault(0, 2, 3) == "exit code 99"
+    assert isolated(lambda: 1 // int(not tmp_path)).fault(0) == "exit code 99"
+    assert isolated(lambda: 2).fault(0, 2) == ""
+    missing = called(["info", "missing.h5"], tmp_path)
+    assert (missing.code, missing.out, missing.err) == (2, "", "missing.h5: no such file or directory\n")
+
+
+def test_the_checksum_is_that_of_hdf5(judge: Judge) -> None:
+    content = judge.good["none"].read_bytes()
+    assert lookup3(content[:44]) == int.from_bytes(content[44:48], "little")
+
+
+@pytest.mark.parametrize("damage", sorted(set(DAMAGES), key=lambda each: each.__name__), ids=lambda each: each.__name__)
+def test_every_kind_of_damage_changes_the_file(judge: Judge, damage: Damage) -> None:
+    content = judge.good["none"].read_bytes()
+    changed = bytearray(content)
+    damage(changed, judge.good["gzip"].read_bytes(), Random(1))  # noqa: S311  (damage is no secret)
+    assert changed != content
+
+
+def test_damage_can_be_made_again() -> None:
+    first, second = (damaged(bytes(100), b"x" * 100, Random(3)) for _ in range(2))  # noqa: S311
+    assert first == second
+
+
+def test_good_files_are_good(judge: Judge) -> None:
+    """The control of all of the above."""
+    for kind in KINDS:
+        assert [*judge.judged(judge.good[kind], kind, kind, COMMANDS.index(("compare", "{}")), forged=False)] == []
+        with open_run(judge.good[kind]) as run:
+            assert run.damaged() == ()
+    assert values(judge.good["none"]) == judge.truth["none"]

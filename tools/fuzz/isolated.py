@@ -1,0 +1,111 @@
+"""A command carried out in a process of its own, with limits: how it ended, what it said, how long it took."""
+
+import faulthandler
+import os
+import resource
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, NoReturn
+
+SECONDS = 120.0
+MEMORY_BYTES = 1 << 30
+"""Beside what the program has loaded."""
+
+FAILURES = ("Traceback", "internal error", "Segmentation fault")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """How a command ended: exit code, or the negative number of a signal; what it printed; whether time ran out."""
+
+    code: int
+    out: str
+    err: str
+    seconds: float
+    hung: bool
+
+    def fault(self, *codes: int) -> str:
+        """Return what is wrong with the ending, where the exit code should be one of these; else nothing."""
+        if self.hung:
+            return "hangs"
+        if self.code < 0:
+            return f"crashes ({signal.Signals(-self.code).name})"
+        said = next((word for word in FAILURES if word in self.err), None)
+        return said or ("" if self.code in codes else f"exit code {self.code}")
+
+
+def called(words: Sequence[str], folder: Path, *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Outcome:
+    """Call the command line in a copy of this process, which keeps what is loaded here."""
+    return isolated(lambda: _command(words, folder), seconds=seconds, memory=memory)
+
+
+def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Outcome:
+    """Carry out a task in a copy of this process; it returns an exit code."""
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        began = time.monotonic()
+        child = os.fork()
+        if child == 0:
+            _be_child(task, out, err, memory)
+        status = _status(child, began + seconds)
+        return Outcome(
+            code=-signal.SIGKILL if status is None else os.waitstatus_to_exitcode(status),
+            out=_text(out),
+            err=_text(err),
+            seconds=time.monotonic() - began,
+            hung=status is None,
+        )
+
+
+def _command(words: Sequence[str], folder: Path) -> int:
+    from rubnoise.cli.app import main
+
+    os.chdir(folder)
+    sys.argv = ["rubnoise", *words]
+    try:
+        main()
+    except SystemExit as left:
+        return left.code if isinstance(left.code, int) else int(left.code is not None)
+    return 0
+
+
+def _be_child(task: Callable[[], int], out: BinaryIO, err: BinaryIO, memory: int) -> NoReturn:
+    code = 99
+    try:
+        os.setpgid(0, 0)
+        faulthandler.disable()
+        os.dup2(out.fileno(), 1)
+        os.dup2(err.fileno(), 2)
+        with os.fdopen(1, "w", closefd=False) as sys.stdout, os.fdopen(2, "w", closefd=False) as sys.stderr:
+            pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+            limit = pages * resource.getpagesize() + memory
+            resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            code = task()
+    finally:
+        os._exit(code)
+
+
+def _status(child: int, deadline: float) -> int | None:
+    """Wait for a child and return its status; past the deadline end it, and its own children, and return None."""
+    pause = 0.001
+    while time.monotonic() < deadline:
+        found, status = os.waitpid(child, os.WNOHANG)
+        if found:
+            return status
+        time.sleep(pause)
+        pause = min(1.5 * pause, 0.02)
+    with suppress(ProcessLookupError):
+        os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return None
+
+
+def _text(file: BinaryIO) -> str:
+    file.seek(0)
+    return file.read(1 << 20).decode("utf-8", "replace")

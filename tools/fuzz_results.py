@@ -1,0 +1,216 @@
+"""Damaged and hostile result files, thrown at the commands: `python tools/fuzz_results.py --count 10000 --jobs 2`.
+
+Every file goes to `verify` and to one other command in turn, each in a process of its own with limits on time and
+memory. Counted are crashes, hangs, tracebacks, files opened that nobody asked for, and files of which verify says that
+all is well though plain h5py reads something else from them than from the good one. Exit code 1 where there is any.
+"""
+
+import argparse
+import os
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from random import Random
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
+
+from fuzz.damage import SEALED, damaged  # noqa: E402
+from fuzz.hostile import CONSTRUCTIONS, make, make_canary  # noqa: E402
+from fuzz.isolated import Outcome, called, isolated  # noqa: E402
+from fuzz.truth import values  # noqa: E402
+from fuzz.watching import watched  # noqa: E402
+
+SCENARIO = """\
+format = 1
+title = "a small run"
+
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 5
+
+[diameter]
+law = "normal"
+spread = "10 %"
+
+[strength]
+mean = "250 MPa"
+
+[sliding]
+speed = "1 mm/s"
+distance = "100 um"
+
+[slider]
+mass = "5 g"
+stiffness = "300 N/m"
+damping = "0.05 N*s/m"
+
+[output]
+tick = "0.5 um"
+"""
+KINDS = ("none", "gzip")
+VERIFY = ("verify", "{}")
+COMMANDS = (
+    ("info", "{}"),
+    ("junction", "{}", "3"),
+    ("junctions", "{}", "--sort", "diameter", "--where", "diameter > 5 um"),
+    ("info", "{}", "--json"),
+    ("compare", "{}"),
+    ("export", "{}", "--to", "csv", "-o", "out.csv", "--group", "junctions", "--force"),
+    ("listen", "{}", "-o", "out.wav", "--force"),
+    ("theory", "{}"),
+    ("teach", "{}", "-o", "out.html", "--force"),
+    ("plot", "{}", "trace", "-o", "out.png", "--force"),
+    ("plot", "{}", "lives", "-o", "out.svg", "--force"),
+    ("run", "{}"),
+)
+GOOD = 0
+ENDS = (0, 2, 3)
+"""Done, refused, or found to differ; nothing else may come of a file, whatever is in it."""
+
+
+Task = Callable[[int, Sequence[int]], "tuple[Counter[str], list[Finding]]"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """One thing that should not be: what, with which file (its number or the name of its making), on which command."""
+
+    fault: str
+    file: str
+    command: str
+    said: str
+
+
+class Judge:
+    """Puts files to the commands, in one folder of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        """Make the good files, and load now what the commands load, so that no copy has to."""
+        self.folder = folder
+        self.good = {kind: folder / f"good_{kind}.h5" for kind in KINDS}
+        self.canary = folder / "canary.h5"
+        make_canary(self.canary)
+        (folder / "small.toml").write_text(SCENARIO, encoding="utf-8")
+        for kind, path in self.good.items():
+            self._load(("run", "small.toml", "-o", path.name, "--set", f"output.compression={kind}"))
+        for words in (VERIFY, *COMMANDS):
+            self._load(self._words(words, self.good["none"]))
+        self.truth = {kind: values(path) for kind, path in self.good.items()}
+
+    def judged(self, path: Path, name: str, kind: str, number: int, *, forged: bool) -> Iterator[Finding]:
+        """Yield everything wrong about how a file was taken by verify and by one other command."""
+        with watched(self.canary) as opened:
+            verified = called(self._words(VERIFY, path), self.folder)
+            words = COMMANDS[number % len(COMMANDS)]
+            other = called(self._words(words, path), self.folder)
+        yield from _findings(verified, name, VERIFY)
+        yield from _findings(other, name, words)
+        if opened:
+            yield Finding(fault="reads another file", file=name, command=f"verify or {words[0]}", said="")
+        if verified.code == GOOD and not forged and not self._is_as_it_was(path, kind):
+            yield Finding(fault="changed, and called good", file=name, command="verify", said=verified.out)
+
+    def _is_as_it_was(self, path: Path, kind: str) -> bool:
+        return isolated(lambda: int(values(path) != self.truth[kind])).code == 0
+
+    def _words(self, words: Sequence[str], path: Path) -> list[str]:
+        return [word.format(path.name) for word in words]
+
+    def _load(self, words: Sequence[str]) -> None:
+        from rubnoise.cli.app import main
+
+        here = Path.cwd()
+        os.chdir(self.folder)
+        sys.argv = ["rubnoise", *words]
+        try:
+            with redirect_stdout(StringIO()), redirect_stderr(StringIO()) as said:
+                main()
+        except SystemExit as left:
+            if left.code not in {None, *ENDS}:
+                raise RuntimeError(f"{words}: {said.getvalue()}") from left
+        finally:
+            os.chdir(here)
+
+
+def mutations(seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Finding]]:
+    """Judge damaged files by their numbers; return how many of each damage there were, and what was found."""
+    counts: Counter[str] = Counter()
+    found: list[Finding] = []
+    with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
+        judge = Judge(Path(name))
+        content = {kind: path.read_bytes() for kind, path in judge.good.items()}
+        for number in numbers:
+            random = Random(f"{seed}/{number}")  # noqa: S311  (damage is no secret)
+            kind = KINDS[number % len(KINDS)]
+            path = judge.folder / "changed.h5"
+            damage, changed = damaged(content[kind], content[KINDS[(number + 1) % len(KINDS)]], random)
+            path.write_bytes(changed)
+            counts[damage] += 1
+            found += judge.judged(path, f"{damage} {number}", kind, number // len(KINDS), forged=damage in SEALED)
+    return counts, found
+
+
+def constructions(_seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Finding]]:
+    """Judge every hostile construction with every command."""
+    counts: Counter[str] = Counter()
+    found: list[Finding] = []
+    with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
+        judge = Judge(Path(name))
+        path = judge.folder / "hostile.h5"
+        for number in numbers:
+            construction = CONSTRUCTIONS[number]
+            make(construction, judge.good["none"], path, judge.canary)
+            counts["hostile"] += 1
+            for command in range(len(COMMANDS)):
+                found += judge.judged(path, construction.__name__, "none", command, forged=True)
+    return counts, found
+
+
+def _findings(outcome: Outcome, name: str, words: Sequence[str]) -> Iterator[Finding]:
+    if fault := outcome.fault(*ENDS):
+        yield Finding(fault=fault, file=name, command=words[0], said=outcome.err.strip())
+
+
+def main() -> int:
+    """Throw the files, print what came of them."""
+    parser = argparse.ArgumentParser(description=__doc__.partition(":")[0])
+    parser.add_argument("--count", type=int, default=1000, help="damaged files (1000)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the damage (1)")
+    parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
+    parser.add_argument("--only", type=int, nargs="*", help="the numbers of the damaged files to throw once more")
+    asked = parser.parse_args()
+    numbers: list[int] = list(range(asked.count)) if asked.only is None else asked.only
+    tasks: list[tuple[Task, list[int]]] = [(mutations, numbers[job :: asked.jobs]) for job in range(asked.jobs)]
+    if asked.only is None:
+        tasks += [(constructions, list(range(len(CONSTRUCTIONS)))[job :: asked.jobs]) for job in range(asked.jobs)]
+    counts: Counter[str] = Counter()
+    found: list[Finding] = []
+    with ProcessPoolExecutor(asked.jobs) as pool:
+        for some, more in [each.result() for each in [pool.submit(task, asked.seed, part) for task, part in tasks]]:
+            counts += some
+            found += more
+    return told(counts, found)
+
+
+def told(counts: Counter[str], found: Sequence[Finding]) -> int:
+    """Print the counts and every finding; return the exit code."""
+    for name, count in sorted(counts.items()):
+        print(f"{name:<20}{count:>8}")
+    print(f"{'files':<20}{counts.total():>8}")
+    for fault, count in Counter(each.fault for each in found).items():
+        print(f"{fault:<40}{count:>8}")
+    for each in found:
+        print(f"- {each.file}, {each.command}: {each.fault}: {each.said[-400:]}")
+    print(f"{len(found)} found")
+    return int(bool(found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
