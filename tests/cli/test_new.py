@@ -6,6 +6,8 @@ from pathlib import Path
 
 from rubnoise.scenario import loads
 from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.sweep import load_sweep
+from rubnoise.scenario.sweep_settings import Sweeping
 from rubnoise.scenario.template import template
 from tests.cli.terminal import call, names
 
@@ -14,8 +16,9 @@ ELSEWHERE = ("extends", "damping_ratio")  # one needs another file, the other ex
 
 
 def _everything() -> str:
-    """Return the template with every optional key set."""
-    lines = [line for line in template().splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
+    """Return the template with every optional key of one run set."""
+    one_run, _, _ = template().partition("#[sweep]")
+    lines = [line for line in one_run.splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
     return (
         OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"').replace('constant"', 'weibull"')
     )
@@ -45,7 +48,8 @@ def test_every_key_is_there_with_its_meaning() -> None:
         name: set(section.model_fields) for name, section in SECTIONS.items()
     }
     flat = " ".join(template().replace("\n#", "").split())
-    for section in SECTIONS.values():
+    assert set(keys["sweep"]) == {*Sweeping.model_fields, "grid"}
+    for section in (*SECTIONS.values(), Sweeping):
         for about in section.model_fields.values():
             assert about.description
             assert " ".join(about.description.split()) in flat
@@ -57,6 +61,14 @@ def test_every_optional_key_may_be_set() -> None:
     assert scenario.warnings == ()
     ratio = _everything().replace('damping = "0.05 N*s/m"', "damping_ratio = 0.02")
     assert loads(ratio).model().slider != scenario.model().slider
+
+
+def test_the_sweep_may_be_switched_on(here: Path) -> None:
+    one_run, _, sweep = template().partition("#[sweep]")
+    text = one_run + OPTIONAL.sub("", "#[sweep]" + sweep).replace("replicates = 1\n", "replicates = 8\n")
+    (here / "s.toml").write_text(text, encoding="utf-8")
+    assert load_sweep("s.toml").keys == ("interface.mean_junction_count",)
+    assert call("check", "s.toml").code == 0
 
 
 def test_an_existing_file_is_left_alone(here: Path) -> None:

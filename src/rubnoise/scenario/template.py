@@ -8,9 +8,11 @@ from typing import Any, Final
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from rubnoise.scenario.axes import GRID
 from rubnoise.scenario.document import Document, Section
 from rubnoise.scenario.fields import Choice
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.keys import SECTIONS, SWEEP
+from rubnoise.scenario.sweep_settings import Sweeping
 
 WIDTH: Final = 100
 HEADING: Final = """\
@@ -32,8 +34,11 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("slider", "damping"): "0.05 N*s/m",
     ("slider", "damping_ratio"): 0.02,
     ("output", "tick"): "0.05 um",
+    (SWEEP, "precision"): 0.005,
 }
 """A sensible value for every key that has no default: the contact of the paper's Figure 5."""
+
+VARIED: Final = "Each value of a key goes with each one of the others; lists of [sweep.zip] go side by side."
 
 REMARKS: Final[dict[tuple[str, str], str]] = {
     ("slider", "damping_ratio"): "In place of damping.",
@@ -47,7 +52,7 @@ def template() -> str:
     lines += _key("title", "", Document.model_fields["title"])
     for name, section in SECTIONS.items():
         lines += ["", *_table(name, section)]
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", *_sweep()]) + "\n"
 
 
 def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
@@ -59,6 +64,17 @@ def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
     for key, about in section.model_fields.items():
         value = _value(name, key, about)
         yield from _key(key, value, about, off=optional or about.default is None, remark=REMARKS.get((name, key), ""))
+
+
+def _sweep() -> Iterator[str]:
+    """Yield the table that makes the file stand for many runs, as a comment with an example of what varies."""
+    yield from _comment(f"{Sweeping.__doc__} Optional, as a whole; `rubnoise sweep` makes the runs.")
+    yield f"#[{SWEEP}]"
+    for key, about in Sweeping.model_fields.items():
+        yield from _key(key, _value(SWEEP, key, about), about, off=True)
+    yield from _comment(VARIED)
+    yield f"#[{SWEEP}.{GRID}]"
+    yield "#interface.mean_junction_count = [10, 20, 40]"
 
 
 def _value(table: str, key: str, about: FieldInfo) -> Any:
