@@ -13,7 +13,6 @@ from rubnoise.api.describing import describe
 from rubnoise.api.playing import play
 from rubnoise.api.record import Record
 from rubnoise.api.result import Run
-from rubnoise.api.result import open as open_result
 from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario
@@ -22,6 +21,7 @@ from rubnoise.simulation.run import Engine, extent
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.budget import check_memory, check_room, expected
 from rubnoise.storage.output import check_output
+from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.theory.exact import Exact
@@ -70,7 +70,7 @@ def run(
         watch(0.0, 0, 0)
     with RunWriter(path, description, force=force) as writer:
         play(writer, scenario, watch)
-    return open_result(path)
+    return Run(open_run(path, own=writer.written))
 
 
 def exact(scenario: Scenario) -> Exact:

@@ -1,7 +1,8 @@
 """What a result file consists of, found with HDF5 and handed on as plain data: no row is read here.
 
-HDF5 may crash, loop or take any memory on a file that was made to harm, so that this is called in a child process only
-(see vetting). Everything is asked for by name, and checked before it is looked into.
+HDF5 may crash, loop or take any memory on a file that was made to harm, so that this is called in a child process (see
+vetting), unless this process has just made the file itself. Everything is asked for by name, and checked before it is
+looked into.
 """
 
 import json

@@ -58,6 +58,7 @@ class RunWriter:
         self._keep_part = description is None
         self._open = ExitStack()
         self.state: State | None = None
+        self.written: os.stat_result | None = None
 
     def __enter__(self) -> Self:
         again = self._given is None
@@ -102,12 +103,14 @@ class RunWriter:
 
         ``between`` is called now and then while a file is compressed, and may raise to stop. Raises RubnoiseError where
         a column lacks rows, where the disk fails, or where, without ``force``, somebody created the file meanwhile.
+        ``written`` then tells which file it is.
         """
         with self._telling():
             if self._journal.begun and self.state is not None:
                 self._commit(self.state)
             self._complete(summary, between)
             self._name()
+            self.written = self._paths.final.stat()
 
     def _begin(self, description: RunDescription, opening: ExitStack) -> None:
         """Make a new part; a journal of before goes first, for good, so that it never lies beside this part."""
