@@ -15,7 +15,7 @@ import pytest
 import rubnoise
 from rubnoise.scenario.sweep import expand, load_sweep
 from tests.cli.swept import SLOW, TABLE, begin_sweep, runs_of
-from tests.cli.terminal import CONTACT, call, columns, spawn
+from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, spawn
 
 
 @pytest.fixture
@@ -153,6 +153,23 @@ def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
     assert labelled["real_contact_area_mean"].dims == ("side_by_side", "replicate")
     assert labelled["diameter.law"].values.tolist() == ["fixed", "exponential"]
     assert labelled["interface.mean_junction_count"].values.tolist() == [10.0, 40.0]
+
+
+def test_runs_of_other_speeds_and_with_a_slider_are_merged_apart(here: Path) -> None:
+    table = '[sweep]\nreplicates = 2\n[sweep.grid]\nsliding.speed = ["1 mm/s", "2 mm/s"]\n'
+    (here / "s.toml").write_text(WITH_SLIDER.replace("[output]", '[output]\ncompression = "gzip"') + table, "utf-8")
+    assert call("sweep", "s.toml", "-o", "d", "--jobs", "1", "--merge", "-q").code == 0
+    runs = runs_of(Path("d"))
+    with h5py.File("d/index.h5") as index, h5py.File("d/merged.h5") as merged:
+        names = [name.decode() for name in index["runs/run_id"][:]]
+        assert index["runs/sliding.speed"][:].tolist() == [1000.0, 1000.0, 2000.0, 2000.0]
+        for number, speed in (("0", 1000.0), ("1", 2000.0)):
+            for file in (index, merged):
+                slider = file[f"traces/{number}/slider"]
+                assert slider["time"][1] == pytest.approx(0.1 / speed, rel=1e-12)
+                for values, row in zip(slider["velocity"][:], slider["run"][:], strict=True):
+                    assert values.tobytes() == runs[names[row]]["slider/velocity"]
+                assert slider["velocity"].dims[1][0].name == f"/traces/{number}/slider/time"
 
 
 def _children(process: int) -> list[int]:

@@ -27,10 +27,10 @@ class IndexFile:
         self._descriptor = descriptor
         self.attributes: Mapping[str, str] = found["index"]
         self._places: Mapping[str, Mapping[str, Any]] = {POINTS: {}, RUNS: {}, SUMMARIES: {}} | found["columns"]
-        self._close = finalize(self, os.close, descriptor)
         for group in (POINTS, RUNS):
             if len({place["shape"][0] for place in self._places[group].values()}) != 1:
                 raise RunFileRefused(f"/{group} has columns of several lengths")
+        self._close = finalize(self, os.close, descriptor)
 
     def __enter__(self) -> Self:
         return self

@@ -11,7 +11,7 @@ import h5py
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.index import FORMAT_VERSION, POINTS, RUNS, SUMMARIES
 from rubnoise.storage.schema import Scalar
-from rubnoise.storage.soundness import LINKS_LIMIT, has_hard_link, read_attribute, read_integer, read_text, sound_group
+from rubnoise.storage.soundness import has_hard_link, read_attribute, read_integer, read_text, sound_group
 
 TEXTS: Final = (
     "title",
@@ -38,8 +38,6 @@ def found_in_index(file: h5py.File, size: int) -> dict[str, Any]:
 
 
 def _columns(owner: h5py.Group, size: int) -> Iterator[tuple[str, dict[str, Any]]]:
-    if len(owner) > LINKS_LIMIT:
-        raise RunFileRefused(f"{owner.name} has {len(owner)} columns")
     for name in owner:
         yield name, _column(owner, name, size)
 
