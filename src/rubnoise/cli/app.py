@@ -31,6 +31,7 @@ from rubnoise.cli import (
     verify,
 )
 from rubnoise.cli.showing import Commands, escaping
+from rubnoise.cli.starting import collect_garbage_seldom
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
 
 DEBUG = "--debug"
@@ -92,6 +93,7 @@ def main() -> None:
 
     A traceback is for who asks for it, with --debug.
     """
+    collect_garbage_seldom()
     for stream in (sys.stdout, sys.stderr):
         # A file name or title that the terminal's encoding lacks is no reason to fail.
         if isinstance(stream, TextIOWrapper):

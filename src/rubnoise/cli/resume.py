@@ -26,7 +26,9 @@ def command(
     from rubnoise.api.resuming import distance_of
     from rubnoise.cli.outcome import tell
     from rubnoise.cli.progress import announce_compilation, on_terminal, watching
+    from rubnoise.cli.starting import prepare_kernels
 
+    prepare_kernels()
     shown = on_terminal() and not quiet and not as_json
     began = time.monotonic()
     distance = distance_of(part)

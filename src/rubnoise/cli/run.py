@@ -52,9 +52,11 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     from rubnoise import api
     from rubnoise.cli.outcome import tell
     from rubnoise.cli.progress import announce_compilation, on_terminal, watching
+    from rubnoise.cli.starting import prepare_kernels
     from rubnoise.storage.output import check_output
 
     check_output(path, force=force, unfinished=True)
+    prepare_kernels()
     if not force and not quiet:
         _tell_of_going_on(scenario, path)
     shown = on_terminal() and not quiet and not as_json
