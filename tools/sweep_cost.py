@@ -1,0 +1,118 @@
+"""What a sweep costs beside its bare runs: processor time of each run, and how well two processes share the work.
+
+    .venv/bin/python tools/sweep_cost.py [--replicates 40] [--jobs 2] [--scenario scenarios/paper/fig7.toml]
+
+First every run is made bare, one after another in this process, into a file each; then the same sweep by one worker
+process, and by several. The machine should have nothing else to do; processor times bear some of it, wall times none.
+"""
+
+import argparse
+import resource
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import rubnoise
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """Seconds on the clock, and of processors in this process and in those that it waited for."""
+
+    wall: float
+    processor: float
+
+
+def cost_of(work: Callable[[], object]) -> Cost:
+    """Return what a piece of work costs."""
+    began, before = time.monotonic(), _processor()
+    work()
+    return Cost(wall=time.monotonic() - began, processor=_processor() - before)
+
+
+def _processor() -> float:
+    used = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(each.ru_utime + each.ru_stime for each in used)
+
+
+def bare(scenario: Path, replicates: int, folder: Path) -> int:
+    """Make every run of a sweep in this process, and return how many there are."""
+    points = rubnoise.expand(rubnoise.load_sweep(scenario, [f"sweep.replicates={replicates}"]))
+    for point in points:
+        rubnoise.run(point.scenario, folder / f"{point.run_id}.h5").close()
+    return len(points)
+
+
+def swept(scenario: Path, replicates: int, folder: Path, jobs: int) -> None:
+    """Make the same runs by a sweep."""
+    sweep = rubnoise.load_sweep(scenario, [f"sweep.replicates={replicates}"])
+    rubnoise.run_sweep(sweep, folder, jobs=jobs).close()
+
+
+def tell_spreads(folder: Path) -> None:
+    """Print how far the standard deviation of the area is from the exact one at the worst point, and its drops."""
+    with rubnoise.open_sweep(folder) as sweep:
+        grid = sweep.to_xarray()
+    seen = ((grid["real_contact_area_std"] ** 2).mean("replicate")) ** 0.5
+    exact = grid["real_contact_area_std_exact"].isel(replicate=0)
+    error = grid["real_contact_area_std_standard_error"].isel(replicate=0) / grid.sizes["replicate"] ** 0.5
+    worst = float(abs((seen - exact) / error).max())
+    print(f"worst of {seen.size} points: {worst:.2f} standard errors from the exact standard deviation")
+    count, area = "interface.mean_junction_count", "interface.mean_real_contact_area"
+    if {count, area} <= set(seen.dims):
+        for size in (seen[area].values.min(), seen[area].values.max()):
+            ends = {"seen": seen.sel({area: size}), "error": error.sel({area: size}), "exact": exact.sel({area: size})}
+            fall = {name: values.values[[0, -1]] for name, values in ends.items()}
+            drop, told = fall["seen"][0] - fall["seen"][1], fall["exact"][0] - fall["exact"][1]
+            half = 1.96 * (fall["error"] ** 2).sum() ** 0.5
+            print(f"drop at {size:g} um^2: {drop:.2f} +- {half:.2f} um^2 (95 %), exact {told:.2f}")
+
+
+def main() -> int:
+    """Measure, and print a table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenario", type=Path, default=ROOT / "scenarios" / "paper" / "fig7.toml")
+    parser.add_argument("--replicates", type=int, default=40)
+    parser.add_argument("--jobs", type=int, default=2)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory(dir=".") as name:
+        folder = Path(name)
+        (folder / "warm").mkdir()
+        bare(given.scenario, 1, folder / "warm")  # kernels compiled, libraries loaded
+        (folder / "bare").mkdir()
+        runs = 0
+
+        def make_bare() -> None:
+            nonlocal runs
+            runs = bare(given.scenario, given.replicates, folder / "bare")
+
+        costs = {"bare runs": cost_of(make_bare)}
+        for jobs in (1, given.jobs):
+            make = partial(swept, given.scenario, given.replicates, folder / f"jobs{jobs}", jobs)
+            costs[f"sweep, {jobs} {'process' if jobs == 1 else 'processes'}"] = cost_of(make)
+            tell_spreads(folder / f"jobs{jobs}")
+    _print(costs, runs, given.jobs)
+    return 0
+
+
+def _print(costs: dict[str, Cost], runs: int, jobs: int) -> None:
+    first, one, several = costs.values()
+    print(f"{runs} runs")
+    print(f"{'':<24}{'wall (s)':>10}{'processor (s)':>15}{'a run (ms)':>12}{'beside bare':>13}")
+    for name, cost in costs.items():
+        each = 1000.0 * cost.processor / runs
+        print(
+            f"{name:<24}{cost.wall:>10.2f}{cost.processor:>15.2f}{each:>12.2f}{cost.processor / first.processor:>13.3f}"
+        )
+    print(f"parallel efficiency of {jobs} processes: {one.wall / (jobs * several.wall):.3f} of one worker,", end=" ")
+    print(f"{first.wall / (jobs * several.wall):.3f} of the bare runs")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
