@@ -40,10 +40,25 @@ class Sample:
     force: ForceMoments | None = None
 
 
-def sample(model: Model, rows: LiveRows, panel: Panel, *, moving: bool) -> Sample:
+class Room:
+    """Memory for moments that is used again from panel to panel: new memory would cost more than what is done in it."""
+
+    def __init__(self) -> None:
+        self._moments = np.empty(0)
+
+    def zeros(self, count: int) -> Doubles:
+        """Return so many zeros, in place of those returned before."""
+        if self._moments.size < count:
+            self._moments = np.empty(count)
+        self._moments[:count] = 0.0
+        return self._moments[:count]
+
+
+def sample(model: Model, rows: LiveRows, panel: Panel, room: Room | None) -> Sample:
     """Return the columns of /trace for a panel, from rows that cover everything alive in it.
 
-    ``moving``: whether a slider is to be moved through the cells that end at its ticks.
+    ``room``: for the force's moments, where a slider is to be moved through the cells that end at its ticks; they hold
+    until the next panel.
     """
     grid = Grid.around(panel.first, panel.end, panel.tick)
     distance = grid.position[grid.wanted]
@@ -51,7 +66,7 @@ def sample(model: Model, rows: LiveRows, panel: Panel, *, moving: bool) -> Sampl
     count_live(distance, rows.birth, rows.departure, count)
     constant = isinstance(model.strengths, ConstantStrength)
     square = rows.diameter * rows.diameter
-    area, moments = _weighted(model.pulse, grid, rows, square, moving=moving and constant)
+    area, moments = _weighted(model.pulse, grid, rows, square, room if constant else None)
     columns: dict[str, NDArray[Any]] = {"distance": distance, "real_contact_area": area, "junction_count": count}
     if model.strengths is None:
         return Sample(columns=columns)
@@ -60,12 +75,12 @@ def sample(model: Model, rows: LiveRows, panel: Panel, *, moving: bool) -> Sampl
         columns["friction_force"] = model.strengths.mean * area
         unit = panel.tick * model.strengths.mean
     else:
-        force, moments = _weighted(model.pulse, grid, rows, rows.strength * square, moving=moving)
+        force, moments = _weighted(model.pulse, grid, rows, rows.strength * square, room)
         columns["friction_force"] = force
-    return Sample(columns=columns, force=ForceMoments(moments=moments, unit=unit) if moving else None)
+    return Sample(columns=columns, force=None if room is None else ForceMoments(moments=moments, unit=unit))
 
 
-def force_moments(model: Model, rows: LiveRows, panel: Panel, cells_per_tick: int) -> ForceMoments:
+def force_moments(model: Model, rows: LiveRows, panel: Panel, cells_per_tick: int, room: Room) -> ForceMoments:
     """Return the force over the cells that end in a panel, exact through births, mid-lives and deaths.
 
     The number of cells per tick is a power of two, so that every tick lies at the same bits however it is divided.
@@ -73,18 +88,18 @@ def force_moments(model: Model, rows: LiveRows, panel: Panel, cells_per_tick: in
     first = max(panel.first - 1, 0) * cells_per_tick + 1
     grid = Grid.around(first, (panel.end - 1) * cells_per_tick + 1, panel.tick / cells_per_tick)
     weight = rows.strength * (rows.diameter * rows.diameter)
-    _, moments = _weighted(model.pulse, grid, rows, weight, moving=True)
+    _, moments = _weighted(model.pulse, grid, rows, weight, room)
     return ForceMoments(moments=moments, unit=grid.spacing)
 
 
-def _weighted(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, *, moving: bool) -> tuple[Doubles, Doubles]:
+def _weighted(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, room: Room | None) -> tuple[Doubles, Doubles]:
     """Return the sum over all rows of weight times area over d^2 at the positions wanted, and its moments, (3, cells).
 
-    The moments are those over the cell that ends at a position, in units of the spacing; there are none unless moving.
+    The moments are those over the cell that ends at a position, in units of the spacing; there are none without room.
     """
     size = grid.position.size
     total = np.zeros(size)
-    flat = np.zeros(3 * size) if moving else _NO_MOMENTS
+    flat = _NO_MOMENTS if room is None else room.zeros(3 * size)
     if pulse.shape == "triangle":
         rest = np.ones(len(rows), dtype=np.bool_)
     else:
@@ -94,7 +109,7 @@ def _weighted(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, *, movi
     moments = flat.reshape(3, -1)
     if rest.any():
         _add_rest(pulse, grid, rows.where(rest), weight[rest], total, moments)
-    return total[grid.wanted], moments[:, grid.wanted] if moving else moments
+    return total[grid.wanted], moments if room is None else moments[:, grid.wanted]
 
 
 def _add_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> None:

@@ -1,7 +1,7 @@
 """One block of a run: the step of the fold, and the only place from which rows are written."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Sink
-from rubnoise.simulation.area import Sample, sample
+from rubnoise.simulation.area import Room, Sample, sample
 from rubnoise.simulation.draws import BlockBirths, blocks_together, draw_blocks
 from rubnoise.simulation.panels import Panel, panels
 from rubnoise.simulation.propagator import Propagator
@@ -54,6 +54,7 @@ class Run:
     play: Play
     together: bool
     watch: Watch | None = None
+    room: Room = field(default_factory=Room)
 
 
 def next_state(run: Run, state: State) -> State:
@@ -101,13 +102,13 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
 
 
 def _motion(run: Run, state: State, constants: Propagator) -> SliderMotion:
-    return SliderMotion(run.model, constants, state.displacement, state.velocity)
+    return SliderMotion(run.model, constants, run.room, state.displacement, state.velocity)
 
 
 def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Sample:
     # The moments of the force come with its sum where the slider needs them over the ticks themselves.
     moving = run.constants is not None and run.constants.cells_per_tick == 1
-    found = sample(run.model, rows, panel, moving=moving)
+    found = sample(run.model, rows, panel, run.room if moving else None)
     run.sink.write("trace", panel.first, found.columns)
     if run.watch is not None:
         born = int(rows.junction[-1]) + 1 if len(rows) else 0

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.simulation.area import ForceMoments, Sample, force_moments
+from rubnoise.simulation.area import ForceMoments, Room, Sample, force_moments
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.recurrence import advance_slider
@@ -17,10 +17,11 @@ from rubnoise.simulation.state import LiveRows
 class SliderMotion:
     """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick."""
 
-    def __init__(self, model: Model, constants: Propagator, displacement: float, velocity: float) -> None:
-        """Start from a state."""
+    def __init__(self, model: Model, constants: Propagator, room: Room, displacement: float, velocity: float) -> None:
+        """Start from a state; ``room`` is for the moments of cells that are not ticks."""
         self._model = model
         self._constants = constants
+        self._room = room
         self.displacement = displacement
         self.velocity = velocity
 
@@ -46,7 +47,7 @@ class SliderMotion:
 
     def _force(self, panel: Panel, rows: LiveRows, sample: Sample) -> ForceMoments:
         if sample.force is None:
-            return force_moments(self._model, rows, panel, self._constants.cells_per_tick)
+            return force_moments(self._model, rows, panel, self._constants.cells_per_tick, self._room)
         if panel.first == 0:
             # No cell ends where the run begins.
             return replace(sample.force, moments=sample.force.moments[:, 1:])
