@@ -5,6 +5,8 @@ import os
 import shutil
 import signal
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,9 @@ import numpy as np
 import pytest
 
 import rubnoise
+from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.sweep import expand, load_sweep
+from rubnoise.storage.output import OutputPaths, sole_writer
 from tests.cli.swept import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, spawn
 
@@ -97,6 +101,24 @@ def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
     assert "6: 5 done, 1 failed" in told.out
     place.unlink()
     assert call("sweep", file, "-o", "d", "--jobs", "1", "--json").json()["failures"] == []
+
+
+def test_a_run_that_somebody_writes_is_waited_for(file: Path, tmp_path: Path) -> None:
+    point, *_ = expand(load_sweep(file))
+    (root := tmp_path / "d").joinpath("runs").mkdir(parents=True)
+    path = root / "runs" / f"{point.run_id}.h5"
+    with sole_writer(OutputPaths.of(path)):
+        with pytest.raises(rubnoise.Refused, match="another process is writing it"):
+            keep_run(point, root=root, command=("x",), patience=0.3)
+        with ThreadPoolExecutor() as meanwhile:
+            waiting = meanwhile.submit(keep_run, point, root=root, command=("x",))
+            time.sleep(0.5)
+            assert not waiting.done()
+            rubnoise.run(point.scenario, tmp_path / "same.h5").close()
+            (tmp_path / "same.h5").rename(path)
+            before = path.stat().st_mtime_ns
+            assert waiting.result(60).file == f"runs/{point.run_id}.h5"
+    assert path.stat().st_mtime_ns == before
 
 
 def test_the_index_is_read_by_plain_tools_wherever_the_folder_goes(file: Path, tmp_path: Path) -> None:

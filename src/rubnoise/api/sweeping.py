@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
@@ -18,6 +19,7 @@ from rubnoise.model import Model
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
 from rubnoise.storage.budget import expected
+from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
 from rubnoise.sweep.conducting import Ending, Means, Standing, conduct
 from rubnoise.sweep.engine import Workers
@@ -28,6 +30,9 @@ from rubnoise.sweep.pool import Pool
 from rubnoise.sweep.rows import Row
 
 MOST_JOBS: Final = 1024
+PATIENCE: Final = 60.0
+BETWEEN: Final = 0.2
+"""Seconds that a run waits for another process to be done with its file, and between two looks at it."""
 
 Watch = Callable[[Standing], None]
 
@@ -102,20 +107,32 @@ def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str]) -> Callable
     return partial(keep_run, root=folder.root, command=tuple(command))
 
 
-def keep_run(point: Point, *, root: Path, command: Sequence[str]) -> Row:
+def keep_run(point: Point, *, root: Path, command: Sequence[str], patience: float = PATIENCE) -> Row:
     """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
 
-    What an earlier attempt left unfinished is gone on with.
-    Raises OutputRefused for a file in its place that is not the run.
+    What an earlier attempt left unfinished is gone on with. A file that somebody writes just now, such as a worker that
+    has not noticed yet that its sweep was stopped, is waited for so many seconds. Raises OutputRefused for one in its
+    place that is not the run.
     """
-    if (row := found_run(point, root=root)) is not None:
-        return row
-    path = SweepFolder(root).run(point.run_id)
-    with run(point.scenario, path, command=command, watch=ORDERS.check) as result:
+    last = time.monotonic() + patience
+    while (row := found_run(point, root=root)) is None:
+        try:
+            row = _made(point, SweepFolder(root), command)
+            break
+        except OutputInUse:
+            if time.monotonic() >= last:
+                raise
+            ORDERS.check(0.0, 0, 0)
+            time.sleep(BETWEEN)
+    return row
+
+
+def _made(point: Point, folder: SweepFolder, command: Sequence[str]) -> Row:
+    with run(point.scenario, folder.run(point.run_id), command=command, watch=ORDERS.check) as result:
         figures: dict[str, float] = {}
         for figure in result.summary:
             figures |= figure.as_attributes()
-    return Row(run_id=point.run_id, file=SweepFolder(root).relative(point.run_id), figures=figures)
+    return Row(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures)
 
 
 def _nothing(_point: Point) -> None:

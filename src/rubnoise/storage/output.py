@@ -131,6 +131,10 @@ def _rename_to_absent(paths: OutputPaths) -> None:
         disk.remove(paths.part)
 
 
+class OutputInUse(OutputRefused):
+    """Another process is writing the output."""
+
+
 class OutputAppearedError(RubnoiseError):
     """Somebody else created the output file during the run."""
 
@@ -177,7 +181,7 @@ def _locked(paths: OutputPaths) -> int:
                 return descriptor
         except BlockingIOError as problem:
             os.close(descriptor)
-            raise OutputRefused(f"{paths.final}: another process is writing it") from problem
+            raise OutputInUse(f"{paths.final}: another process is writing it") from problem
         except OSError as problem:
             os.close(descriptor)
             raise OutputRefused(f"{paths.lock}: cannot be locked: {_reason(problem)}") from problem
