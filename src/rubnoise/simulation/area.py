@@ -136,9 +136,21 @@ def _add_rest(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, total: 
     deposit = kernels_triangle.deposit_areas if pulse.shape == "triangle" else kernels.deposit_areas
     deposit(grid.position[at], *lives, weight, total[at])
     if moments.size:
-        edges = grid.position[grid.cells()]
-        found = _moments_of_rest(pulse, grid, edges, rows, weight)
-        moments[:, at] += found[:, 1:] / grid.spacing
+        edges = _edges_in_reach(grid, rows)
+        found = _moments_of_rest(pulse, grid, grid.position[edges], rows, weight)
+        moments[:, edges.start + 1 : edges.stop] += found[:, 1:] / grid.spacing
+
+
+def _edges_in_reach(grid: Grid, rows: LiveRows) -> slice:
+    """Return the indices of the edges of those cells wanted in which any of the lives can be.
+
+    A few lives, as where some are coarser than others, should not cost a pass over all cells.
+    """
+    cells = grid.cells()
+    edges = grid.position[cells]
+    first = max(int(np.searchsorted(edges, rows.birth.min())) - 1, 0)
+    end = min(int(np.searchsorted(edges, rows.death.max())) + 1, edges.size)
+    return slice(cells.start + first, cells.start + max(end, first + 1))
 
 
 def _moments_of_rest(pulse: Pulse, grid: Grid, edges: Doubles, rows: LiveRows, weight: Doubles) -> Doubles:
