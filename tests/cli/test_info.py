@@ -93,9 +93,9 @@ def test_a_file_that_is_no_result_gets_one_line(result: Path, case: str) -> None
     assert answer.err.count("\n") == 1
 
 
-def test_a_folder_is_no_result(here: Path) -> None:
+def test_a_folder_without_a_sweep_is_none(here: Path) -> None:
     answer = call("info", here.parent)
-    assert (answer.code, answer.err) == (2, f"{here.parent}: is not a regular file\n")
+    assert (answer.code, answer.err) == (2, f"{here.parent}: no folder of a sweep: it has no index.h5\n")
 
 
 def test_a_part_that_is_being_written_is_told_of(here: Path) -> None:
