@@ -15,27 +15,27 @@ from rubnoise.simulation.panels import LARGEST_PANEL
 from rubnoise.simulation.run import Engine
 from rubnoise.simulation.yardstick import Pace
 
-PROGRAM_BYTES: Final = 215_000_000
+PROGRAM_BYTES: Final = 218_000_000
 """What a process holds with everything loaded that a run needs, before the run."""
 
 DRAWN_BYTES: Final = 60
-ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 190}
-POSITION_BYTES: Final = 330
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 440, "batch": 190}
+POSITION_BYTES: Final = 420
 """Of memory for each birth drawn in a block, each row of it that is played, and each position of a panel."""
 
 PROGRAM_SECONDS: Final = 1.2
 """What it takes to start and to load everything."""
 
 SECONDS: Final[Mapping[str, float]] = {
-    "run": 2.8e-2,
-    "row": 3.3e-7,
-    "event": 1.3e-6,
-    "crowd": 8.7e-8,
-    "tick": 3.9e-8,
-    "overlap": 1.0e-9,
-    "cell": 1.5e-8,
-    "push": 3.5e-9,
-    "fine push": 6.0e-8,
+    "run": 3.5e-2,
+    "row": 4.2e-7,
+    "event": 1.4e-6,
+    "crowd": 4.6e-8,
+    "tick": 1.8e-8,
+    "overlap": 3.0e-10,
+    "cell": 1.6e-8,
+    "push": 1.8e-9,
+    "fine push": 4.0e-10,
     "packed byte": 1.7e-8,
 }
 """Of each kind of work: of which there is so much as `work` says."""

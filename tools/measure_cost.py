@@ -1,0 +1,182 @@
+"""What runs of many kinds really take, beside what was foretold: `python tools/measure_cost.py [--large]`.
+
+Each is made in a process of its own, once to load everything and twice to be timed. Printed are the peak of its memory
+and the processor's time, measured and foretold, and at the end the constants of `rubnoise.simulation.cost` that would
+fit this machine best, beside those that are there. Exit code 1 where memory was foretold too small or more than 1.4
+times too large, or time by more than a factor of 3. With ``--large``, a million junctions at once are among them: some
+minutes and 8 GB of memory.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "src")]
+
+import numpy as np  # noqa: E402
+
+from rubnoise.api import run  # noqa: E402
+from rubnoise.scenario import Scenario, load  # noqa: E402
+from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, seconds  # noqa: E402
+from rubnoise.simulation.yardstick import Pace, pace  # noqa: E402
+from rubnoise.storage.budget import Budget, counted  # noqa: E402
+
+WITH_SLIDER = ROOT / "scenarios" / "paper" / "fig5.toml"
+CONTACT_ALONE = ROOT / "scenarios" / "paper" / "fig4.toml"
+STATUS = Path("/proc/self/status")
+MEMORY_FACTOR = 1.4
+TIME_FACTOR = 3.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A run: its mean count, its length and tick in mean lives, and what else is to be set."""
+
+    count: float = 20.0
+    lives: float = 3000.0
+    ticks_per_life: float = 100.0
+    changes: tuple[str, ...] = ()
+    slider: bool = True
+
+    def scenario(self, engine: str) -> Scenario:
+        """Return the case as a scenario, of 200 um^2 and sizes that spread by 5 %."""
+        life = 2.0 * (3.0 * 200.0 / self.count) ** 0.5
+        given = (
+            f"run.engine={engine}",
+            f"interface.mean_junction_count={self.count}",
+            "interface.mean_real_contact_area=200 um^2",
+            "interface.calibration=exact",
+            "diameter.law=normal",
+            "diameter.spread=5 %",
+            f"sliding.distance={self.lives * life:.8g} um",
+            f"output.tick={life / self.ticks_per_life:.5g} um",
+        )
+        return load(WITH_SLIDER if self.slider else CONTACT_ALONE, given + tuple(self.changes))
+
+
+CASES = {
+    "Figure 5": Case(),
+    "contact alone": Case(slider=False),
+    "few ticks": Case(ticks_per_life=20.0),
+    "fine ticks": Case(lives=300.0, ticks_per_life=2000.0),
+    "fine, alone": Case(lives=300.0, ticks_per_life=2000.0, slider=False),
+    "finest": Case(lives=20.0, ticks_per_life=20000.0),
+    "200 at once": Case(count=200.0, lives=300.0),
+    "200, fine": Case(count=200.0, lives=100.0, ticks_per_life=2000.0, slider=False),
+    "2000 at once": Case(count=2000.0, lives=50.0, ticks_per_life=200.0),
+    "20000 at once": Case(count=20000.0, lives=22.0, ticks_per_life=200.0),
+    "thin": Case(count=0.1, lives=30000.0, ticks_per_life=50.0),
+    "thinner, alone": Case(count=0.01, lives=30000.0, ticks_per_life=50.0, slider=False),
+    "triangles": Case(changes=("pulse.shape=triangle",)),
+    "strengths": Case(changes=("strength.law=normal", "strength.spread=10 %")),
+    "compressed": Case(lives=1000.0, changes=("output.compression=gzip",)),
+    "slow": Case(lives=1000.0, ticks_per_life=20.0, changes=("sliding.speed=200 um/s",)),
+    "slower": Case(lives=100.0, ticks_per_life=20.0, changes=("sliding.speed=30 um/s",)),
+    "slowest": Case(lives=100.0, ticks_per_life=20.0, changes=("sliding.speed=5 um/s",)),
+    "short": Case(lives=10.0),
+}
+LARGE = {
+    "100000 at once": Case(count=1e5, lives=22.0, ticks_per_life=200.0),
+    "a million at once": Case(count=1e6, lives=1.0, ticks_per_life=200.0, slider=False),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Taken:
+    """What a run took: memory of its process in bytes, processor's time in s, and the budget that foretold them."""
+
+    peak: int
+    time: float
+    foretold_peak: int
+    foretold_time: float
+    work: Mapping[str, float]
+
+    @property
+    def within(self) -> bool:
+        """Whether both were foretold well enough."""
+        memory, time = self.foretold_peak / self.peak, self.foretold_time / self.time
+        return 1.0 <= memory <= MEMORY_FACTOR and 1.0 / TIME_FACTOR <= time <= TIME_FACTOR
+
+
+def taken(scenario: Scenario) -> Taken:
+    """Make a run in this process and return what it took."""
+    told: Budget = counted(scenario)
+    with TemporaryDirectory() as folder:
+        times = [_timed(scenario, Path(folder) / "run.h5") for _ in range(3)][1:]
+    return Taken(
+        peak=_peak(),
+        time=min(times),
+        foretold_peak=PROGRAM_BYTES + told.working_bytes,
+        foretold_time=seconds(told.work, pace()),
+        work=told.work,
+    )
+
+
+def _timed(scenario: Scenario, path: Path) -> float:
+    begin = process_time()
+    run(scenario, path, force=True).close()
+    return process_time() - begin
+
+
+def _peak() -> int:
+    line = next(line for line in STATUS.read_text(encoding="utf-8").splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) * 1024
+
+
+def _in_a_child(name: str, engine: str) -> Taken:
+    words = [sys.executable, __file__, "--one", name, engine]
+    told = subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout
+    return Taken(**json.loads(told))
+
+
+def _fitting(runs: Sequence[Taken]) -> Iterator[str]:
+    """Yield each constant as it is and as it would fit the measured times, relative errors squared."""
+    from scipy.optimize import nnls
+
+    here = pace()
+    paces = [here.processes if kind in IN_PROCESSES else here.arrays for kind in SECONDS]
+    amounts = np.array([[each.work.get(kind, 0.0) for kind in SECONDS] for each in runs]) * paces
+    times = np.array([each.time for each in runs])
+    fitted, _ = nnls(amounts / times[:, None], np.ones(len(runs)))
+    for (kind, constant), best in zip(SECONDS.items(), fitted, strict=True):
+        yield f"  {kind:<20}{constant:>12.2g}{best:>12.2g}"
+
+
+def main(cases: Mapping[str, Case]) -> int:
+    """Print everything and return the exit code."""
+    here: Pace = pace()
+    print(f"pace of this machine: processes {here.processes:.2f}, arrays {here.arrays:.2f}")
+    print(f"{'':<26}{'MB':>9}{'told':>9}{'ratio':>7}{'s':>11}{'told':>9}{'ratio':>7}")
+    runs = []
+    for name in cases:
+        for engine in ("events", "batch"):
+            each = _in_a_child(name, engine)
+            runs.append(each)
+            memory, time = each.foretold_peak / each.peak, each.foretold_time / each.time
+            print(
+                f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.foretold_peak / 1e6:>9.0f}{memory:>7.2f}"
+                f"{each.time:>11.3f}{each.foretold_time:>9.3f}{time:>7.2f}{'' if each.within else '  outside'}",
+                flush=True,
+            )
+    print("\nseconds for one of   as it is     fitting")
+    print("\n".join(_fitting(runs)))
+    return 0 if all(each.within for each in runs) else 1
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--large", action="store_true", help="a million junctions at once, too")
+    parser.add_argument("--one", nargs=2, metavar=("CASE", "ENGINE"), help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.one:
+        name, engine = options.one
+        print(json.dumps(asdict(taken((CASES | LARGE)[name].scenario(engine)))))
+    else:
+        sys.exit(main(CASES | LARGE if options.large else CASES))
