@@ -34,6 +34,9 @@ LIVES = {
 }
 
 
+WAYS = {"closed forms": np.inf, "quadrature": 0.0}
+"""From how many cells a diameter on which way to the moments is taken."""
+
 QUADRATURE = 1e-7
 """What six nodes leave of moments over cells of an eighth of a diameter; they are for narrower ones."""
 
@@ -55,23 +58,33 @@ def moments_by_quadrature(pulse: Pulse, edges: NDArray[np.float64], life: tuple[
     return found
 
 
-@pytest.mark.parametrize("way", ["closed", "fine"])
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
 @pytest.mark.parametrize("name", LIVES)
-def test_moments_of_a_life_are_those_of_its_area(name: str, pulse: Pulse, way: str) -> None:
-    (birth, d, death), fine = LIVES[name], way == "fine"
+def test_moments_of_a_life_are_those_of_its_area(
+    monkeypatch: pytest.MonkeyPatch, name: str, pulse: Pulse, way: str
+) -> None:
+    monkeypatch.setattr(forces, "NARROW", WAYS[way])
+    birth, d, death = LIVES[name]
     edges = np.linspace(0.0, 8.0, 33)
     shapes = tuple(np.array([value]) for value in (birth, d, death, 250.0))
-    found = force_moments(pulse, edges, shapes, fine=fine)
+    found = force_moments(pulse, edges, 0.25, shapes)
     right = 250.0 * moments_by_quadrature(pulse, edges, LIVES[name])
-    assert (np.abs(found - right) < 250.0 * (QUADRATURE if fine and pulse is LENS else rounding(max(d, 1.0), 0.25))).all()
+    assert (
+        np.abs(found - right)
+        < 250.0 * (QUADRATURE if way == "quadrature" and pulse is LENS else rounding(max(d, 1.0), 0.25))
+    ).all()
     assert (np.abs(found).max() > 0.0) == (name not in {"over before", "born at the end"})
 
 
-def test_closed_forms_and_quadrature_agree_on_narrow_cells() -> None:
+def test_closed_forms_and_quadrature_agree_on_narrow_cells(monkeypatch: pytest.MonkeyPatch) -> None:
     edges = np.linspace(0.0, 0.5, 101)
     shapes = tuple(np.array(values) for values in ([-9.9, -5.0, 0.1], [5.0] * 3, [0.1, 5.0, 10.1], [1.0, 2.0, 3.0]))
-    closed, fine = (force_moments(LENS, edges, shapes, fine=fine) for fine in (False, True))
+    found = []
+    for narrow in WAYS.values():
+        monkeypatch.setattr(forces, "NARROW", narrow)
+        found.append(force_moments(LENS, edges, 0.005, shapes))
+    closed, fine = found
     assert (np.abs(closed - fine) < 6.0 * rounding(5.0, 0.005)).all()
     assert (np.abs(fine).max(axis=1) > 1e3 * rounding(5.0, 0.005)[:, 0]).tolist() == [True, True, False]
 

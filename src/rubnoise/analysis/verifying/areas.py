@@ -1,14 +1,10 @@
-"""Real contact area and friction force summed anew from rows, by formulas that the simulation does not use; compiled.
-
-The moments of the force call this file, and the compiler's cache does not see that it has changed: after a change here
-theirs has to be touched, or its machine code of before goes on being used.
-"""
+"""Real contact area and friction force summed anew from rows, not by the simulation's formulas; compiled."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import Pulse
 from rubnoise.compiling import compiled
+from rubnoise.contact.pulses import Pulse
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]

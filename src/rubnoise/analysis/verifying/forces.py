@@ -8,17 +8,20 @@ w = sin t the area over d^2 and its successive integrals over u from the nearer 
     J1 = (w - x t - w^3/3)/2                         J3 = (5/4 J1 + x t/2 - x^3 t/6 - w/3 - w^3/18 + w^5/60)/2.
 """
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import lens_fraction
-from rubnoise.contact.pulses import Pulse
 from rubnoise.compiling import compiled
+from rubnoise.contact.pulses import Pulse
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+NARROW: Final = 128.0
+"""Diameters of more cells than this have their moments by quadrature: closed forms lose (d/cell)^2 roundings."""
 
 _COUNT = 6
 _RULE = np.polynomial.legendre.leggauss(_COUNT)
@@ -27,21 +30,27 @@ _WEIGHTS = tuple((0.5 * _RULE[1]).tolist())
 _TWO = 0.5 / 3.0**0.5  # two nodes at this distance from the middle are exact for cubics
 
 
-def force_moments(pulse: Pulse, positions: Doubles, shapes: tuple[Doubles, ...], *, fine: bool) -> Doubles:
+def force_moments(pulse: Pulse, positions: Doubles, width: float, shapes: tuple[Doubles, ...]) -> Doubles:
     """Return int F P_i(2y - 1) ds over each cell between positions for i = 0, 1, 2, in uN um, shape (3, cells).
 
-    ``shapes`` holds birth, diameter, death (um) and strength (MPa). ``fine``: by quadrature instead of closed forms,
-    which lose digits where cells are a very small part of a diameter.
+    ``width`` (um) is that of every cell: positions far out are rounded, and their differences are not as wide.
+    ``shapes`` holds birth, diameter, death (um) and strength (MPa). Closed forms are differences over a cell of what is
+    as large as over a life; where cells are a very small part of a diameter, quadrature takes their place.
     """
     moments = np.zeros((3, positions.size - 1))
-    begin = np.maximum(np.searchsorted(positions, shapes[0], side="right") - 1, 0)
-    add: Any = _add_lenses
     if pulse.shape == "triangle":
-        add = _add_triangles
-    elif fine:
-        add = _add_fine_lenses
-    add(positions, begin, *shapes, moments)
+        _add(_add_triangles, positions, width, shapes, moments)
+        return moments
+    fine = shapes[1] > NARROW * width
+    _add(_add_lenses, positions, width, tuple(each[~fine] for each in shapes), moments)
+    _add(_add_fine_lenses, positions, width, tuple(each[fine] for each in shapes), moments)
     return moments
+
+
+def _add(add: Any, positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
+    """Add what lives bring to cells, told in ages: each by the cell in which it begins and the age at its edge."""
+    begin = np.maximum(np.searchsorted(positions, shapes[0], side="right") - 1, 0)
+    add(begin, positions[begin] - shapes[0], width, *shapes, moments)
 
 
 @compiled
@@ -75,8 +84,9 @@ def _add_to_cell(moments: Doubles, cell: int, width: float, m0: float, m1: float
 
 @compiled
 def _add_lenses(
-    positions: Doubles,
     begin: Integers,
+    origin: Doubles,
+    width: float,
     birth: Doubles,
     diameter: Doubles,
     death: Doubles,
@@ -87,12 +97,11 @@ def _add_lenses(
         born, d, psi = birth[row], diameter[row], strength[row]
         end = _end_of_life(born, d, death[row])
         cell = begin[row]
-        p = max(positions[cell] - born, 0.0)
+        edge = origin[row] + width
+        p = max(origin[row], 0.0)
         half = 1.0 if p < d else -1.0
         p1, p2, p3 = _integrals(p, d, half)
-        while cell < len(positions) - 1 and p < end:
-            edge = positions[cell + 1] - born
-            width = positions[cell + 1] - positions[cell]
+        while cell < moments.shape[1] and p < end:
             middle = edge - 0.5 * width
             q = min(edge, end)
             if half > 0.0:
@@ -108,12 +117,14 @@ def _add_lenses(
                 p1, p2, p3 = _integrals(p, d, half)
             if q >= edge:
                 cell += 1
+                edge = origin[row] + (cell - begin[row] + 1) * width
 
 
 @compiled
 def _add_fine_lenses(
-    positions: Doubles,
     begin: Integers,
+    origin: Doubles,
+    width: float,
     birth: Doubles,
     diameter: Doubles,
     death: Doubles,
@@ -124,10 +135,9 @@ def _add_fine_lenses(
         born, d = birth[row], diameter[row]
         end = _end_of_life(born, d, death[row])
         cell = begin[row]
-        p = max(positions[cell] - born, 0.0)
-        while cell < len(positions) - 1 and p < end:
-            edge = positions[cell + 1] - born
-            width = positions[cell + 1] - positions[cell]
+        edge = origin[row] + width
+        p = max(origin[row], 0.0)
+        while cell < moments.shape[1] and p < end:
             q = min(edge, end)
             if p < d:
                 q = min(q, d)
@@ -135,6 +145,7 @@ def _add_fine_lenses(
             p = q
             if q >= edge:
                 cell += 1
+                edge = origin[row] + (cell - begin[row] + 1) * width
 
 
 @compiled
@@ -163,8 +174,9 @@ def _add_fine_piece(
 
 @compiled
 def _add_triangles(
-    positions: Doubles,
     begin: Integers,
+    origin: Doubles,
+    width: float,
     birth: Doubles,
     diameter: Doubles,
     death: Doubles,
@@ -176,10 +188,9 @@ def _add_triangles(
         end = _end_of_life(born, d, death[row])
         slope = 0.25 * np.pi * d * strength[row]
         cell = begin[row]
-        p = max(positions[cell] - born, 0.0)
-        while cell < len(positions) - 1 and p < end:
-            edge = positions[cell + 1] - born
-            width = positions[cell + 1] - positions[cell]
+        edge = origin[row] + width
+        p = max(origin[row], 0.0)
+        while cell < moments.shape[1] and p < end:
             q = min(edge, end)
             if p < d:
                 q = min(q, d)
@@ -191,3 +202,4 @@ def _add_triangles(
             p = q
             if q >= edge:
                 cell += 1
+                edge = origin[row] + (cell - begin[row] + 1) * width

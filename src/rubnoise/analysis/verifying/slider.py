@@ -21,8 +21,8 @@ SHARE: Final = 5e-10
 STILL: Final = 2.0**-44
 """Of the fastest rate times the largest displacement: velocities that are rounding alone, where the force is steady."""
 
-_CLOSED_UP_TO = 20.0
-"""Faster turns of the slider in a diameter of sliding than this, in rad, need the moments' quadrature."""
+PLACES: Final = 2.0
+"""Roundings of a place: a force F that comes or goes so much earlier moves the velocity by F/(m V) times that."""
 
 
 def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
@@ -45,19 +45,28 @@ def _columns_check(model: Model, rows: Rows) -> Check:
 
 def _motion_check(model: Model, rows: Rows, cells: int) -> Check:
     notes, ahead = Notes("motion"), Ahead(rows)
-    largest = {name: _largest(rows, name) for name in ("displacement", "velocity")}
     for name, begin in (("displacement", model.equilibrium_displacement), ("velocity", 0.0)):
         notes.equal(f"/slider/{name}", 0, rows.column("slider", name, 0, 1), begin)
-    motion = _motion(model, cells)
-    still = STILL * motion.fastest * largest["displacement"]
-    allowed = {"displacement": SHARE * largest["displacement"], "velocity": SHARE * largest["velocity"] + still}
+    motion, largest = _motion(model, cells), {name: _largest(rows, name) for name in ("displacement", "velocity")}
     for first, end, moments in _moments(model, rows, cells):
-        before = (ahead.column("slider", name, first - 1, end - 1) for name in allowed)
+        before = (ahead.column("slider", name, first - 1, end - 1) for name in largest)
         with np.errstate(invalid="ignore", over="ignore"):
             led = motion.through(moments, *before)
-        for (name, limit), expected in zip(allowed.items(), led, strict=True):
+            allowed = _allowed(model, motion, largest, np.arange(first, end, dtype=np.float64) * model.tick)
+        for name, expected, limit in zip(largest, led, allowed, strict=True):
             notes.near(f"/slider/{name}", first, ahead.column("slider", name, first, end), expected, limit)
     return notes.check()
+
+
+def _allowed(
+    model: Model, motion: CellMotion, largest: dict[str, float], distance: Doubles
+) -> tuple[float, float | Doubles]:
+    """Return what displacement (um) and velocity (um/s) may be away at ticks from where those before them lead."""
+    if model.slider is None or model.sliding_speed is None:
+        return 0.0, 0.0
+    moved, fast = largest["displacement"], largest["velocity"]
+    pushed = model.slider.natural_angular_frequency**2 * moved / model.sliding_speed
+    return SHARE * moved, SHARE * fast + STILL * motion.fastest * moved + PLACES * np.spacing(distance) * pushed
 
 
 def _motion(model: Model, cells: int) -> CellMotion:
@@ -69,14 +78,14 @@ def _motion(model: Model, cells: int) -> CellMotion:
 def _moments(model: Model, rows: Rows, cells: int) -> Iterator[tuple[int, int, Doubles]]:
     """Yield first and last ticks with the moments (3, ticks, cells) of the force in the cells that end with them."""
     window, total, size = Window(rows), rows.rows("slider"), max(PANEL_ROWS // cells, 1)
-    fine = _motion(model, cells).fastest * model.calibrated_diameter > _CLOSED_UP_TO * (model.sliding_speed or 1.0)
+    width = model.tick / cells
     for first in range(1, total, size):
         end = min(first + size, total)
-        edges = np.arange((first - 1) * cells, (end - 1) * cells + 1).astype(np.float64) * (model.tick / cells)
+        edges = np.arange((first - 1) * cells, (end - 1) * cells + 1).astype(np.float64) * width
         moments = np.zeros((3, edges.size - 1))
         for each in window.until(float(edges[-1])):
             shapes = (each.birth, each.diameter, each.death, each.strength)
-            moments += force_moments(model.pulse, edges, shapes, fine=fine)
+            moments += force_moments(model.pulse, edges, width, shapes)
         yield first, end, moments.reshape(3, end - first, cells)
 
 
