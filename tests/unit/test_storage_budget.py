@@ -90,7 +90,7 @@ def test_a_compressed_result_takes_twice_the_disk_and_longer() -> None:
 
 def test_several_runs_take_the_sum_and_the_memory_of_the_largest() -> None:
     small, large = expected(loads(WHOLE)), expected(_with(BARE, *DENSE))
-    both = together([small, large])
+    both = together([(small, 1), (large, 1)])
     assert both.junctions == small.junctions + large.junctions
     assert both.ticks == small.ticks + large.ticks
     assert both.disk_bytes == small.disk_bytes + large.disk_bytes
@@ -98,6 +98,11 @@ def test_several_runs_take_the_sum_and_the_memory_of_the_largest() -> None:
     # The program starts once.
     assert max(small.seconds, large.seconds) < both.seconds < small.seconds + large.seconds
     assert together([]).disk_bytes == 0
+
+
+def test_of_many_compressed_results_one_is_copied_at_a_time() -> None:
+    packed = expected(_with(WHOLE, "output.compression=gzip"))
+    assert together([(packed, 10)]).disk_bytes == 11 * packed.result_bytes
 
 
 def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -181,12 +186,12 @@ def test_a_process_needs_the_memory_that_was_foretold(tmp_path: Path, changes: t
 
 def test_a_sweep_has_to_fit_as_a_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one = expected(loads(WHOLE))
-    runs = together([one] * 10)
+    runs = together([(one, 10)])
     _with_room(monkeypatch, disk=10 * one.disk_bytes)
-    check_sweep_room(runs, tmp_path)
+    check_sweep_room(runs, tmp_path, jobs=1)
     _with_room(monkeypatch, disk=10 * one.disk_bytes - 1)
-    with pytest.raises(OutputRefused, match=r"sliding\.distance .* sweep\.replicates .* sweep\.keep"):
-        check_sweep_room(runs, tmp_path)
+    with pytest.raises(OutputRefused, match=r"sweep\.keep .* sliding\.distance .* sweep\.replicates"):
+        check_sweep_room(runs, tmp_path, jobs=1)
 
 
 def test_as_many_runs_at_once_as_memory_holds_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,22 +3,22 @@
 import os
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from shlex import join
-from shutil import disk_usage
 from typing import Final
 
 from rubnoise.api.running import run
 from rubnoise.api.summarising import keep_summary
 from rubnoise.api.sweep_result import SweepResult, open_sweep
-from rubnoise.errors import OutputRefused, Refused
-from rubnoise.model import Model
+from rubnoise.errors import Refused
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.storage.budget import expected
+from rubnoise.storage.budget import check_sweep_room, expected, together
 from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
 from rubnoise.sweep.conducting import Ending, Means, Standing, conduct
@@ -50,7 +50,8 @@ def run_sweep(
     ``jobs`` processes share the work, one for each processor by default; with ``cluster`` the workers of a Dask
     scheduler do, told by its address or its file; ``shard`` "2/8" does the second eighth. A run that fails does not
     keep others from being made: ask ``.failures``. Raises ScenarioRefused, OutputRefused for a folder of something
-    else, in use or on a disk without room, ExtraMissing without the library of a cluster.
+    else, in use or on a disk without room, Refused for more runs at once than memory holds, ExtraMissing without the
+    library of a cluster.
     """
     sweep = file if isinstance(file, Sweep) else load_sweep(file)
     carry_out(sweep, folder, jobs=jobs, cluster=cluster, shard=shard)
@@ -76,11 +77,12 @@ def carry_out(
     workers = _workers(jobs, cluster)
     place.check()
     command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+    here = 0 if cluster is not None else jobs or processors()
     means = Means(
         work=_work(sweep, place, command),
         workers=workers,
         recover=partial(found_run, root=place.root) if sweep.keep == "runs" else _nothing,
-        affordable=partial(_check_room, sweep, place),
+        affordable=partial(_check_room, sweep, place, here),
         watch=watch,
     )
     return conduct(place, sweep, means, shard=part, command=join(command))
@@ -139,20 +141,11 @@ def _nothing(_point: Point) -> None:
     return None
 
 
-def _check_room(sweep: Sweep, folder: SweepFolder, points: Sequence[Point]) -> None:
-    """Refuse a sweep whose results the disk does not hold."""
+def _check_room(sweep: Sweep, folder: SweepFolder, jobs: int, points: Sequence[Point]) -> None:
+    """Refuse a sweep whose results the disk does not hold, or whose runs at once the memory does not."""
+    counts = Counter(point.scenario.model() for point in points)
+    one_of_each = {point.scenario.model(): point.scenario for point in points}
+    budget = together((expected(one_of_each[model]), count) for model, count in counts.items())
     if sweep.keep == "summary":
-        return
-    sizes: dict[Model, int] = {}
-    needed = 0
-    for point in points:
-        model = point.scenario.model()
-        if model not in sizes:
-            sizes[model] = expected(point.scenario).result_bytes
-        needed += sizes[model]
-    room = disk_usage(folder.root).free
-    if needed > room:
-        raise OutputRefused(
-            f"{folder.root}: the results of {len(points):,} runs may take {needed:,} bytes, and there is room for"
-            f' {room:,}; sweep.keep = "summary" keeps kilobytes of each run'
-        )
+        budget = replace(budget, result_bytes=0, disk_bytes=0)
+    check_sweep_room(budget, folder.root, jobs=min(jobs, len(points)))

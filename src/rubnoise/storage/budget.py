@@ -24,8 +24,8 @@ class Budget:
     """What a run will take, or several made one after the other.
 
     result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
-    them, twice as much where they are compressed; working_bytes: memory beside the program's own, about; work: how much
-    of each kind (see `rubnoise.simulation.cost`).
+    them, with the copy that is made where one is compressed; working_bytes: memory beside the program's own, about;
+    work: how much of each kind (see `rubnoise.simulation.cost`).
     """
 
     junctions: int
@@ -69,18 +69,22 @@ def expected(scenario: Scenario) -> Budget:
     return _budget(scenario, rows)
 
 
-def together(budgets: Iterable[Budget]) -> Budget:
-    """Return the budget of runs made one after the other: all that they take, and the memory of the largest."""
-    each = tuple(budgets)
+def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
+    """Return the budget of runs made one after the other, each told with how many there are of it.
+
+    Work and results add up; memory is that of the largest, and so is the copy of a result that is being compressed.
+    """
+    counts = tuple(runs)
     amounts: Counter[str] = Counter()
-    for budget in each:
-        amounts.update(budget.work)
+    for each, count in counts:
+        amounts.update({kind: count * amount for kind, amount in each.work.items()})
+    results = sum(count * each.result_bytes for each, count in counts)
     return Budget(
-        junctions=sum(budget.junctions for budget in each),
-        ticks=sum(budget.ticks for budget in each),
-        result_bytes=sum(budget.result_bytes for budget in each),
-        disk_bytes=sum(budget.disk_bytes for budget in each),
-        working_bytes=max((budget.working_bytes for budget in each), default=0),
+        junctions=sum(count * each.junctions for each, count in counts),
+        ticks=sum(count * each.ticks for each, count in counts),
+        result_bytes=results,
+        disk_bytes=results + max((each.disk_bytes - each.result_bytes for each, _ in counts), default=0),
+        working_bytes=max((each.working_bytes for each, _ in counts), default=0),
         work=amounts,
     )
 
@@ -113,19 +117,20 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
     raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
 
 
-def check_sweep_room(budget: Budget, folder: str | os.PathLike[str], *, jobs: int = 1) -> None:
-    """Refuse runs into one folder, ``jobs`` at a time, that this machine has no room for, and name what to change.
+def check_sweep_room(budget: Budget, folder: Path, *, jobs: int) -> None:
+    """Refuse runs into one folder, so many at a time on this machine, that there is no room for; name what to change.
 
-    ``budget`` is that of all runs together which are still to be made. Raises OutputRefused and Refused.
+    ``budget`` is that of all runs together that are still to be made. Raises OutputRefused and Refused.
     """
-    room, memory = disk_room(Path(folder) / "run.h5"), memory_room()
+    room, memory = disk_room(folder / "run.h5"), memory_room()
     if budget.disk_bytes > room:
         raise OutputRefused(
-            f"{folder}: the results may take {budget.disk_bytes:,} bytes, and there is room for {room:,}; make"
-            ' sliding.distance shorter or sweep.replicates fewer, or set sweep.keep = "summary"'
+            f"{folder}: the results of {round(budget.work['run']):,} runs may take {budget.disk_bytes:,} bytes, and"
+            f' there is room for {room:,}; sweep.keep = "summary" keeps kilobytes of each run, or make'
+            " sliding.distance shorter or sweep.replicates fewer"
         )
-    if memory is not None and jobs * (PROGRAM_BYTES + budget.working_bytes) > memory:
-        each = PROGRAM_BYTES + budget.working_bytes
+    each = PROGRAM_BYTES + budget.working_bytes
+    if memory is not None and jobs * each > memory:
         raise Refused(
             f"{jobs} runs at once need about {_megabytes(jobs * each)} of memory, and {_megabytes(memory)} are left;"
             + (f" --jobs {memory // each} fits" if memory >= each else " make interface.mean_junction_count smaller")

@@ -90,6 +90,9 @@ def is_being_written(paths: OutputPaths) -> bool:
     return False
 
 
+_SMALLER = "a shorter sliding.distance or a longer output.tick makes it smaller"
+
+
 def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
     """Take the space of a whole file from the disk now; raises OutputRefused where there is not enough.
 
@@ -98,11 +101,13 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
     missing = size + later - os.fstat(descriptor).st_blocks * 512
     free = shutil.disk_usage(descriptor).free
     if missing > free:
-        raise OutputRefused(f"the result needs {missing:,} bytes, and the disk has {free:,} free")
+        raise OutputRefused(f"the result needs {missing:,} bytes, and the disk has {free:,} free; {_SMALLER}")
     try:
         disk.allocate(descriptor, size)
     except OSError as problem:
-        raise OutputRefused(f"no room for the {size:,} bytes of the result: {_reason(problem)}") from problem
+        raise OutputRefused(
+            f"no room for the {size:,} bytes of the result: {_reason(problem)}; {_SMALLER}"
+        ) from problem
 
 
 def give_final_name(paths: OutputPaths, *, force: bool) -> None:
