@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rubnoise.cli.showing import escaped, escaping
+from rubnoise.storage.rows import REMEDY
 from tests.cli.terminal import WITH_SLIDER, call, spawn
 
 HOSTILE = "a\x1b]0;owned\x07b\u202ec\u2066d\x9be\rf\x7f\nagreed: everything"
@@ -94,7 +95,7 @@ def test_a_name_that_is_no_text_is_escaped(tmp_path: Path, monkeypatch: pytest.M
     name = os.fsdecode(b"\xff\x1b.h5")
     Path(name).touch()
     answer = call("info", name)
-    assert (answer.code, answer.err) == (2, "\\udcff\\x1b.h5: is empty\n")
+    assert (answer.code, answer.err) == (2, f"\\udcff\\x1b.h5: is empty; {REMEDY}\n")
 
 
 @given(st.text())

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.unfinished import refusal
 
 
 @contextmanager
@@ -16,15 +17,15 @@ def finished_run(path: Path) -> Iterator[RunFile]:
     """
     with open_run(path) as file:
         if not file.provenance["finished"]:
-            raise RunFileRefused(f"{path}: unfinished; the run that writes it goes on or was stopped")
+            raise refusal(path)
         try:
             yield file
         except OutputRefused:
             raise
-        except Refused as refusal:
-            if str(refusal).startswith((f"{path}: ", "--")):
+        except Refused as refused:
+            if str(refused).startswith((f"{path}: ", "--")):
                 raise
-            raise type(refusal)(f"{path}: {refusal}") from refusal
+            raise type(refused)(f"{path}: {refused}") from refused
         except (ArithmeticError, ValueError, IndexError) as problem:
             # Rows may hold anything: what no run has is nothing to calculate with.
             reason = " ".join(str(problem).split())
