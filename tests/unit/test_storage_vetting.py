@@ -38,6 +38,18 @@ def open_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
             os.waitpid(child, os.WNOHANG)
 
 
+def test_a_lock_of_this_process_is_not_held_by_the_child(descriptor: int, tmp_path: Path) -> None:
+    def look(_: int) -> bytes:
+        try:
+            os.fstat(lock.fileno())
+        except OSError:
+            return b'"let go"'
+        return b'"held"'
+
+    with (tmp_path / "lock").open("w") as lock:
+        assert vetted(descriptor, look) == b'"let go"'
+
+
 def refusal(answer: bytes) -> str:
     return str(json.loads(answer)["refused"]).removesuffix(f"; {REMEDY}")
 

@@ -8,14 +8,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from time import sleep
+from time import monotonic, sleep
 from typing import Final, Self
 
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.storage import disk
 
-LOOK_SECONDS: Final = 1e-3
-"""Longer than it takes to see whether a lock is held."""
+PATIENCE_SECONDS: Final = 0.3
+"""Longer than it takes to see whether a lock is held, and to let go of one that a killed run has left to a copy."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,11 +194,12 @@ def _locked(paths: OutputPaths) -> int:
 
 
 def _lock(descriptor: int) -> None:
-    """Lock a file, also where somebody looks just now whether it is locked."""
-    for _ in range(3):
+    """Lock a file, also where somebody holds it only for a moment more."""
+    deadline = monotonic() + PATIENCE_SECONDS
+    while monotonic() < deadline:
         with suppress(BlockingIOError):
             return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        sleep(LOOK_SECONDS)
+        sleep(PATIENCE_SECONDS / 100)
     return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 

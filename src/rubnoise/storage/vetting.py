@@ -58,6 +58,7 @@ def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
     """Be the child: look, write the answer down the pipe and leave at once, whatever happens."""
     code = 1
     try:
+        _let_go_but(descriptor, sending)
         _be_quiet()
         _be_small()
         answer = memoryview(look(descriptor))
@@ -66,6 +67,14 @@ def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
         code = 0
     finally:
         os._exit(code)
+
+
+def _let_go_but(*kept: int) -> None:
+    """Close every descriptor but these and the standard ones: locks of a parent that is killed must go with it."""
+    for entry in list(Path("/dev/fd").iterdir()):
+        if (descriptor := int(entry.name)) > 2 and descriptor not in kept:
+            with suppress(OSError):  # the list itself was read by one that is closed already
+                os.close(descriptor)
 
 
 def _be_quiet() -> None:
