@@ -51,6 +51,11 @@ class ColumnFile:
         """Rows of the whole column."""
         return self._place.rows
 
+    @property
+    def offset(self) -> int:
+        """Where the column begins in its file; 0 for one without rows."""
+        return self._place.offset
+
     def write(self, first_row: int, values: NDArray[Any]) -> None:
         """Write rows that follow those written before, or replace some of them.
 

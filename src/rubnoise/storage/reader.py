@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 from weakref import finalize
 
 import numpy as np
@@ -26,6 +26,9 @@ from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import row_count
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
+
+if TYPE_CHECKING:
+    from rubnoise.storage.written import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 DTYPES: Final = {(group.name, column.name): np.dtype(column.dtype) for group in GROUPS for column in group.columns}
@@ -143,7 +146,7 @@ class RunFile:
         return digest.hexdigest()
 
 
-def open_run(path: str | os.PathLike[str], own: os.stat_result | None = None) -> RunFile:
+def open_run(path: str | os.PathLike[str], own: "Written | None" = None) -> RunFile:
     """Open a run file for reading, whoever made it.
 
     ``own`` tells which file this process has written a moment ago: one that needs no caution. Raises RunFileRefused,
@@ -165,7 +168,7 @@ def _check_run(found: Mapping[str, Any]) -> None:
         raise RunFileRefused("is the index of a sweep, not the result of a run")
 
 
-def examined(path: str | os.PathLike[str], own: os.stat_result | None = None) -> tuple[int, dict[str, Any]]:
+def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
     """Return a descriptor of a file, locked for reading, and what a survey found in it; refused as by `open_run`."""
     with refusing(path):
         descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)  # opening a pipe would wait for ever
@@ -210,10 +213,13 @@ def _share(descriptor: int) -> None:
         return  # where a file system has no locks, nobody else has one either
 
 
-def _surveyed(descriptor: int, own: os.stat_result | None) -> dict[str, Any]:
+def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
     """Return what a child process found in the file (see survey); raises RunFileRefused where it is not sound."""
+    known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
+    if known is not None and known.found is not None:
+        return dict(known.found)
     try:
-        found: dict[str, Any] = json.loads(_answer(descriptor, own))
+        found: dict[str, Any] = json.loads(_answer(descriptor, own=known is not None))
     except (ValueError, RecursionError) as problem:
         raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
     if "refused" in found:
@@ -227,8 +233,8 @@ def _surveyed(descriptor: int, own: os.stat_result | None) -> dict[str, Any]:
     return found
 
 
-def _answer(descriptor: int, own: os.stat_result | None) -> bytes:
-    if own is not None and _untouched(own, os.fstat(descriptor)):
+def _answer(descriptor: int, *, own: bool) -> bytes:
+    if own:
         from rubnoise.storage.survey import survey
 
         return survey(descriptor)
@@ -240,10 +246,6 @@ def _answer(descriptor: int, own: os.stat_result | None) -> bytes:
     from rubnoise.storage.vetting import vetted
 
     return vetted(descriptor, survey)
-
-
-def _untouched(before: os.stat_result, now: os.stat_result) -> bool:
-    return os.path.samestat(before, now) and (before.st_size, before.st_mtime_ns) == (now.st_size, now.st_mtime_ns)
 
 
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, lru_cache
 from typing import Any
 
 import h5py
@@ -43,13 +44,17 @@ class Place:
 
 def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> None:
     """Build the whole structure in an empty file; columns are contiguous, or chunks when ``compressed``."""
-    _describe_root(file, description.title, pulse_of(description.scenario_resolved).shape)
+    root = root_attributes(description.title, pulse_of(description.scenario_resolved).shape)
+    for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
+        _put(file, name, value)
     for group in stored_groups(description.features):
         rows = row_count(group, description.extent)
         _compose_group(file, group, description.features, rows, compressed=compressed)
     summary = file.create_group("summary", track_order=True)
     put_text(summary, "NX_class", "NXcollection")
-    _describe_provenance(file.create_group("provenance"), description)
+    provenance = file.create_group("provenance")
+    for name, value in ({"NX_class": "NXcollection"} | provenance_attributes(description)).items():
+        _put(provenance, name, value)
 
 
 def complete(
@@ -88,15 +93,16 @@ def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
     return Place(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
 
 
-def _describe_root(file: h5py.File, title: str, shape: Shape) -> None:
-    put_text(file, "Conventions", CONVENTIONS)
-    put_text(file, "format", FORMAT)
-    _put(file, "format_version", FORMAT_VERSION)
-    put_text(file, "title", title)
-    put_text(file, "source", f"rubnoise {package_version('rubnoise')}")
-    put_text(file, "NX_class", "NXroot")
-    put_text(file, "default", "trace")
-    put_text(file, "junction_area_formula", JUNCTION_AREA_FORMULAS[shape])
+def root_attributes(title: str, shape: Shape) -> dict[str, Scalar]:
+    """Return what the root of a file says about it."""
+    return {
+        "Conventions": CONVENTIONS,
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "title": title,
+        "source": f"rubnoise {package_version('rubnoise')}",
+        "junction_area_formula": JUNCTION_AREA_FORMULAS[shape],
+    }
 
 
 def _compose_group(file: h5py.File, group: Group, features: frozenset[Feature], rows: int, *, compressed: bool) -> None:
@@ -157,10 +163,10 @@ def _describe_column(dataset: h5py.Dataset, column: Column) -> None:
         put_text(dataset, "flag_meanings", " ".join(meaning for _, meaning in column.flags))
 
 
-def _describe_provenance(owner: h5py.Group, description: RunDescription) -> None:
+def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
+    """Return what a file says of its origin before the run has finished."""
     origin: Provenance = description.provenance
-    values: dict[str, Scalar] = {
-        "NX_class": "NXcollection",
+    return {
         "scenario_toml": description.scenario_toml,
         "scenario_resolved": json.dumps(description.scenario_resolved, ensure_ascii=False),
         "software": json.dumps(dict(origin.software)),
@@ -173,29 +179,48 @@ def _describe_provenance(owner: h5py.Group, description: RunDescription) -> None
         "started": origin.started,
         "finished": "",
     }
-    for name, value in values.items():
-        _put(owner, name, value)
 
 
 def _put(owner: h5py.HLObject, name: str, value: Scalar) -> None:
     if isinstance(value, str):
         put_text(owner, name, value)
     else:
-        _put_attribute(owner, name, np.array(value, dtype="<i8" if isinstance(value, int) else "<f8"))
+        dtype = "<i8" if isinstance(value, int) else "<f8"
+        _put_attribute(owner, name, np.array(value, dtype=dtype), _number_kind(dtype))
+
+
+def text_bytes(text: str) -> bytes:
+    """Return a text as it is stored: whatever is no character becomes an escape of one."""
+    return text.encode("utf-8", "backslashreplace")
 
 
 def _put_texts(owner: h5py.HLObject, name: str, text: str | Sequence[str]) -> None:
     """Write one text or a list of texts; at least two bytes long, as h5netcdf hands single bytes over undecoded."""
-    raw = [item.encode("utf-8", "backslashreplace") for item in ([text] if isinstance(text, str) else text)]
-    kind = h5py.string_dtype("utf-8", max(2, *map(len, raw)))
-    _put_attribute(owner, name, np.array(raw[0] if isinstance(text, str) else raw, dtype=kind))
+    raw = [text_bytes(item) for item in ([text] if isinstance(text, str) else text)]
+    size = max(2, *map(len, raw))
+    value = np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}")
+    _put_attribute(owner, name, value, _text_kind(size))
 
 
-def _put_attribute(owner: h5py.HLObject, name: str, value: NDArray[Any]) -> None:
+def _put_attribute(owner: h5py.HLObject, name: str, value: NDArray[Any], kind: h5py.h5t.TypeID) -> None:
     """Write an attribute, also over one of its name; by HDF5's own calls, as h5py's take longer than a short run."""
     key = name.encode()
     if h5py.h5a.exists(owner.id, key):
         h5py.h5a.delete(owner.id, key)
-    kind = h5py.h5t.py_create(value.dtype, logical=True)
-    space = h5py.h5s.create_simple(value.shape) if value.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
-    h5py.h5a.create(owner.id, key, kind, space).write(value)
+    space = h5py.h5s.create_simple(value.shape) if value.ndim else _scalar_space()
+    h5py.h5a.create(owner.id, key, kind, space).write(value, kind)
+
+
+@lru_cache(maxsize=256)
+def _text_kind(size: int) -> h5py.h5t.TypeID:
+    return h5py.h5t.py_create(h5py.string_dtype("utf-8", size), logical=True)
+
+
+@cache
+def _number_kind(dtype: str) -> h5py.h5t.TypeID:
+    return h5py.h5t.py_create(np.dtype(dtype), logical=True)
+
+
+@cache
+def _scalar_space() -> h5py.h5s.SpaceID:
+    return h5py.h5s.create(h5py.h5s.SCALAR)

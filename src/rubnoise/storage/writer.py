@@ -23,6 +23,7 @@ from rubnoise.storage.provenance import now
 from rubnoise.storage.resuming import TakenUp
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.unfinished import SUFFIX
+from rubnoise.storage.written import Written
 
 COMMIT_SECONDS: Final = 1.0
 """Between two commits at least: what a power cut may cost, and why a short run makes none."""
@@ -58,7 +59,7 @@ class RunWriter:
         self._keep_part = description is None
         self._open = ExitStack()
         self.state: State | None = None
-        self.written: os.stat_result | None = None
+        self.written: Written | None = None
 
     def __enter__(self) -> Self:
         again = self._given is None
@@ -108,9 +109,10 @@ class RunWriter:
         with self._telling():
             if self._journal.begun and self.state is not None:
                 self._commit(self.state)
-            self._complete(summary, between)
+            finished = now()
+            self._complete(summary, finished, between)
             self._name()
-            self.written = self._paths.final.stat()
+            self.written = self._written(summary, finished)
 
     def _begin(self, description: RunDescription, opening: ExitStack) -> None:
         """Make a new part; a journal of before goes first, for good, so that it never lies beside this part."""
@@ -141,16 +143,21 @@ class RunWriter:
         self._keep_part = True
         self._committed_at = monotonic()
 
-    def _complete(self, summary: Mapping[str, Scalar], between: Callable[[], None]) -> None:
+    def _complete(self, summary: Mapping[str, Scalar], finished: str, between: Callable[[], None]) -> None:
         if self.description.compression == "gzip":
-            compress_part(self._part, self._paths, self.description, summary, now(), between)
+            compress_part(self._part, self._paths, self.description, summary, finished, between)
             return
-        changed = self._part.completion(summary, now())
+        changed = self._part.completion(summary, finished)
         if self._safe:
-            # Where nothing has been seen onto the disk so far, a power cut may take all of it anyway.
-            self._journal.append("end", packed_ending(changed), durable=self._journal.begun)
+            self._journal.append("end", packed_ending(changed), durable=True)
         changed.commit(self._part.descriptor)
         disk.sync(self._part.descriptor)
+
+    def _written(self, summary: Mapping[str, Scalar], finished: str) -> Written:
+        file = self._paths.final.stat()
+        if self.description.compression == "gzip" or not self._safe:
+            return Written(file)
+        return Written.of(file, self.description, self._part.columns(), summary, finished)
 
     def _name(self) -> None:
         # The part is whole and needs its journal no more; one that went last would be left over by a kill.

@@ -1,0 +1,62 @@
+"""What a survey would find in a file that has just been written, told from what was written: it saves the look."""
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+from rubnoise.storage.columns import ColumnFile
+from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.pulse import pulse_of
+from rubnoise.storage.schema import Scalar
+from rubnoise.storage.structure import provenance_attributes, root_attributes, text_bytes
+
+NamedColumn = tuple[tuple[str, str], ColumnFile]
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A file as it was when this process had written it, and what there is in it where that is known (see survey)."""
+
+    file: os.stat_result
+    found: Mapping[str, Any] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        file: os.stat_result,
+        description: RunDescription,
+        columns: Iterable[NamedColumn],
+        summary: Mapping[str, Scalar],
+        finished: str,
+    ) -> Self:
+        """Return a whole file of plain columns."""
+        shape = pulse_of(description.scenario_resolved).shape
+        found = {
+            "features": sorted(description.features),
+            "columns": _columns(columns),
+            "attributes": {"value": _stored(root_attributes(description.title, shape))},
+            "summary": {"value": _stored(summary)},
+            "provenance": {"value": _stored(provenance_attributes(description) | {"finished": finished})},
+        }
+        return cls(file, found)
+
+    def is_still(self, now: os.stat_result) -> bool:
+        """Whether a file is this one, untouched."""
+        before = self.file
+        return os.path.samestat(before, now) and (before.st_size, before.st_mtime_ns) == (now.st_size, now.st_mtime_ns)
+
+
+def _columns(columns: Iterable[NamedColumn]) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for (group, name), column in columns:
+        place = {"rows": column.rows, "digest": {"value": column.digest()}, "offset": column.offset}
+        found.setdefault(group, {})[name] = place
+    return found
+
+
+def _stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
+    return {
+        name: text_bytes(value).decode("utf-8", "replace") if isinstance(value, str) else value
+        for name, value in values.items()
+    }
