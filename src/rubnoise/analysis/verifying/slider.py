@@ -24,6 +24,9 @@ STILL: Final = 2.0**-44
 PLACES: Final = 2.0
 """Roundings of a place: a force F that comes or goes so much earlier moves the velocity by F/(m V) times that."""
 
+LONG: Final = 8.0
+"""Mean lives of the longest lives: those born so long before the run have places as far out as its own."""
+
 
 def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
     """Return whether /slider tells the times and forces of /trace, and moves as they make it move.
@@ -66,7 +69,8 @@ def _allowed(
         return 0.0, 0.0
     moved, fast = largest["displacement"], largest["velocity"]
     pushed = model.slider.natural_angular_frequency**2 * moved / model.sliding_speed
-    return SHARE * moved, SHARE * fast + STILL * motion.fastest * moved + PLACES * np.spacing(distance) * pushed
+    place = np.spacing(distance + LONG * model.mean_life_distance)
+    return SHARE * moved, SHARE * fast + STILL * motion.fastest * moved + PLACES * place * pushed
 
 
 def _motion(model: Model, cells: int) -> CellMotion:
