@@ -9,17 +9,19 @@ from rubnoise.compiling import compiled_for_speed
 @compiled_for_speed
 def central_sums(values: NDArray[np.float64], powers: int) -> tuple[float, float, float, float]:
     """Return the mean and the sums of the second to fourth powers about it, the last two only where asked for."""
+    count = len(values)
     mean = 0.0
-    for value in values:
-        mean += value
-    mean /= len(values)
+    for n in range(count):
+        mean += values[n]
+    mean /= count
     second, third, fourth = 0.0, 0.0, 0.0
     if powers == 2:
-        for value in values:
-            second += (value - mean) ** 2
+        for n in range(count):
+            away = values[n] - mean
+            second += away * away
         return mean, second, third, fourth
-    for value in values:
-        away = value - mean
+    for n in range(count):
+        away = values[n] - mean
         square = away * away
         second += square
         third += away * square

@@ -114,10 +114,12 @@ class ColumnFile:
 
     def _append(self, data: Bytes) -> None:
         offset = self._bytes(self.rows_written)
+        if data.size >= PIECE_BYTES:
+            # Large enough as it is: a copy would cost more than to write what waits before it.
+            self.flush()
+            self._pass_on(data, offset)
+            return
         while data.size:
-            if not self._count and data.size >= PIECE_BYTES:
-                self._pass_on(data, offset)  # large enough as it is
-                return
             taken = self._gather(data)
             data, offset = data[taken:], offset + taken
             if self._count == self._waiting.size:
