@@ -38,6 +38,7 @@ def compress_part(
             target.settle()
         disk.sync(descriptor)
         disk.rename(paths.making, paths.part)
+        disk.sync_folder(paths.part.parent)  # before the journal goes: without it the raw part would begin at its start
 
 
 def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:

@@ -29,7 +29,7 @@ SLACK_BYTES = 64 * 1024
 
 
 def make_part(path: Path, making: Path, description: RunDescription) -> None:
-    """Make a part file under a passing name, with its space reserved, and rename it when its structure is whole.
+    """Make a part file under a passing name, with its space reserved, and rename it when its structure is on the disk.
 
     Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
     Raises OSError, and OutputRefused where the disk has no room; nothing is left behind then.
@@ -41,6 +41,7 @@ def make_part(path: Path, making: Path, description: RunDescription) -> None:
         structure.commit(descriptor)
         copy = 0 if description.compression == "none" else structure.size
         reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
+        disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
         disk.rename(making, path)
 
 
