@@ -1,0 +1,119 @@
+"""A little of each torture of `tools/survive.py`, and proof that the script would notice what is lost."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from survival import cost, full, kills, power, signals, writes
+from survival.recording import Recording
+from survival.stories import SHORT, SMALL, Story
+
+from rubnoise.storage import disk, resuming, writer
+from rubnoise.storage.history import History
+from rubnoise.storage.journal import Journal
+from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.writer import RunWriter
+
+pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
+BARE, COMPRESSED = SMALL[2], SMALL[3]
+SHORTEST = replace(SHORT[2], distance="10 mm")
+
+
+def test_kills_lose_nothing() -> None:
+    outcome = kills.kills(6, seed=3, stories=(SHORTEST,))
+    assert outcome.findings == []
+    assert outcome.counts["kills"] == 6
+    assert outcome.counts["commits"] > 0
+
+
+def test_commits_that_are_forgotten_are_found_by_kills(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resuming, "_history", lambda *_: History())
+    outcome = kills.kills(6, seed=3, stories=(SHORTEST,))
+    assert any("had been committed, and it went on from 0" in finding for finding in outcome.findings)
+
+
+@pytest.mark.parametrize("story", [BARE, COMPRESSED], ids=lambda story: story.name)
+def test_a_run_goes_on_from_between_its_writes(story: Story) -> None:
+    outcome = writes.writes(1, seed=3, stories=(story,), every=17)
+    assert outcome.findings == []
+    assert outcome.counts["stopped after a call"] > 10
+    assert outcome.counts["stopped in the middle of a write"] > 5
+
+
+def test_last_changes_that_the_journal_does_not_hold_are_found_by_stopping(monkeypatch: pytest.MonkeyPatch) -> None:
+    append = Journal.append
+
+    def without_the_end(self: Journal, kind: str, content: bytes, *, durable: bool) -> None:
+        if kind != "end":
+            append(self, kind, content, durable=durable)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Journal, "append", without_the_end)
+    assert any("x.h5.part: damaged" in finding for finding in writes.writes(1, 3, (BARE,), last=14).findings)
+
+
+def test_power_cuts_lose_nothing_that_was_committed() -> None:
+    outcome = power.power(24, seed=3, stories=(BARE, COMPRESSED))
+    assert outcome.findings == []
+    assert outcome.counts["gone on by run"] > 0 < outcome.counts["gone on by resume"]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [("sync_rows", "had been committed"), ("sync", "x.h5.part: "), ("sync_folder", "published, and is gone")],
+)
+def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
+    monkeypatch: pytest.MonkeyPatch, call: str, said: str
+) -> None:
+    recorded = writes.recorded
+
+    def forgetting(story: Story, seconds: float) -> Recording:
+        recording = recorded(story, seconds=seconds)
+        recording.calls = [
+            ("note", "left out", n) if each[0] == call else each for n, each in enumerate(recording.calls)
+        ]
+        return recording
+
+    monkeypatch.setattr(power, "recorded", forgetting)
+    assert any(said in finding for finding in power.power(30, seed=3, stories=(BARE,)).findings)
+
+
+def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:
+    outcome = full.full(2, seed=3, stories=(BARE,), every=61)
+    assert outcome.findings == []
+    assert outcome.counts["EIO: exit code 1"] > 0 < outcome.counts["ENOSPC: exit code 1"]
+
+
+def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    def removing(paths: OutputPaths, *, force: bool) -> None:
+        disk.remove(paths.final)
+        disk.rename(paths.part, paths.final)
+
+    monkeypatch.setattr(writer, "give_final_name", removing)
+    calls = full.calls_of(BARE)
+    outcome = full.full(0, seed=3, stories=(BARE,), calls=range(calls - 4, calls))
+    assert any("the result is gone" in finding for finding in outcome.findings)
+
+
+def test_signals_leave_something_to_go_on_with() -> None:
+    outcome = signals.signals(6, seed=3, stories=(SHORTEST,))
+    assert outcome.findings == []
+
+
+def test_a_part_that_is_not_kept_is_found_by_signals(monkeypatch: pytest.MonkeyPatch) -> None:
+    def discarding(self: RunWriter) -> None:
+        disk.remove(self._paths.part)
+
+    monkeypatch.setattr(RunWriter, "_discard", discarding)
+    outcome = signals.signals(8, seed=3, stories=(SHORTEST,))
+    assert any("no part is there, and it said stopped" in finding for finding in outcome.findings)
+
+
+def test_the_cost_of_safety_is_measured_beside_runs_without_it() -> None:
+    each = cost.pair(cost.of_junctions(2e4), safe_first=True)
+    assert each.safe > 0.0 < each.bare
+    assert each.per_cent < 100.0
+
+
+def test_a_cost_beyond_what_is_promised_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "pair", lambda *_, **__: cost.Pair(safe=1.3, bare=1.0))
+    assert cost.cost(2, 1).findings == ["safety costs 23.1 % of a run"]

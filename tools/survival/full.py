@@ -1,0 +1,200 @@
+"""A disk that fails at each call in turn, and a small one that somebody fills up: one line, no half file, no crash."""
+
+import errno
+import json
+import os
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+from typing import Any
+from unittest.mock import patch
+
+from fuzz.isolated import Outcome as Ending
+from fuzz.isolated import isolated
+
+from rubnoise.storage import disk, writer
+from survival.child import Child, Tell
+from survival.command import command
+from survival.finding import Outcome
+from survival.recording import CHANGING, NAMING, OPENING
+from survival.stories import NAME, SMALL, Story, chance, contents, differences, judged
+
+CALLS = (*OPENING, *CHANGING, *NAMING)
+FAILURES = (errno.ENOSPC, errno.EIO)
+OLDER = b"a result of before"
+SCENARIO = "x.toml"
+TMPFS_BYTES = 20 * 1024**2
+FILLING = (
+    Story(name="filled", distance="40 mm", tick="0.5 um"),
+    Story(name="filled, compressed", distance="20 mm", tick="0.5 um", compression="gzip"),
+)
+"""Of 9 MB, and of 5 MB beside which the compressed copy has to find its place."""
+
+
+class Counter:
+    """Counts the calls of the disk, and lets one fail, or all from one on."""
+
+    def __init__(self, fails_at: int | None = None, number: int = errno.EIO, *, for_ever: bool = False) -> None:
+        """Begin at no call; ``number``: of the error."""
+        self.calls = 0
+        self._fails_at = fails_at
+        self._number = number
+        self._for_ever = for_ever
+
+    @contextmanager
+    def counting(self) -> Iterator[None]:
+        """Count, and fail."""
+        with ExitStack() as patches:
+            for name in CALLS:
+                patches.enter_context(patch.object(disk, name, self._counted(getattr(disk, name))))
+            yield
+
+    def _counted(self, real: Callable[..., Any]) -> Callable[..., Any]:
+        def called(*given: Any) -> Any:
+            self.calls += 1
+            if self._fails_at is not None and self._fails(self.calls - 1):
+                raise OSError(self._number, os.strerror(self._number))
+            return real(*given)
+
+        return called
+
+    def _fails(self, call: int) -> bool:
+        at = self._fails_at or 0
+        return call >= at if self._for_ever else call == at
+
+
+def full(
+    count: int, seed: int, stories: Sequence[Story] = SMALL, every: int = 1, calls: Sequence[int] | None = None
+) -> Outcome:
+    """Let each call fail in each way, or each of some, and fill a disk so many times."""
+    outcome = Outcome()
+    for story in stories:
+        for call in calls or range(0, calls_of(story), every):
+            for way in range(4):
+                _failing(outcome, story, call, FAILURES[way % 2], for_ever=way > 1)
+    try:
+        with small_disk() as folder:
+            for turn in range(count):
+                _filling(outcome, folder, chance(seed, turn))
+    except PermissionError:
+        outcome.count("small disks: left out, only root may mount one")
+    return outcome
+
+
+def words(story: Story, *more: str) -> list[str]:
+    """Return the words of a run of a story whose scenario lies in the folder."""
+    return ["run", SCENARIO, "-o", NAME, "-q", "--set", f"run.engine={story.engine}", *more]
+
+
+@contextmanager
+def small_disk() -> Iterator[Path]:
+    """Yield a folder on a disk of 20 MB; raises PermissionError for who may not make one."""
+    with TemporaryDirectory(prefix="rubnoise-") as name:
+        made = ["mount", "-t", "tmpfs", "-o", f"size={TMPFS_BYTES}", "rubnoise", name]
+        if os.geteuid() or subprocess.run(made, check=False, capture_output=True).returncode:
+            raise PermissionError(name)
+        try:
+            yield Path(name)
+        finally:
+            subprocess.run(["umount", name], check=True)
+
+
+def calls_of(story: Story) -> int:
+    """Return how many calls a whole run makes."""
+    counter = Counter()
+    with (
+        TemporaryDirectory(prefix="rubnoise-") as name,
+        counter.counting(),
+        patch.object(writer, "COMMIT_SECONDS", 0.0),
+    ):
+        (Path(name) / SCENARIO).write_text(story.text, encoding="utf-8")
+        command(words(story), Path(name))
+    return counter.calls
+
+
+def _failing(outcome: Outcome, story: Story, call: int, number: int, *, for_ever: bool) -> None:
+    older = bool((call + for_ever) % 2)
+    where = f"{story.name}, {errno.errorcode[number]} {'from' if for_ever else 'at'} call {call}"
+    counter = Counter(call, number, for_ever=for_ever)
+
+    def task() -> int:
+        with counter.counting(), patch.object(writer, "COMMIT_SECONDS", 0.0):
+            return command(words(story, *["--force"] * older), folder)
+
+    with TemporaryDirectory(prefix="rubnoise-") as name:
+        folder = Path(name)
+        (folder / SCENARIO).write_text(story.text, encoding="utf-8")
+        if older:
+            (folder / NAME).write_bytes(OLDER)
+        ending = isolated(task)
+        outcome.count(f"{errno.errorcode[number]}: exit code {ending.code}")
+        for wrong in (*_told(ending), *_kept(folder, story, ending, older=older), *_afterwards(folder, story)):
+            outcome.find(f"{where}: {wrong}")
+
+
+def _told(ending: Ending) -> Iterator[str]:
+    """Yield what is wrong about how a run ended that could not be written."""
+    if fault := ending.fault(0, 1, 2):
+        yield f"{fault}: {ending.err}"
+    elif ending.code and (ending.err.count("\n") != 1 or ending.out):
+        yield f"said {ending.out!r} and {ending.err!r}"
+
+
+def _kept(folder: Path, story: Story, ending: Ending, *, older: bool) -> Iterator[str]:
+    """Yield what is wrong with what bears the final name."""
+    if not (folder / NAME).exists():
+        if older or ending.code == 0:
+            yield "the result is gone"
+    elif not older or (folder / NAME).read_bytes() != OLDER:
+        yield from differences(contents(folder / NAME), story.expected)
+
+
+def _afterwards(folder: Path, story: Story) -> Iterator[str]:
+    """Yield what is wrong where the disk works again."""
+    path = folder / NAME
+    if path.exists() and path.read_bytes() == OLDER:
+        path.unlink()
+    if path.exists() and (folder / f"{NAME}.part").exists():
+        ending = isolated(lambda: command(["resume", f"{NAME}.part", "-q"], folder))
+    elif path.exists():
+        return
+    else:
+        ending = isolated(lambda: command(words(story), folder))
+    if ending.code:
+        yield f"afterwards exit code {ending.code}: {ending.err}"
+    yield from judged(folder, story, others=(SCENARIO, f".{NAME}.lock", f".{NAME}.making").__contains__)
+
+
+def _filling(outcome: Outcome, folder: Path, random: Random) -> None:
+    """Let somebody else take all the space that is left, at some moment of a run."""
+    story = random.choice(FILLING)
+    for each in folder.iterdir():
+        each.unlink()
+    (folder / SCENARIO).write_text(story.text, encoding="utf-8")
+    child = Child.begin(lambda tell: _tell(isolated(lambda: command(words(story), folder)), tell))
+    child.wait_for("never", random.uniform(0.0, 1.5))
+    _fill(folder / "other")
+    child.end()
+    (folder / "other").unlink()
+    ending = Ending(**json.loads(child.told[-1]))
+    outcome.count(f"filled up: exit code {ending.code}")
+    for wrong in (*_told(ending), *_kept(folder, story, ending, older=False), *_afterwards(folder, story)):
+        outcome.find(f"filled up, {story.name}: {wrong}")
+
+
+def _tell(ending: Ending, tell: Tell) -> None:
+    tell(json.dumps(asdict(ending)))
+
+
+def _fill(path: Path) -> None:
+    with path.open("wb", buffering=0) as stream:
+        for size in (1 << 20, 1 << 12):
+            try:
+                while True:
+                    stream.write(bytes(size))
+            except OSError:
+                continue

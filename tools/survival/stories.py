@@ -1,0 +1,154 @@
+"""The runs that are tortured: what is run, and what its result has to be."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from random import Random
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+import h5py
+import xxhash
+
+import rubnoise
+from rubnoise.scenario import Scenario, build
+
+NAME: Final = "x.h5"
+SLIDER: Final = {
+    "strength": {"mean": "250 MPa"},
+    "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
+}
+ORIGIN: Final = ("scenario_toml", "seed", "stream_version", "propagator_constants")
+"""Attributes of /provenance that do not depend on when and where a run was made."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Story:
+    """A run of blocks of a thousand junctions, some 550 um long each."""
+
+    name: str
+    engine: str = "events"
+    slider: bool = True
+    compression: str = "none"
+    distance: str = "2400 um"
+    tick: str = "2 um"
+    seed: int = 1
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """The scenario as sections of keys."""
+        sections: dict[str, Any] = {
+            "format": 1,
+            "title": self.name,
+            "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+            "sliding": {"distance": self.distance, "speed": "1 mm/s"},
+            "output": {"tick": self.tick, "compression": self.compression},
+            "run": {"engine": self.engine, "seed": self.seed},
+        }
+        return sections | (SLIDER if self.slider else {})
+
+    @property
+    def text(self) -> str:
+        """The scenario as a file, long enough to have pages that can be lost."""
+        lines = [f"# {self.name}"] * 500
+        for name, value in self.keys.items():
+            if isinstance(value, dict):
+                lines += [f"[{name}]", *(f"{key} = {json.dumps(each)}" for key, each in value.items())]
+            else:
+                lines.append(f"{name} = {json.dumps(value)}")
+        return "\n".join(lines) + "\n"
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """What is run."""
+        return replace(build(self.keys), text=self.text)
+
+    def by(self, engine: str) -> Scenario:
+        """Return what is run, by another engine than the file says."""
+        return replace(self.scenario, run=self.scenario.run.model_copy(update={"engine": engine}))
+
+    @cached_property
+    def expected(self) -> Mapping[str, Any]:
+        """What is in the result where nothing stops the run; it is made here."""
+        with TemporaryDirectory(prefix="rubnoise-") as folder:
+            rubnoise.run(self.scenario, Path(folder) / NAME).close()
+            return contents(Path(folder) / NAME)
+
+
+SMALL: Final = (
+    Story(name="events with slider"),
+    Story(name="batch with slider", engine="batch", tick="1 um"),
+    Story(name="contact alone", slider=False),
+    Story(name="compressed", slider=False, compression="gzip"),
+)
+"""Runs of five blocks."""
+
+LONG: Final = (
+    Story(name="events with slider", distance="40 mm", tick="1 um"),
+    Story(name="batch with slider", engine="batch", distance="100 mm", tick="0.5 um"),
+    Story(name="contact alone", slider=False, distance="40 mm", tick="1 um"),
+    Story(name="compressed", engine="batch", compression="gzip", distance="60 mm", tick="1 um"),
+)
+"""Runs that take half a second, or a second and a half where others want the processors too."""
+
+SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
+"""Runs that take a quarter of that."""
+
+
+def chance(seed: int, trial: object) -> Random:
+    """Return what decides by chance in one trial, the same ever again."""
+    return Random(f"{seed}/{trial}")  # noqa: S311  (no secret)
+
+
+def contents(path: Path) -> dict[str, Any]:
+    """Return the hash of each column, the one that the file says it has, the summary, and where it comes from.
+
+    Read with h5py alone; raises ValueError where a column is not what the file says.
+    """
+    found: dict[str, Any] = {}
+    with h5py.File(path, "r") as file:
+        for group, column in _columns(file):
+            there = xxhash.xxh3_128_hexdigest(file[group][column][:].tobytes())
+            if there != (said := file[group][column].attrs["xxh3_128"].decode()):
+                raise ValueError(f"/{group}/{column} has the hash {there}, and the file says {said}")
+            found[f"{group}/{column}"] = there
+        found["summary"] = {name: value.item() for name, value in file["summary"].attrs.items()}
+        origin = file["provenance"].attrs
+        found["provenance"] = {name: str(origin[name]) for name in ORIGIN} | {"finished": bool(origin["finished"])}
+        found["scenario"] = json.loads(origin["scenario_resolved"])
+        found["scenario"]["run"].pop("engine")  # by which it was begun, which changes no bit
+        found["title"] = str(file.attrs["title"])
+    return found
+
+
+def differences(there: Mapping[str, Any], expected: Mapping[str, Any]) -> list[str]:
+    """Return the names under which two contents differ; figures of the summary may by the order of their sums."""
+    names = [name for name in {*there, *expected} - {"summary"} if there.get(name) != expected.get(name)]
+    return sorted(names) + ([] if _alike(there["summary"], expected["summary"]) else ["summary"])
+
+
+def judged(folder: Path, story: Story, others: Callable[[str], bool] = lambda _: False) -> list[str]:
+    """Return what is wrong with a folder in which the run has ended: its result, or what was left beside it."""
+    try:
+        wrong = differences(contents(folder / NAME), story.expected)
+    except (OSError, KeyError, ValueError) as problem:
+        wrong = [f"unreadable: {problem}"]
+    left = [entry.name for entry in folder.iterdir() if entry.name != NAME and not others(entry.name)]
+    return wrong + [f"{name} is left over" for name in sorted(left)]
+
+
+def _columns(file: h5py.File) -> list[tuple[str, str]]:
+    return [(group, column) for group in file for column in file[group]]
+
+
+def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    return one.keys() == other.keys() and all(_same(one[name], other[name]) for name in one)
+
+
+def _same(one: object, other: object) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-300) or (math.isnan(one) and math.isnan(other))
+    return one == other
