@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from rubnoise.storage.output import OutputPaths
 from survival.finding import Outcome
 from survival.stories import NAME, SMALL, Story, chance
 from survival.writes import folder_of, gone_on, recorded
@@ -23,6 +24,7 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
             recording.after_power_cut(folder, moment, random)
             _check_published(outcome, folder, where, published=recording.noted("published", moment) >= 0)
             committed = recording.noted("committed", moment)
+            _take_away_journal(outcome, folder)
             for wrong in gone_on(outcome, story, folder, committed, again=random.random() < 0.5):
                 outcome.find(f"{where}: {wrong}")
     return outcome
@@ -31,3 +33,11 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
 def _check_published(outcome: Outcome, folder: Path, where: str, *, published: bool) -> None:
     if published and not (folder / NAME).exists():
         outcome.find(f"{where}: it had been published, and is gone")
+
+
+def _take_away_journal(outcome: Outcome, folder: Path) -> None:
+    """Take away a journal that is left alone beside a whole result, where it does no harm."""
+    names = OutputPaths.of(folder / NAME)
+    if names.final.exists() and names.journal.exists() and not names.part.exists():
+        names.journal.unlink()
+        outcome.count("journals left beside a whole result")

@@ -56,7 +56,8 @@ def signals(count: int, seed: int, stories: tuple[Story, ...] = SHORT) -> Outcom
             stop = _stopped(story, Path(name), delay, number, twice=twice, alone=alone)
             stops.append(stop)
             outcome.count(f"{number.name}{' twice' if twice else ''}: {_end(stop)}")
-            for wrong in (*_wrong(stop, Path(name), number, twice=twice), *_afterwards(story, Path(name))):
+            at_once = twice or alone or number == signal.SIGTERM  # the system ends who has not begun yet
+            for wrong in (*_wrong(stop, Path(name), number, at_once=at_once), *_afterwards(story, Path(name))):
                 kind = f"{number.name}{' twice' if twice else ''}{' to a process' if alone else ''}"
                 outcome.find(f"{turn}: {story.name}, {kind} after {delay:.2f} s: {wrong}")
     for what, values in (("wall", [stop.wall for stop in stops]), ("cpu", [stop.cpu for stop in stops])):
@@ -85,6 +86,7 @@ def _stopped(story: Story, folder: Path, delay: float, number: int, *, twice: bo
 
 def _run(story: Story, folder: Path, tell: Tell, *, alone: bool) -> int:
     """Be the run: as this copy, or in a process that has yet to load everything."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which what a shell runs behind a & is without
     said = os.open(folder / SAID, os.O_WRONLY | os.O_CREAT)
     for stream in (1, 2):
         os.dup2(said, stream)
@@ -109,12 +111,11 @@ def _end(stop: Stop) -> str:
     return f"exit code {stop.code}, nothing kept" if stop.code > 0 else f"left by {signal.Signals(-stop.code).name}"
 
 
-def _wrong(stop: Stop, folder: Path, number: int, *, twice: bool) -> Iterator[str]:
-    """Yield what is wrong about how a run took a signal."""
-    at_once = twice or number == signal.SIGTERM  # before the program has begun, the system sees to the latter
+def _wrong(stop: Stop, folder: Path, number: int, *, at_once: bool) -> Iterator[str]:
+    """Yield what is wrong about how a run took a signal; ``at_once``: which may have left by the signal itself."""
     if stop.code not in {0, 128 + number, *([-number] if at_once else [])}:
         yield f"exit code {stop.code}, {stop.said}"
-    elif "Traceback" in stop.said or stop.said.count("\n") > 1:
+    elif stop.code >= 0 and ("Traceback" in stop.said or stop.said.count("\n") > 1):
         yield f"said {stop.said}"
     if stop.cpu > CPU_SECONDS:
         yield f"worked for {stop.cpu:.2f} s more"

@@ -47,7 +47,7 @@ def gone_on(outcome: Outcome, story: Story, folder: Path, committed: int, *, aga
         if line.startswith("entered"):
             told.append(int(line.split()[1]))
 
-    if again and (folder / f"{NAME}.part").exists():
+    if (again or path.exists()) and (folder / f"{NAME}.part").exists():
         outcome.count("gone on by resume")
         with telling(tell, seconds=0.0):
             rubnoise.resume(f"{path}.part").close()
