@@ -5,6 +5,7 @@ be where it runs.
 """
 
 from collections.abc import Mapping
+from math import ceil
 from typing import Final
 
 from rubnoise.contact.strengths import ConstantStrength
@@ -18,19 +19,22 @@ from rubnoise.simulation.yardstick import Pace
 PROGRAM_BYTES: Final = 218_000_000
 """What a process holds with everything loaded that a run needs, before the run."""
 
-DRAWN_BYTES: Final = 60
-ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 440, "batch": 190}
+DRAWN_BYTES: Final = 50
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 350, "batch": 175}
+ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
 POSITION_BYTES: Final = 420
-"""Of memory for each birth drawn in a block, each row of it that is played, and each position of a panel."""
+"""Of memory for each birth drawn in a block, each row of it that is played, each that is alive at once, and each
+position of a panel."""
 
 PROGRAM_SECONDS: Final = 1.2
 """What it takes to start and to load everything."""
 
 SECONDS: Final[Mapping[str, float]] = {
-    "run": 3.5e-2,
-    "row": 4.2e-7,
+    "run": 2.5e-2,
+    "draw": 2.9e-7,
+    "row": 1.4e-7,
     "event": 1.4e-6,
-    "crowd": 4.6e-8,
+    "crowd": 4.2e-8,
     "tick": 1.8e-8,
     "overlap": 3.0e-10,
     "cell": 1.6e-8,
@@ -50,14 +54,16 @@ def working_bytes(model: Model, engine: Engine) -> int:
     drawn, alive = births_per_block(model), _alive(model)
     played = min(drawn, model.birth_rate * model.distance) + alive
     positions = min(LARGEST_PANEL, (model.tick_count + 1) * cells_per_tick(model))
-    return round(DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + POSITION_BYTES * positions)
+    junctions = DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + ALIVE_BYTES[engine] * alive
+    return round(junctions + POSITION_BYTES * positions)
 
 
 def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, float]:
     """Return how much of each kind of work a run of so many rows is.
 
-    Rows to make and to write; events, and what they cost more in a crowd; ticks; overlaps, one for each junction at
-    each tick of its life; cells of the slider's ticks; pushes, one for each junction in each cell of its life.
+    Births to draw, by whole blocks; rows to make and to write; events, and what they cost more in a crowd; ticks;
+    overlaps, one for each junction at each tick of its life; cells of the slider's ticks; pushes, one for each junction
+    in each cell of its life.
     """
     alive, events = _alive(model), 2 * junctions if engine == "events" else 0
     summed = 1 if model.strengths is None or isinstance(model.strengths, ConstantStrength) else 2
@@ -65,6 +71,7 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
     pushes = "fine push" if narrow(model, cells) else "push"
     return {
         "run": 1.0,
+        "draw": ceil(max(junctions - alive, 1.0) / births_per_block(model)) * births_per_block(model),
         "row": junctions,
         "event": events,
         "crowd": events * alive**CROWDING,
