@@ -5,6 +5,7 @@ A copy tells where it is by lines in a pipe. What it told before it was killed i
 
 import os
 import select
+import signal
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -131,6 +132,8 @@ def _carry_out(task: Task, sending: int) -> NoReturn:
 
     try:
         code = task(tell) or 0
+    except KeyboardInterrupt:
+        code = 128 + signal.SIGINT  # it came before the command had begun
     except BaseException:  # noqa: BLE001  (whatever it is, it is told)
         tell(f"failed {' '.join(traceback.format_exc().split())[-1500:]}")
     finally:
