@@ -27,13 +27,13 @@ def write_merged(path: Path, index: Path) -> None:
     Memory does not grow with the length of runs. Raises RunFileRefused where a result cannot be read, OSError where the
     disk fails.
     """
+    files = _files(index)  # the door for strangers' files looks at the index before HDF5 has it in this process
     with h5py.File(index, "r") as given, h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
         for name, value in given.attrs.items():
             file.attrs.create(name, value, dtype=given.attrs.get_id(name).dtype)
         for name in COPIED:
             if name in given:
                 given.copy(name, file)
-        files = _files(index)
         for number in given.get(TRACES, ()):
             _write_stack(file, given[TRACES][number], number, files)
         _write_junctions(file, files)
