@@ -49,7 +49,6 @@ ALLOWED = {
     "contact/sizes_lognormal.py LognormalSizes.density np.log": "for the theory alone",
     "contact/spread.py sizes_for .std": "the standard deviation of a law, a number that is given",
     "contact/strengths.py ConstantStrength.moment **": "of the first power where anything is stored",
-    "record/central_sums.py central_sums **": "for /summary, which no promise covers",
     "record/central_sums.py rubnoise.compiling.compiled_for_speed": "for /summary, which no promise covers",
     "record/tally.py Moments._merge **": "for /summary, which no promise covers",
     "record/tally.py Moments.excess_kurtosis **": "for /summary, which no promise covers",
