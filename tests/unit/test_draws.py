@@ -8,7 +8,14 @@ import pytest
 from rubnoise.contact.calibration import Spread
 from rubnoise.contact.deviates import exponential
 from rubnoise.simulation import draws
-from rubnoise.simulation.draws import birth_distances, births_by_block, births_per_block, draw_blocks, first_birth, start
+from rubnoise.simulation.draws import (
+    birth_distances,
+    births_by_block,
+    births_per_block,
+    draw_blocks,
+    first_birth,
+    start,
+)
 from rubnoise.streams import Stream, generator
 from tests.models import UNEQUAL, bare, model
 

@@ -1,5 +1,7 @@
 """The compiled kernel for lives of many ticks against exact areas and moments, and against being cut in pieces."""
 
+from itertools import pairwise
+
 import mpmath
 import numpy as np
 import pytest
@@ -124,7 +126,7 @@ def test_no_bit_depends_on_where_a_run_is_cut(cuts: list[int]) -> None:
     birth, diameter, weight = crowd(1200, spacing)
     whole = deposited(Grid.around(0, 10_000, spacing), birth, diameter, weight)
     edges = [0, *cuts, 10_000]
-    for first, end in zip(edges, edges[1:], strict=False):
+    for first, end in pairwise(edges):
         # Only who is alive there is handed over, as a block hands over its rows.
         near = (birth <= end * spacing) & (birth + 2.0 * diameter > (first - 1) * spacing)
         rows = birth[near], diameter[near], weight[near]
