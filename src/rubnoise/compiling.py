@@ -10,6 +10,9 @@ from numba.extending import intrinsic
 SOURCES = ("compiling.py", "simulation/kernels*.py", "simulation/lanes.py", "simulation/ticks.py")
 """Files that are compiled into functions of other files."""
 
+_DIVISION = "numpy"
+"""A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
+
 
 def compiled(function: Any) -> Any:
     """Compile a function at its first call, and keep the machine code for later processes where a folder allows it.
@@ -26,10 +29,10 @@ def compiled_for_speed(function: Any) -> Any:
 
 def _kept(function: Any, **how: Any) -> Any:
     try:
-        kernel: Any = njit(cache=True, **how)(function)
+        kernel: Any = njit(cache=True, error_model=_DIVISION, **how)(function)
     except RuntimeError:
         # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles anew.
-        return njit(**how)(function)
+        return njit(error_model=_DIVISION, **how)(function)
     # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
     kept = kernel._cache._cache_file  # noqa: SLF001  (there is no other way to tell it)
     kept._source_stamp = (kept._source_stamp, _stamp())  # noqa: SLF001
@@ -46,7 +49,7 @@ def _stamp() -> tuple[tuple[str, int, int], ...]:
 
 def inlined(function: Any) -> Any:
     """Compile a function into whatever compiled function calls it, so that its many arrays need not be handed over."""
-    return njit(forceinline=True)(function)
+    return njit(forceinline=True, error_model=_DIVISION)(function)
 
 
 def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:

@@ -1,6 +1,7 @@
 """Named streams of random numbers: what is drawn for one purpose never shifts what is drawn for another."""
 
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,18 @@ def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:
     return np.random.Generator(np.random.Philox(key=key, counter=counter))
 
 
-def uniforms(seed: int, stream: Stream, block: int, count: int) -> NDArray[np.float64]:
-    """Return ``count`` numbers uniform on [0, 1), multiples of 2^-53: integer arithmetic, equal bits everywhere."""
-    return generator(seed, stream, block).random(count)
+def uniforms(seed: int, stream: Stream, block: int, count: int, blocks: int = 1) -> NDArray[np.float64]:
+    """Return ``count`` numbers uniform on [0, 1), multiples of 2^-53: integer arithmetic, equal bits everywhere.
+
+    With ``blocks``: so many from each of some blocks, one block after the other.
+    """
+    source = generator(seed, stream, block)
+    if blocks == 1:
+        return source.random(count)
+    numbers = np.empty((blocks, count))
+    bits: Any = source.bit_generator
+    for row in numbers:
+        source.random(out=row)
+        # A step of the counter makes four numbers; the block's word stands above 2^128 of them.
+        bits.advance(2**128 - (count + 3) // 4)
+    return numbers.ravel()

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.deviates import exponential
-from rubnoise.contact.sizes import SizeLaw
+from rubnoise.contact.sizes import FixedSizes, SizeLaw
+from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import Stream, generator, uniforms
@@ -83,7 +84,7 @@ def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> 
     """Return what a stream's uniforms make of all births of blocks; those of small blocks are drawn some at a time."""
     group, births = _blocks_at_once(model), births_per_block(model)
     if group == 1:
-        return _made(model, stream, uniforms(seed, stream, block, births))
+        return _made(model, stream, _uniforms(model, seed, stream, block, 1))
     first = block % group * births
     keep = _gaps_at_once if stream is Stream.GAPS else _drawn_at_once
     return keep(model, seed, stream, block // group)[first : first + blocks * births]
@@ -96,16 +97,23 @@ def _blocks_at_once(model: Model) -> int:
 
 
 def _draw_at_once(model: Model, seed: int, stream: Stream, group: int) -> Doubles:
-    blocks, births = _blocks_at_once(model), births_per_block(model)
-    first = group * blocks
-    uniform = np.concatenate([uniforms(seed, stream, block, births) for block in range(first, first + blocks)])
-    made = _made(model, stream, uniform)
+    blocks = _blocks_at_once(model)
+    made = _made(model, stream, _uniforms(model, seed, stream, group * blocks, blocks))
     made.flags.writeable = False
     return made
 
 
 _drawn_at_once = lru_cache(maxsize=4)(_draw_at_once)
 _gaps_at_once = lru_cache(maxsize=64)(_draw_at_once)  # drawn twice: to count the births, and to let them happen
+
+
+def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
+    """Return a stream's uniforms for all births of blocks; zeros where one value is drawn whatever they are."""
+    births = births_per_block(model)
+    law = {Stream.DIAMETERS: model.sizes, Stream.STRENGTHS: model.strengths}.get(stream, model.births)
+    if law is None or isinstance(law, ConstantStrength | FixedSizes):
+        return np.zeros(blocks * births)
+    return uniforms(seed, stream, block, births, blocks)
 
 
 def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:

@@ -81,16 +81,15 @@ def add_panels(
         at = (block - first_block) * _ROW
         area = (u * root(u)) * polynomial(AREA_COEFFICIENTS, u)
         store(series, at, fused(share, area, load(series, at)))
-        share = share * step
-        before = root(q)
-        store(series, at + PANEL, fused(share, before, load(series, at + PANEL)))
+        before = (share * step) * root(q)
+        store(series, at + PANEL, load(series, at + PANEL) + before)
         term = across * before
-        store(series, at + 2 * PANEL, fused(share, term, load(series, at + 2 * PANEL)))
+        store(series, at + 2 * PANEL, load(series, at + 2 * PANEL) + term)
         for n in range(TERMS - 3):
             following = fused(across, term, (spread(_FACTORS[n]) * back) * before)
             before, term = term, following
             entry = at + (n + 3) * PANEL
-            store(series, entry, fused(share, term, load(series, entry)))
+            store(series, entry, load(series, entry) + term)
 
 
 @inlined
