@@ -2,7 +2,7 @@
 
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from numba import float64, njit
 from numba.extending import intrinsic
@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 SOURCES = ("compiling.py", "simulation/kernels*.py", "simulation/lanes.py", "simulation/ticks.py")
 """Files that are compiled into functions of other files."""
 
-_DIVISION = "numpy"
+_DIVISION: Final = "numpy"
 """A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
 
 

@@ -117,7 +117,8 @@ def answers(here: Path) -> list[tuple[str, Any]]:
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
     full = "../given/slider.toml"
     paths = OutputPaths.of("stopped.h5")
-    make_part(paths.part, paths.making, describe(load(full), "stopped.h5", ["rubnoise", "run", full]))
+    with make_part(paths.part, paths.making, describe(load(full), "stopped.h5", ["rubnoise", "run", full])):
+        pass
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),

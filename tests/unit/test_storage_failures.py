@@ -18,7 +18,7 @@ from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import expected_bytes
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.part import SLACK_BYTES, Part, make_part
+from rubnoise.storage.part import SLACK_BYTES, make_part, open_part
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import EVERYTHING, Compression, attempt, describe, names, random_rows, write_run
@@ -137,11 +137,10 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     """What a later process needs stands in the part itself: no writer has to have lived on."""
     rows = random_rows(describe())
     paths = OutputPaths.of(tmp_path / "run.h5")
-    make_part(paths.part, paths.making, describe())
-    with Part(paths.part) as part:
+    with make_part(paths.part, paths.making, describe()) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
         assert part.marks(dict.fromkeys(rows, 0))
-    with Part(paths.part) as part:
+    with open_part(paths.part) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
         part.completion({}, "2026-01-02T03:05:00Z").commit(part.descriptor)

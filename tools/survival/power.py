@@ -17,7 +17,8 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
     for turn in range(count):
         (story, often), recording = list(recordings.items())[turn % len(recordings)]
         random = chance(seed, turn)
-        moment = random.choice(recording.moments)
+        # Chance alone would seldom meet the moments when a result has just been published.
+        moment = random.choice(recording.moments[-3:] if turn % 10 > 7 else recording.moments)
         where = f"{turn}: {story.name}, {'with' if often else 'without'} commits, call {moment}"
         outcome.count(f"power cuts {'with' if often else 'without'} commits")
         with folder_of(outcome, where) as folder:

@@ -15,14 +15,11 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.simulation.state import State
 from rubnoise.storage.columns import Mark
 from rubnoise.storage.journal import Frame, frames
-from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.layout import Name, RunDescription
 
 VERSION: Final = 1
 MOST_COMMITS: Final = 4096
 """Commits that are remembered at most: of those long ago every other one is forgotten, again and again."""
-
-Name = tuple[str, str]
-"""A column by its group and its name."""
 
 _HEAD: Final = struct.Struct("<dI")
 _MARK: Final = struct.Struct("<Q16s")

@@ -15,6 +15,9 @@ from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 STRUCTURE_BYTES = 24 * 1024
 """Room for everything in a file but columns and scenario: headers, attributes, scales, summary."""
 
+Name = tuple[str, str]
+"""What a column is found by: its group and its own name."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunDescription:

@@ -6,7 +6,8 @@ writes. Behind these two files it sees memory, or a disk that never fails; what 
 
 import io
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from rubnoise.storage import disk
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
 
 PAGE: Final = 4096
+_NOTHING: Final = bytes(PAGE)
 
 
 class _Positioned(io.RawIOBase):
@@ -72,7 +74,9 @@ class Overlay(_Positioned):
         """Fill the buffer from the pages held and, where there are none, from the file beneath."""
         target = memoryview(buffer).cast("B")
         for page, start, piece in _pieces(self._position, target):
-            piece[:] = self._content(page)[start : start + len(piece)]
+            held = self._pages.get(page)
+            content = self._beneath_at(page) if held is None else held
+            piece[:] = content[start : start + len(piece)]
         self._position += len(target)
         return len(target)
 
@@ -80,7 +84,9 @@ class Overlay(_Positioned):
         """Change pages in memory."""
         source = memoryview(data).cast("B")
         for page, start, piece in _pieces(self._position, source):
-            content = self._pages.setdefault(page, self._content(page))
+            content = self._pages.get(page)
+            if content is None:
+                content = self._pages[page] = bytearray(self._beneath_at(page))
             content[start : start + len(piece)] = piece
         return self._advance(len(source))
 
@@ -96,12 +102,10 @@ class Overlay(_Positioned):
             disk.write_all(descriptor, data, start)
         disk.resize(descriptor, self._size)
 
-    def _content(self, page: int) -> bytearray:
-        held = self._pages.get(page)
-        if held is not None:
-            return held
-        beneath = b"" if self._beneath is None else os.pread(self._beneath, PAGE, page * PAGE)
-        return bytearray(beneath.ljust(PAGE, b"\0"))
+    def _beneath_at(self, page: int) -> bytes:
+        if self._beneath is None:
+            return _NOTHING
+        return os.pread(self._beneath, PAGE, page * PAGE).ljust(PAGE, b"\0")
 
 
 class Unfailing(_Positioned):
@@ -137,10 +141,13 @@ class Unfailing(_Positioned):
         disk.resize(self._descriptor, self._size)
 
 
-def _pieces(position: int, data: memoryview) -> Iterator[tuple[int, int, memoryview]]:
+def _pieces(position: int, data: memoryview) -> Iterable[tuple[int, int, memoryview]]:
     """Cut a buffer at page borders: page number, start inside the page, bytes."""
-    while data:
-        page, start = divmod(position, PAGE)
-        count = min(PAGE - start, len(data))
-        yield page, start, data[:count]
-        position, data = position + count, data[count:]
+    page, start = divmod(position, PAGE)
+    if start + len(data) <= PAGE:
+        return ((page, start, data),)  # as nearly always
+    borders = [0, *range(PAGE - start, len(data), PAGE), len(data)]
+    return (
+        (page + number, 0 if number else start, data[begin:end])
+        for number, (begin, end) in enumerate(pairwise(borders))
+    )

@@ -1,6 +1,5 @@
 """The unfinished file: made whole in structure, then filled column by column while HDF5 is not open."""
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,21 +13,21 @@ from rubnoise.errors import RubnoiseError, RunFileRefused
 from rubnoise.record.sink import Columns, Sink
 from rubnoise.storage import disk
 from rubnoise.storage.columns import ColumnFile, Mark
-from rubnoise.storage.history import Commit, Name
-from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.history import Commit
+from rubnoise.storage.layout import Name, RunDescription
 from rubnoise.storage.life_curve import life_curve
 from rubnoise.storage.output import reserve
 from rubnoise.storage.pages import Overlay
-from rubnoise.storage.pulse import stored_pulse
+from rubnoise.storage.pulse import pulse_of, stored_pulse
 from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Scalar
 from rubnoise.storage.soundness import read_text
-from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, places
+from rubnoise.storage.structure import LIBRARY_VERSIONS, Place, complete, compose, places
 
 SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
-def make_part(path: Path, making: Path, description: RunDescription) -> None:
+def make_part(path: Path, making: Path, description: RunDescription, *, hashed: bool = True) -> "Part":
     """Make a part file under a passing name, with its space reserved, and rename it when its structure is on the disk.
 
     Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
@@ -36,45 +35,64 @@ def make_part(path: Path, making: Path, description: RunDescription) -> None:
     """
     structure = Overlay()
     with h5py.File(structure, "w", libver=LIBRARY_VERSIONS) as file:
-        compose(file, description, compressed=False)
-    with new_file(making) as descriptor:
+        columns = compose(file, description, compressed=False)
+    with new_file(making, stays_open=True) as descriptor:
         structure.commit(descriptor)
         copy = 0 if description.compression == "none" else structure.size
         reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
         disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
+        part = Part(descriptor, columns, pulse_of(description.scenario_resolved), hashed=hashed)
         disk.rename(making, path)
+    return part
+
+
+def open_part(path: Path) -> "Part":
+    """Open a part file; its columns are found by reading its structure, however old the file is.
+
+    Raises RunFileRefused where nothing can be written to one of them.
+    """
+    descriptor = disk.reopen(path)
+    try:
+        with h5py.File(Overlay(descriptor), "r", libver=LIBRARY_VERSIONS) as file:
+            columns = places(file)
+            pulse = stored_pulse(read_text(file["provenance"], "scenario_resolved"))
+        return Part(descriptor, columns, pulse)
+    except BaseException:
+        disk.close(descriptor)
+        raise
 
 
 @contextmanager
-def new_file(path: Path) -> Iterator[int]:
+def new_file(path: Path, *, stays_open: bool = False) -> Iterator[int]:
     """Open a new file for reading and writing; it is removed again when the block fails before it got another name."""
     disk.remove(path)
     descriptor = disk.create(path)
     try:
         yield descriptor
     except BaseException:
+        disk.close(descriptor)
         disk.remove(path)
         raise
-    finally:
-        os.close(descriptor)
+    if not stays_open:
+        disk.close(descriptor)
 
 
 class Part:
-    """A part file opened for rows. Its columns are found by reading its structure, however old the file is.
+    """A part file opened for rows, with its columns where its structure has them.
 
-    Without ``hashed`` its columns get no hashes.
+    ``descriptor`` becomes its own, and is closed when the context ends. Without ``hashed`` its columns get no hashes.
+    Raises RunFileRefused for a column without a place.
     """
 
-    def __init__(self, path: Path, *, hashed: bool = True) -> None:
-        self.descriptor = disk.reopen(path)
+    def __init__(self, descriptor: int, columns: Mapping[Name, Place], pulse: Pulse, *, hashed: bool = True) -> None:
+        self.descriptor = descriptor
         self._hashed = hashed
         self._columns: dict[str, dict[str, ColumnFile]] = {}
-        try:
-            pulse = self._find_columns()
-            self.write(LIFE_CURVE.name, 0, life_curve(pulse.shape))
-        except BaseException:
-            os.close(self.descriptor)
-            raise
+        for (group, name), place in columns.items():
+            if place.rows and not place.offset:
+                raise RunFileRefused(f"/{group}/{name} has no place of its own: nothing can be written to it any more")
+            self._columns.setdefault(group, {})[name] = ColumnFile(descriptor, place, hashed=hashed)
+        self.write(LIFE_CURVE.name, 0, life_curve(pulse.shape))
 
     def __enter__(self) -> Self:
         return self
@@ -82,7 +100,7 @@ class Part:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        os.close(self.descriptor)
+        disk.close(self.descriptor)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
@@ -144,13 +162,3 @@ class Part:
 
     def _growing(self) -> Iterator[tuple[Name, ColumnFile]]:
         return ((name, column) for name, column in self.columns() if name[0] != LIFE_CURVE.name)
-
-    def _find_columns(self) -> Pulse:
-        with h5py.File(Overlay(self.descriptor), "r", libver=LIBRARY_VERSIONS) as file:
-            found = places(file)
-            pulse = stored_pulse(read_text(file["provenance"], "scenario_resolved"))
-        for (group, name), place in found.items():
-            if place.rows and not place.offset:
-                raise RunFileRefused(f"/{group}/{name} has no place of its own: nothing can be written to it any more")
-            self._columns.setdefault(group, {})[name] = ColumnFile(self.descriptor, place, hashed=self._hashed)
-        return pulse

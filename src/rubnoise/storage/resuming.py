@@ -12,7 +12,7 @@ from rubnoise.storage.ending import carry_out
 from rubnoise.storage.history import History, identity, state_at
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, give_final_name, reserve, sole_writer
-from rubnoise.storage.part import Part
+from rubnoise.storage.part import Part, open_part
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.unfinished import described
 
@@ -38,7 +38,7 @@ class TakenUp:
         with mended(paths) as run:
             description = described(run)
         history = _history(paths, description)
-        part = opening.enter_context(Part(paths.part))
+        part = opening.enter_context(open_part(paths.part))
         reserve(part.descriptor, paths.part.stat().st_size)
         commit = part.go_on_from(history.commits)
         return cls(

@@ -1,7 +1,7 @@
 """The result file as HDF5 sees it: groups, datasets of final size, scales and attributes, without a single row."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import Shape
-from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.layout import Name, RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.provenance import Provenance, package_version
 from rubnoise.storage.pulse import pulse_of
 from rubnoise.storage.schema import (
@@ -42,37 +42,44 @@ class Place:
     dtype: str
 
 
-def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> None:
-    """Build the whole structure in an empty file; columns are contiguous, or chunks when ``compressed``."""
+def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> dict[Name, Place]:
+    """Build the whole structure in an empty file and return where its columns lie.
+
+    Columns are contiguous, or chunks when ``compressed``, which have no place of their own.
+    """
     root = root_attributes(description.title, pulse_of(description.scenario_resolved).shape)
     for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
-        _put(file, name, value)
+        _put(file.id, name, value)
+    places: dict[Name, Place] = {}
     for group in stored_groups(description.features):
         rows = row_count(group, description.extent)
-        _compose_group(file, group, description.features, rows, compressed=compressed)
+        for column, dataset in _compose_group(file, group, description.features, rows, compressed=compressed):
+            places[group.name, column.name] = _place(dataset, column)
     summary = file.create_group("summary", track_order=True)
     put_text(summary, "NX_class", "NXcollection")
     provenance = file.create_group("provenance")
     for name, value in ({"NX_class": "NXcollection"} | provenance_attributes(description)).items():
-        _put(provenance, name, value)
+        _put(provenance.id, name, value)
+    return places
 
 
 def complete(
     file: h5py.File,
-    digests: Mapping[tuple[str, str], str],
+    digests: Mapping[Name, str],
     summary: Mapping[str, Scalar],
     finished: str,
 ) -> None:
     """Fill in what is known only when the last row is written: hashes, summary and the time of the end."""
-    owners = {group: file[group].id for group, _ in digests}
+    owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
     for (group, column), digest in digests.items():
-        put_text(h5py.Dataset(h5py.h5d.open(owners[group], column.encode())), HASH, digest)
-    for name, value in summary.items():
-        _put(file["summary"], name, value)
-    put_text(file["provenance"], "finished", finished)
+        h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
+    for owner, values in (("summary", summary), ("provenance", {"finished": finished})):
+        group = h5py.h5g.open(file.id, owner.encode())
+        for name, value in values.items():
+            _replace(group, name, value)
 
 
-def places(file: h5py.File) -> dict[tuple[str, str], Place]:
+def places(file: h5py.File) -> dict[Name, Place]:
     """Return where every contiguous column of a file lies."""
     return {
         (group.name, column.name): _place(h5py.h5d.open(owner.id, column.name.encode()), column)
@@ -85,8 +92,8 @@ def places(file: h5py.File) -> dict[tuple[str, str], Place]:
 
 
 def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
-    """Write a text attribute of fixed length, in UTF-8."""
-    _put_texts(owner, name, text)
+    """Write a new text attribute of fixed length, in UTF-8."""
+    _put(owner.id, name, text)
 
 
 def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
@@ -105,62 +112,73 @@ def root_attributes(title: str, shape: Shape) -> dict[str, Scalar]:
     }
 
 
-def _compose_group(file: h5py.File, group: Group, features: frozenset[Feature], rows: int, *, compressed: bool) -> None:
+def _compose_group(
+    file: h5py.File, group: Group, features: frozenset[Feature], rows: int, *, compressed: bool
+) -> list[tuple[Column, h5py.h5d.DatasetID]]:
     owner = _create_group(file, group.name)
-    columns = stored_columns(group, features)
-    datasets = [_create_dataset(owner, column, rows, compressed=compressed) for column in columns]
-    scale, *rest = datasets
-    scale.make_scale(columns[0].name)
-    for dataset in rest:
-        dataset.dims[0].attach_scale(scale)
-    _describe_group(owner, group, columns[0].name)
-    for column, dataset in zip(columns, datasets, strict=True):
+    space = h5py.h5s.create_simple((rows,))
+    creation = _chunked(min(rows, CHUNK_ROWS)) if compressed and rows else _contiguous()
+    columns = [
+        (column, h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation))
+        for column in stored_columns(group, features)
+    ]
+    (first, scale), *rest = columns
+    h5py.h5ds.set_scale(scale, first.name.encode())
+    for _, dataset in rest:
+        h5py.h5ds.attach_scale(dataset, scale, 0)
+    _describe_group(owner, group, first.name)
+    for column, dataset in columns:
         _describe_column(dataset, column)
+    return columns
 
 
-def _create_group(file: h5py.File, name: str) -> h5py.Group:
+def _create_group(file: h5py.File, name: str) -> h5py.h5g.GroupID:
     """Create a group that remembers the order of its columns, so that viewers list them as the schema does."""
     creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
     creation.set_obj_track_times(False)
     creation.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
-    return h5py.Group(h5py.h5g.create(file.id, name.encode(), gcpl=creation))
+    return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
 
 
-def _create_dataset(owner: h5py.Group, column: Column, rows: int, *, compressed: bool) -> h5py.Dataset:
+@cache
+def _contiguous() -> h5py.h5p.PropDCID:
     creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     creation.set_obj_track_times(False)
-    if compressed and rows:
-        creation.set_chunk((min(rows, CHUNK_ROWS),))
-        creation.set_shuffle()
-        creation.set_deflate(GZIP_LEVEL)
-    else:
-        creation.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-        creation.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    kind = h5py.h5t.py_create(np.dtype(column.dtype))
-    space = h5py.h5s.create_simple((rows,))
-    return h5py.Dataset(h5py.h5d.create(owner.id, column.name.encode(), kind, space, creation))
+    creation.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    creation.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    return creation
 
 
-def _describe_group(owner: h5py.Group, group: Group, scale: str) -> None:
+def _chunked(rows: int) -> h5py.h5p.PropDCID:
+    creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    creation.set_obj_track_times(False)
+    creation.set_chunk((rows,))
+    creation.set_shuffle()
+    creation.set_deflate(GZIP_LEVEL)
+    return creation
+
+
+def _describe_group(owner: h5py.h5g.GroupID, group: Group, scale: str) -> None:
     """Say what the group is, and in NeXus terms what to plot against what.
 
     One column only: viewers draw auxiliary signals on the axis of the first, where a force of 5e4 uN hides an area of
     200 um^2.
     """
-    put_text(owner, "long_name", group.long_name)
-    put_text(owner, "NX_class", "NXdata")
-    put_text(owner, "signal", group.plotted)
-    _put_texts(owner, "axes", [scale])
+    _put(owner, "long_name", group.long_name)
+    _put(owner, "NX_class", "NXdata")
+    _put(owner, "signal", group.plotted)
+    _put(owner, "axes", (scale,))
 
 
-def _describe_column(dataset: h5py.Dataset, column: Column) -> None:
-    put_text(dataset, "units", column.units)
-    put_text(dataset, "long_name", column.long_name)
-    put_text(dataset, "symbol", column.symbol)
-    put_text(dataset, HASH, "0" * HASH_DIGITS)
+def _describe_column(dataset: h5py.h5d.DatasetID, column: Column) -> None:
+    _put(dataset, "units", column.units)
+    _put(dataset, "long_name", column.long_name)
+    _put(dataset, "symbol", column.symbol)
+    _put(dataset, HASH, "0" * HASH_DIGITS)
     if column.flags:
-        dataset.attrs.create("flag_masks", [bit for bit, _ in column.flags], dtype=column.dtype)
-        put_text(dataset, "flag_meanings", " ".join(meaning for _, meaning in column.flags))
+        masks = np.array([bit for bit, _ in column.flags], dtype=column.dtype)
+        _create(dataset, b"flag_masks", masks, _number_kind(column.dtype))
+        _put(dataset, "flag_meanings", " ".join(meaning for _, meaning in column.flags))
 
 
 def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
@@ -181,34 +199,42 @@ def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
     }
 
 
-def _put(owner: h5py.HLObject, name: str, value: Scalar) -> None:
-    if isinstance(value, str):
-        put_text(owner, name, value)
-    else:
-        dtype = "<i8" if isinstance(value, int) else "<f8"
-        _put_attribute(owner, name, np.array(value, dtype=dtype), _number_kind(dtype))
-
-
 def text_bytes(text: str) -> bytes:
     """Return a text as it is stored: whatever is no character becomes an escape of one."""
     return text.encode("utf-8", "backslashreplace")
 
 
-def _put_texts(owner: h5py.HLObject, name: str, text: str | Sequence[str]) -> None:
-    """Write one text or a list of texts; at least two bytes long, as h5netcdf hands single bytes over undecoded."""
+def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...]) -> None:
+    """Write a new attribute; by HDF5's own calls, as h5py's take longer than a short run."""
+    _create(owner, name.encode(), *_stored(value))
+
+
+def _replace(owner: h5py.h5g.GroupID, name: str, value: Scalar) -> None:
+    key = name.encode()
+    if h5py.h5a.exists(owner, key):
+        h5py.h5a.delete(owner, key)
+    _create(owner, key, *_stored(value))
+
+
+def _create(owner: h5py.h5g.GroupID, key: bytes, value: NDArray[Any], kind: h5py.h5t.TypeID) -> None:
+    space = h5py.h5s.create_simple(value.shape) if value.ndim else _scalar_space()
+    h5py.h5a.create(owner, key, kind, space).write(value, kind)
+
+
+def _stored(value: Scalar | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
+    """Return a value as it is stored in an attribute, and the type that it has there."""
+    if isinstance(value, str | tuple):
+        return _text(value)
+    dtype = "<i8" if isinstance(value, int) else "<f8"
+    return np.array(value, dtype=dtype), _number_kind(dtype)
+
+
+@lru_cache(maxsize=256)
+def _text(text: str | tuple[str, ...]) -> tuple[NDArray[Any], h5py.h5t.TypeID]:
+    """Return one text or a list of texts; at least two bytes long, as h5netcdf hands single bytes over undecoded."""
     raw = [text_bytes(item) for item in ([text] if isinstance(text, str) else text)]
     size = max(2, *map(len, raw))
-    value = np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}")
-    _put_attribute(owner, name, value, _text_kind(size))
-
-
-def _put_attribute(owner: h5py.HLObject, name: str, value: NDArray[Any], kind: h5py.h5t.TypeID) -> None:
-    """Write an attribute, also over one of its name; by HDF5's own calls, as h5py's take longer than a short run."""
-    key = name.encode()
-    if h5py.h5a.exists(owner.id, key):
-        h5py.h5a.delete(owner.id, key)
-    space = h5py.h5s.create_simple(value.shape) if value.ndim else _scalar_space()
-    h5py.h5a.create(owner.id, key, kind, space).write(value, kind)
+    return np.array(raw[0] if isinstance(text, str) else raw, dtype=f"S{size}"), _text_kind(size)
 
 
 @lru_cache(maxsize=256)

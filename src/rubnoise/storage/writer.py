@@ -119,9 +119,9 @@ class RunWriter:
         if self._paths.journal.exists():
             disk.remove(self._paths.journal)
             disk.sync_folder(self._paths.journal.parent)
-        _make_part(self._paths, description)
+        part = _make_part(self._paths, description, hashed=self._safe)
         opening.callback(self._discard)
-        self._part = opening.enter_context(Part(self._paths.part, hashed=self._safe))
+        self._part = opening.enter_context(part)
         self._keep_journal(description, opening)
 
     def _take_up(self, opening: ExitStack) -> None:
@@ -198,8 +198,8 @@ class RunWriter:
             raise RubnoiseError(text) from problem
 
 
-def _make_part(paths: OutputPaths, description: RunDescription) -> None:
+def _make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool) -> Part:
     try:
-        make_part(paths.part, paths.making, description)
+        return make_part(paths.part, paths.making, description, hashed=hashed)
     except OSError as problem:
         raise OutputRefused(f"{paths.final}: cannot be written: {problem.strerror or problem}") from problem
