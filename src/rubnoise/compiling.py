@@ -22,6 +22,14 @@ def compiled(function: Any) -> Any:
     return _kept(function, fastmath=False)
 
 
+def compiled_bare(function: Any) -> Any:
+    """Compile a function likewise that makes no arrays, not even in what is compiled into it.
+
+    Nobody then counts who uses its arrays, which takes as long as some hundred steps of arithmetic.
+    """
+    return _kept(function, fastmath=False, _nrt=False)
+
+
 def compiled_for_speed(function: Any) -> Any:
     """Compile a function likewise whose bits are promised to nobody: its sums may be added up in any order."""
     return _kept(function, fastmath={"reassoc", "contract"})
@@ -48,8 +56,8 @@ def _stamp() -> tuple[tuple[str, int, int], ...]:
 
 
 def inlined(function: Any) -> Any:
-    """Compile a function into whatever compiled function calls it, so that its many arrays need not be handed over."""
-    return njit(forceinline=True, error_model=_DIVISION)(function)
+    """Compile a function that makes no arrays into whatever calls it, so that its many arguments need no handing over."""
+    return njit(forceinline=True, error_model=_DIVISION, _nrt=False)(function)
 
 
 def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:

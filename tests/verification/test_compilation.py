@@ -14,7 +14,7 @@ from tests.models import UNEQUAL, bare, model, recorded
 
 ROOT = Path(__file__).parents[2]
 KERNELS = (
-    kernels_fine.deposit_fine_lives,
+    kernels_fine.deposit_by_chunks,
     kernels.deposit_areas,
     kernels.deposit_moments,
     kernels.deposit_fine_moments,

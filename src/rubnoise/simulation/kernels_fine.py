@@ -13,7 +13,7 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled, inlined
+from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.simulation.kernels_ends import END, add_fall, add_kink, add_rise
 from rubnoise.simulation.kernels_panels import BLOCK, PANEL, TERMS, add_panels, add_series
 
@@ -22,8 +22,10 @@ Doubles = NDArray[np.float64]
 FINEST = 4 * END
 """Spacings in a diameter from which on a life is fine: its ends then lie within a quarter of the diameter."""
 
+CHUNK = 64 * BLOCK
+"""Positions whose series are held at a time."""
 
-@compiled
+
 def deposit_fine_lives(
     position: Doubles,
     origin: int,
@@ -44,17 +46,42 @@ def deposit_fine_lives(
     of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long or empty, the Legendre
     moments of it over the cell that ends at a position, in units of the spacing.
     """
-    chunk = 64 * BLOCK
-    series = np.empty(chunk // PANEL * TERMS)
-    alive = np.empty(len(birth), np.int64)
     centre = position[PANEL // 2 :: PANEL].copy()
+    series = np.empty(CHUNK // PANEL * TERMS)
+    alive = np.empty(len(birth), dtype=np.int64)
+    deposit_by_chunks(
+        position, centre, origin, spacing, begin, end, birth, diameter, weight, weights, series, alive, total, moments
+    )
+
+
+@compiled_bare
+def deposit_by_chunks(
+    position: Doubles,
+    centre: Doubles,
+    origin: int,
+    spacing: float,
+    begin: int,
+    end: int,
+    birth: Doubles,
+    diameter: Doubles,
+    weight: Doubles,
+    weights: Doubles,
+    series: Doubles,
+    alive: NDArray[np.int64],
+    total: Doubles,
+    moments: Doubles,
+) -> None:
+    """Do what `deposit_fine_lives` does, in room that is given.
+
+    centre (um): the place amid each panel; series: for the panels of a chunk; alive: for as many as there are lives.
+    """
     count, row = 0, 0
     per_spacing = 1.0 / spacing
     first = begin // BLOCK * BLOCK - BLOCK
     # Borders of chunks lie at multiples from the run's start: sums keep their order however a run is cut.
-    low = (origin + first) // chunk * chunk - origin
+    low = (origin + first) // CHUNK * CHUNK - origin
     while low < end:
-        bottom, top = max(low, first), min(low + chunk, (end + BLOCK - 1) // BLOCK * BLOCK)
+        bottom, top = max(low, first), min(low + CHUNK, (end + BLOCK - 1) // BLOCK * BLOCK)
         series[: (top - bottom) // PANEL * TERMS] = 0.0
         while row < len(birth) and floor(birth[row] * per_spacing) - END - PANEL - origin < top:
             alive[count] = row
@@ -72,7 +99,7 @@ def deposit_fine_lives(
                 kept += 1
         count = kept
         add_series(position, spacing, bottom, top, series, weights, total, moments)
-        low += chunk
+        low += CHUNK
 
 
 @inlined

@@ -8,7 +8,7 @@ of the place in the cell, from which nothing has to be subtracted, however narro
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled
+from rubnoise.compiling import compiled, compiled_bare
 from rubnoise.simulation.ticks import first_at_or_after
 
 Doubles = NDArray[np.float64]
@@ -16,7 +16,7 @@ Doubles = NDArray[np.float64]
 _SLOPE = 0.25 * np.pi
 
 
-@compiled
+@compiled_bare
 def deposit_areas(
     positions: Doubles, birth: Doubles, diameter: Doubles, departure: Doubles, weight: Doubles, total: Doubles
 ) -> None:
@@ -32,7 +32,7 @@ def deposit_areas(
         _add_areas(positions[first:last], born, size, _SLOPE * weight[row] / size, total[first:last])
 
 
-@compiled
+@compiled_bare
 def _add_areas(positions: Doubles, born: float, size: float, slope: float, total: Doubles) -> None:
     for tick in range(len(positions)):
         s = positions[tick] - born
@@ -59,7 +59,7 @@ def deposit_moments(
         )
 
 
-@compiled
+@compiled_bare
 def _add_kinks(positions: Doubles, born: float, size: float, departure: float, slope: float, moments: Doubles) -> None:
     """Add what one life puts beside the chords; a life ended early falls to nothing where it ends."""
     if departure <= born:
@@ -75,7 +75,7 @@ def _add_kinks(positions: Doubles, born: float, size: float, departure: float, s
         _add_fall(positions, departure, slope * max(min(age, 2.0 * size - age), 0.0), moments)
 
 
-@compiled
+@compiled_bare
 def _add_kink(positions: Doubles, born: float, age: float, slope: float, moments: Doubles) -> None:
     """Add a change of slope (uN/um) at an age (um): slope w ((y - 1 + r)+ - r y), r the part of its cell behind it."""
     cell = first_at_or_after(positions, born + age)
@@ -90,7 +90,7 @@ def _add_kink(positions: Doubles, born: float, age: float, slope: float, moments
     moments[2, cell] += beside * r * (1.0 - r) / 2.0
 
 
-@compiled
+@compiled_bare
 def _add_fall(positions: Doubles, place: float, height: float, moments: Doubles) -> None:
     """Add a fall by a height (uN) at a place (um): height (y - (y > 1 - r)), r the part of its cell behind it."""
     cell = first_at_or_after(positions, place)

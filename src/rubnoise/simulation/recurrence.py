@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled
+from rubnoise.compiling import compiled_bare
 
 Doubles = NDArray[np.float64]
 
 
-@compiled
+@compiled_bare
 def advance_slider(
     moments: Doubles, transition: Doubles, gains: Doubles, every: int, displacement: Doubles, velocity: Doubles
 ) -> None:

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled
+from rubnoise.compiling import compiled, compiled_bare
 
 Doubles = NDArray[np.float64]
 
 
-@compiled
+@compiled_bare
 def first_at_or_after(positions: Doubles, distance: float) -> int:
     """Return the first index whose position is not before a distance, or the number of positions."""
     count = len(positions)
