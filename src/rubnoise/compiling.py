@@ -13,6 +13,9 @@ SOURCES = ("compiling.py", "simulation/kernels*.py", "simulation/lanes.py", "sim
 _DIVISION: Final = "numpy"
 """A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
 
+_BARE: Final[dict[str, Any]] = {"_nrt": False}
+"""Without numba's runtime, which makes arrays and counts who uses them."""
+
 
 def compiled(function: Any) -> Any:
     """Compile a function at its first call, and keep the machine code for later processes where a folder allows it.
@@ -27,7 +30,7 @@ def compiled_bare(function: Any) -> Any:
 
     Nobody then counts who uses its arrays, which takes as long as some hundred steps of arithmetic.
     """
-    return _kept(function, fastmath=False, _nrt=False)
+    return _kept(function, fastmath=False, **_BARE)
 
 
 def compiled_for_speed(function: Any) -> Any:
@@ -56,8 +59,8 @@ def _stamp() -> tuple[tuple[str, int, int], ...]:
 
 
 def inlined(function: Any) -> Any:
-    """Compile a function that makes no arrays into whatever calls it, so that its many arguments need no handing over."""
-    return njit(forceinline=True, error_model=_DIVISION, _nrt=False)(function)
+    """Compile a function that makes no arrays into whatever calls it, so that its own need not be handed over."""
+    return njit(forceinline=True, error_model=_DIVISION, **_BARE)(function)
 
 
 def _fused(typing_context: Any, factor: Any, other: Any, term: Any) -> Any:

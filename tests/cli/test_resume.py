@@ -18,6 +18,7 @@ from unittest.mock import patch
 from rubnoise.cli.app import main
 from rubnoise.cli.progress import Watcher
 from rubnoise.errors import RunStopped
+from rubnoise.simulation import draws
 from rubnoise.storage import writer
 
 class Stops(Watcher):
@@ -26,6 +27,7 @@ class Stops(Watcher):
             raise RunStopped(15)
 
 writer.COMMIT_SECONDS = 0.0
+draws._DRAWN_AT_ONCE = 1
 with patch("rubnoise.cli.progress.Watcher", Stops):
     main()
 """

@@ -17,6 +17,7 @@ from rubnoise.api.describing import describe
 from rubnoise.api.playing import play
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.scenario import Scenario, build
+from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
 from rubnoise.storage.history import History, state_at
 from rubnoise.storage.output import OutputPaths, sole_writer
@@ -49,12 +50,13 @@ BARE = scenario(slider=False)
 WHOLE = scenario()
 GZIP = scenario(slider=False, output={"tick": "2 um", "compression": "gzip"})
 LONG = {"sliding": {"distance": "16 mm", "speed": "1 mm/s"}, "output": {"tick": "5 um"}}
-"""Changes that make so many blocks that the batch engine, too, does not play them all together."""
+"""Changes that make so many blocks that they would not all be played together either."""
 
 
 @pytest.fixture(autouse=True)
 def commit_every_block(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
 
 
 def datasets(path: Path) -> dict[str, tuple[bytes, bytes]]:

@@ -26,6 +26,12 @@ RUNS = {
 }
 
 
+@pytest.fixture
+def each_block_alone(monkeypatch):
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+
+
+@pytest.mark.usefixtures("each_block_alone")
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
     run = RUNS[name]
@@ -52,6 +58,7 @@ def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pul
     assert contents(recorded(run)) == expected
 
 
+@pytest.mark.usefixtures("each_block_alone")
 def test_a_block_owns_exactly_its_births():
     run = model(distance=3000.0, tick=1.0)
     junctions = []
@@ -82,6 +89,7 @@ def test_a_run_without_births_is_one_block():
     assert state.block == 1
 
 
+@pytest.mark.usefixtures("each_block_alone")
 @pytest.mark.parametrize("name", RUNS)
 def test_blocks_and_junctions_are_enough_to_make_every_state_again(name):
     run = RUNS[name]

@@ -6,6 +6,7 @@ import pytest
 from rubnoise.contact.calibration import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation import draws
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import extent, simulate
 from tests.models import bare, contents, model, recorded
@@ -74,7 +75,8 @@ def test_an_interrupted_life_is_told_to_its_end():
         assert diary.of(what) == places
 
 
-def test_a_run_that_goes_on_tells_the_rest():
+def test_a_run_that_goes_on_tells_the_rest(monkeypatch):
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
     run, whole, states = RUNS["figure 5"], Diary(), []
     simulate(run, 3, MemoryRecord(extent(run, 3)), observe=whole.observer, commit=states.append)
     rest = Diary()

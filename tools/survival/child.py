@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any, NoReturn
 from unittest.mock import patch
 
+from rubnoise.simulation import draws
 from rubnoise.storage import writer
 from rubnoise.storage.writer import RunWriter
 
@@ -22,6 +23,13 @@ Task = Callable[[Tell], int | None]
 
 FAILED = 9
 """Exit code of a task that raised something; it tells what."""
+
+
+@contextmanager
+def committing(seconds: float) -> Iterator[None]:
+    """Commit after so many seconds, and after two blocks at most: small runs, too, shall have commits."""
+    with patch.object(writer, "COMMIT_SECONDS", seconds), patch.object(draws, "_DRAWN_AT_ONCE", 2000):
+        yield
 
 
 @contextmanager
@@ -34,7 +42,7 @@ def telling(tell: Tell, *, seconds: float) -> Iterator[None]:
         tell(f"entered {self.state.ticks if self.state else 0}")
         return entered
 
-    def committing(self: RunWriter, state: Any, **how: Any) -> None:
+    def telling_commit(self: RunWriter, state: Any, **how: Any) -> None:
         commit(self, state, **how)
         tell(f"committed {state.ticks}")
 
@@ -43,11 +51,10 @@ def telling(tell: Tell, *, seconds: float) -> Iterator[None]:
         publish(self, *given, **named)
         tell("published 0")
 
-    with ExitStack() as patches:
+    with committing(seconds), ExitStack() as patches:
         for owner, name, new in (
-            (writer, "COMMIT_SECONDS", seconds),
             (RunWriter, "__enter__", entering),
-            (RunWriter, "_commit", committing),
+            (RunWriter, "_commit", telling_commit),
             (RunWriter, "publish", publishing),
         ):
             patches.enter_context(patch.object(owner, name, new))

@@ -16,8 +16,8 @@ from unittest.mock import patch
 from fuzz.isolated import Outcome as Ending
 from fuzz.isolated import isolated
 
-from rubnoise.storage import disk, writer
-from survival.child import Child, Tell
+from rubnoise.storage import disk
+from survival.child import Child, Tell, committing
 from survival.command import command
 from survival.finding import Outcome
 from survival.recording import CHANGING, NAMING, OPENING
@@ -109,7 +109,7 @@ def calls_of(story: Story) -> int:
     with (
         TemporaryDirectory(prefix="rubnoise-") as name,
         counter.counting(),
-        patch.object(writer, "COMMIT_SECONDS", 0.0),
+        committing(0.0),
     ):
         (Path(name) / SCENARIO).write_text(story.text, encoding="utf-8")
         command(words(story), Path(name))
@@ -122,7 +122,7 @@ def _failing(outcome: Outcome, story: Story, call: int, number: int, *, for_ever
     counter = Counter(call, number, for_ever=for_ever)
 
     def task() -> int:
-        with counter.counting(), patch.object(writer, "COMMIT_SECONDS", 0.0):
+        with counter.counting(), committing(0.0):
             return command(words(story, *["--force"] * older), folder)
 
     with TemporaryDirectory(prefix="rubnoise-") as name:

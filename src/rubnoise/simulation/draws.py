@@ -85,9 +85,10 @@ def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> 
     group, births = _blocks_at_once(model), births_per_block(model)
     if group == 1:
         return _made(model, stream, _uniforms(model, seed, stream, block, 1))
-    first = block % group * births
+    before = block % group
     keep = _gaps_at_once if stream is Stream.GAPS else _drawn_at_once
-    return keep(model, seed, stream, block // group)[first : first + blocks * births]
+    drawn = keep(model, seed, stream, block - before, group)
+    return drawn[before * births : (before + blocks) * births]
 
 
 def _blocks_at_once(model: Model) -> int:
@@ -96,9 +97,8 @@ def _blocks_at_once(model: Model) -> int:
     return max(min(_DRAWN_AT_ONCE // births, ceil(model.distance * model.birth_rate / births)), 1)
 
 
-def _draw_at_once(model: Model, seed: int, stream: Stream, group: int) -> Doubles:
-    blocks = _blocks_at_once(model)
-    made = _made(model, stream, _uniforms(model, seed, stream, group * blocks, blocks))
+def _draw_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
+    made = _made(model, stream, _uniforms(model, seed, stream, block, blocks))
     made.flags.writeable = False
     return made
 

@@ -14,6 +14,7 @@ from simpy import Environment, Interrupt, Process
 from simpy.events import Event, ProcessGenerator
 
 from rubnoise.simulation.area import Sample
+from rubnoise.simulation.clock import DistanceClock
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.panels import Panel
@@ -33,27 +34,14 @@ class LiveSet:
         self._rows = carried.then(born)
         self.joined = len(carried)
         self.processes: dict[int, Process] = {}
-        self._numbers = self._rows.junction.tolist()
+        self.numbers: list[int] = self._rows.junction.tolist()
         self.departure: list[float] = self._rows.departure.tolist()
         for row in np.flatnonzero(carried.death <= begin).tolist():
             self.departure[row] = float(carried.death[row])
 
-    def row(self, row: int) -> tuple[int, float, float]:
-        """Return a junction's row number, birth and diameter (um)."""
-        return self._numbers[row], float(self._rows.birth[row]), float(self._rows.diameter[row])
-
-    def join(self, row: int, env: Environment) -> int:
-        """Count the junction whose process is running among the living; return its row number.
-
-        It counts until it takes itself from ``processes`` and says in ``departure`` from what distance (um) on it is
-        no longer alive.
-        """
-        number = self._numbers[row]
-        # The property says the same, and takes longer.
-        self.processes[number] = env._active_proc  # type: ignore[assignment]  # noqa: SLF001
-        if row >= self.joined:
-            self.joined = row + 1
-        return number
+    def birth_and_diameter(self, row: int) -> tuple[float, float]:
+        """Return a junction's birth and diameter (um)."""
+        return float(self._rows.birth[row]), float(self._rows.diameter[row])
 
     def rows(self) -> LiveRows:
         """Return the junctions that have joined so far, with the departures of those that have left."""
@@ -70,12 +58,11 @@ Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
 
 def junction(env: Environment, live: LiveSet, row: int, death: float, rest: float) -> ProcessGenerator:
     """Live from now through ``rest`` um of sliding; die at ``death``, or wherever an interrupt ends it."""
-    number = live.join(row, env)
     try:
         yield Wait(env, rest)
     except Interrupt:
         death = env.now
-    del live.processes[number]
+    del live.processes[live.numbers[row]]
     live.departure[row] = death
 
 
@@ -83,8 +70,7 @@ def told_junction(
     env: Environment, live: LiveSet, row: int, death: float, rest: float, telling: Telling
 ) -> ProcessGenerator:
     """Live as a junction does, and have mid-life and death told."""
-    number, birth, diameter = live.row(row)
-    live.join(row, env)
+    number, (birth, diameter) = live.numbers[row], live.birth_and_diameter(row)
     try:
         rise = birth + diameter - env.now
         if telling.is_rising(number) and rise > 0.0:
@@ -103,8 +89,7 @@ def told_newborn(
     env: Environment, live: LiveSet, row: int, death: float, rest: float, telling: Telling
 ) -> ProcessGenerator:
     """Have a birth told, and the life after it."""
-    number, birth, _ = live.row(row)
-    telling.birth(number, birth)
+    telling.birth(live.numbers[row], live.birth_and_diameter(row)[0])
     yield from told_junction(env, live, row, death, rest, telling)
 
 
@@ -116,9 +101,11 @@ def births(
     life_distances = 2.0 * block.diameter
     deaths = block.birth + life_distances
     lives = zip(deaths.tolist(), life_distances.tolist(), block.gaps.tolist(), strict=True)
+    processes, numbers = live.processes, live.numbers
     for row, (death, life, gap) in enumerate(lives, start=len(state.live)):
         yield Wait(env, wait)
-        LifeProcess(env, newborn(env, live, row, death, life))
+        processes[numbers[row]] = LifeProcess(env, newborn(env, live, row, death, life))
+        live.joined = row + 1
         wait = gap
     last = block.next_birth > run_end
     # The clock adds gaps and rounds; a birth at the very end may have put it a trifle beyond.
@@ -169,21 +156,21 @@ def play_block(
     telling: Telling | None,
 ) -> tuple[LiveRows, int]:
     """Let one block happen; return its rows at its end, carried ones first, and how many events it took."""
-    env = Environment(initial_time=state.begin)
+    env = DistanceClock(initial_time=state.begin)
     live = LiveSet(state.live, born, state.begin)
     newborn, survivor = _lives(telling)
     if telling is not None:
         telling.begin(state.live, state.begin)
     for row, death in _survivors(state.live, state.begin):
-        LifeProcess(env, survivor(env, live, row, death, death - state.begin))
-    block_end = PromptProcess(env, births(env, live, state, births_of_block, run_end, newborn))
+        live.processes[live.numbers[row]] = LifeProcess(env, survivor(env, live, row, death, death - state.begin))
+    block_end = LifeProcess(env, births(env, live, state, births_of_block, run_end, newborn))
     sampled = [env.event() for _ in panels]
     last: Process = PromptProcess(env, aggregate(env, panels, sampled, block_end, sample, live))
     if move is not None:
         last = PromptProcess(env, slide(panels, sampled, move))
     if intervene is not None:
         PromptProcess(env, intervene(env, live))
-    env.run(until=env.all_of([block_end, last]))
+    env.run_to(env.all_of([block_end, last]))
     rows = live.rows()
     if telling is not None:
         telling.settle(rows, min(births_of_block.next_birth, run_end))

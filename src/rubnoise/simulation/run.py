@@ -73,7 +73,7 @@ def simulate(
         constants=slider_constants(model),
         sink=sink,
         play=play,
-        together=engine == "batch",
+        together=intervene is None,  # which is started anew in every block
         watch=watch,
     )
     state = start(model, seed) if state is None else state
