@@ -1,6 +1,7 @@
 """SimPy's environment with a shorter way from one event to the next."""
 
 from heapq import heappop
+from typing import cast
 
 from simpy import Environment, Event
 
@@ -22,7 +23,7 @@ class DistanceClock(Environment):
             callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]  # SimPy's mark of the past
             for callback in callbacks:
                 callback(event)
-            if not event.ok and not hasattr(event, "_defused"):
-                raise event.value
+            if not event._ok and not hasattr(event, "_defused"):
+                raise cast(BaseException, event.value)
         if not end.ok:
-            raise end.value
+            raise cast(BaseException, end.value)
