@@ -14,7 +14,7 @@ from rubnoise.simulation import kernels, kernels_triangle
 from rubnoise.simulation.grid import Grid
 from rubnoise.simulation.kernels_fine import FINEST, deposit_fine_lives
 from rubnoise.simulation.kernels_panels import cell_weights
-from rubnoise.simulation.panels import Panel
+from rubnoise.simulation.panels import LARGEST_PANEL, Panel
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import count_live
 
@@ -49,7 +49,8 @@ class Room:
     def zeros(self, count: int) -> Doubles:
         """Return so many zeros, in place of those returned before."""
         if self._moments.size < count:
-            self._moments = np.empty(count)
+            # What the system has given out in one large piece it lets the next run in this process have again.
+            self._moments = np.empty(max(count, 3 * LARGEST_PANEL))
         self._moments[:count] = 0.0
         return self._moments[:count]
 
