@@ -11,18 +11,18 @@ from typing import Final
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 from rubnoise.simulation.cells import cells_per_tick, narrow
-from rubnoise.simulation.draws import births_per_block
+from rubnoise.simulation.draws import births_per_block, births_together
 from rubnoise.simulation.panels import LARGEST_PANEL
 from rubnoise.simulation.run import Engine
 from rubnoise.simulation.yardstick import Pace
 
-PROGRAM_BYTES: Final = 218_000_000
+PROGRAM_BYTES: Final = 216_000_000
 """What a process holds with everything loaded that a run needs, before the run."""
 
 DRAWN_BYTES: Final = 50
-ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 350, "batch": 175}
+ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 260}
 ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
-POSITION_BYTES: Final = 420
+POSITION_BYTES: Final = 140
 """Of memory for each birth drawn in a block, each row of it that is played, each that is alive at once, and each
 position of a panel."""
 
@@ -30,16 +30,16 @@ PROGRAM_SECONDS: Final = 1.2
 """What it takes to start and to load everything."""
 
 SECONDS: Final[Mapping[str, float]] = {
-    "run": 2.5e-2,
-    "draw": 2.9e-7,
-    "row": 1.4e-7,
-    "event": 1.4e-6,
+    "run": 1.5e-2,
+    "draw": 6e-8,
+    "row": 2.2e-7,
+    "event": 1.1e-6,
     "crowd": 4.2e-8,
-    "tick": 1.8e-8,
-    "overlap": 3.0e-10,
-    "cell": 1.6e-8,
-    "push": 1.8e-9,
-    "fine push": 4.0e-10,
+    "tick": 1.3e-8,
+    "overlap": 2.2e-10,
+    "cell": 1.2e-8,
+    "push": 1.3e-9,
+    "fine push": 8.0e-10,
     "packed byte": 1.7e-8,
 }
 """Of each kind of work: of which there is so much as `work` says."""
@@ -51,7 +51,7 @@ CROWDING: Final = 0.4
 
 def working_bytes(model: Model, engine: Engine) -> int:
     """Return the memory that a run needs beside its program: of one block and one panel, however long it is."""
-    drawn, alive = births_per_block(model), _alive(model)
+    drawn, alive = births_together(model), _alive(model)
     played = min(drawn, model.birth_rate * model.distance) + alive
     positions = min(LARGEST_PANEL, (model.tick_count + 1) * cells_per_tick(model))
     junctions = DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + ALIVE_BYTES[engine] * alive

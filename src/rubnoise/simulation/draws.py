@@ -80,6 +80,11 @@ def blocks_together(model: Model, block: int) -> int:
     return group - block % group
 
 
+def births_together(model: Model) -> int:
+    """Return how many births are played at a time, where small blocks are played together."""
+    return _blocks_at_once(model) * births_per_block(model)
+
+
 def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
     """Return what a stream's uniforms make of all births of blocks; those of small blocks are drawn some at a time."""
     group, births = _blocks_at_once(model), births_per_block(model)

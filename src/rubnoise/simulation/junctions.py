@@ -112,10 +112,24 @@ def births(
     yield env.timeout(max(run_end - env.now, 0.0) if last else wait)
 
 
+class Desk:
+    """Where the aggregator lays what it has sampled: the event that the next panel will be."""
+
+    def __init__(self, env: Environment) -> None:
+        """Wait for the first panel."""
+        self._env = env
+        self.awaited: Event = env.event()
+
+    def lay(self, rows: LiveRows, found: Sample) -> None:
+        """Let the awaited panel happen; it is forgotten once it has been taken."""
+        done, self.awaited = self.awaited, self._env.event()
+        done.succeed((rows, found))
+
+
 def aggregate(
     env: Environment,
     panels: Sequence[Panel],
-    sampled: Sequence[Event],
+    desk: Desk,
     block_end: Process,
     sample: Callable[[Panel, LiveRows], Sample],
     live: LiveSet,
@@ -124,22 +138,20 @@ def aggregate(
 
     Half a tick late, so that a birth or death at that very tick has been told, whatever the order of the queue.
     """
-    for panel, done in zip(panels, sampled, strict=True):
+    for panel in panels:
         if panel is panels[-1]:
             yield block_end
         else:
             yield env.timeout(panel.last_distance + 0.5 * panel.tick - env.now)
         rows = live.rows()
-        done.succeed((rows, sample(panel, rows)))
+        desk.lay(rows, sample(panel, rows))
     yield block_end
 
 
-def slide(
-    panels: Sequence[Panel], sampled: Sequence[Event], move: Callable[[Panel, LiveRows, Sample], None]
-) -> ProcessGenerator:
+def slide(panels: Sequence[Panel], desk: Desk, move: Callable[[Panel, LiveRows, Sample], None]) -> ProcessGenerator:
     """Wait until a panel has been sampled, then move the slider through it."""
-    for panel, done in zip(panels, sampled, strict=True):
-        rows, found = yield done
+    for panel in panels:
+        rows, found = yield desk.awaited
         move(panel, rows, found)
 
 
@@ -164,10 +176,10 @@ def play_block(
     for row, death in _survivors(state.live, state.begin):
         live.processes[live.numbers[row]] = LifeProcess(env, survivor(env, live, row, death, death - state.begin))
     block_end = LifeProcess(env, births(env, live, state, births_of_block, run_end, newborn))
-    sampled = [env.event() for _ in panels]
-    last: Process = PromptProcess(env, aggregate(env, panels, sampled, block_end, sample, live))
+    desk = Desk(env)
+    last: Process = PromptProcess(env, aggregate(env, panels, desk, block_end, sample, live))
     if move is not None:
-        last = PromptProcess(env, slide(panels, sampled, move))
+        last = PromptProcess(env, slide(panels, desk, move))
     if intervene is not None:
         PromptProcess(env, intervene(env, live))
     env.run_to(env.all_of([block_end, last]))
