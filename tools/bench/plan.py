@@ -41,7 +41,7 @@ class Plan:
 
 FULL = Plan(
     quick=False,
-    repeats=7,
+    repeats=21,
     growth_repeats=3,
     counts=(10.0, 100.0, 1000.0),
     ticks=(30.0, 220.0, 2200.0),
