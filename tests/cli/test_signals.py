@@ -73,3 +73,30 @@ def test_the_second_signal_leaves_at_once(second: signal.Signals) -> None:
     program = TWICE.format(second=second.name)
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (-second, "one\n"), done.stderr
+
+
+LOADING = """
+import signal
+import sys
+
+class Interrupting:
+    def find_spec(self, name, path, target=None):
+        if name == "rubnoise.cli.app":
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+from rubnoise.__main__ import main
+main()
+"""
+
+
+def test_an_interrupt_while_the_program_is_being_loaded_says_nothing() -> None:
+    done = subprocess.run([sys.executable, "-c", LOADING], capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, b"", b"")
+
+
+def test_an_interrupt_after_that_ends_a_command_as_ever() -> None:
+    kept = "import signal; from rubnoise import __main__ as entry; import rubnoise.cli.app as app;"
+    kept += "app.main = lambda: print(signal.getsignal(signal.SIGINT) is signal.default_int_handler); entry.main()"
+    done = subprocess.run([sys.executable, "-c", kept], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "True\n")

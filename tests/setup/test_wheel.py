@@ -30,5 +30,5 @@ def test_it_holds_every_module_and_nothing_of_the_workshop(wheel: zipfile.ZipFil
 
 def test_it_brings_the_command_and_the_licence(wheel: zipfile.ZipFile) -> None:
     [points] = [name for name in wheel.namelist() if name.endswith("entry_points.txt")]
-    assert "rubnoise = rubnoise.cli.app:main" in wheel.read(points).decode()
+    assert "rubnoise = rubnoise.__main__:main" in wheel.read(points).decode()
     assert any(name.endswith("licenses/LICENSE") for name in wheel.namelist())
