@@ -28,7 +28,8 @@ def cell_moments(
     """Return the Legendre moments of the force over every cell between positions."""
     moments = np.zeros((3, positions.size))
     rows = (np.array([value]) for value in (birth, diameter, departure, strength))
-    kernels_triangle.deposit_moments(positions, *rows, moments)
+    width = (positions[-1] - positions[0]) / (positions.size - 1)
+    kernels_triangle.deposit_moments(positions, width, *rows, moments)
     return moments[:, 1:]
 
 
@@ -92,11 +93,11 @@ def test_moments_of_cells_that_hold_births_mid_lives_and_deaths(birth: float, di
 
 @pytest.mark.parametrize("power", [6, 12, 20, 30])
 def test_moments_keep_their_digits_in_narrow_cells(power: int) -> None:
-    diameter, birth, width = 5.53, 1.234, 5.53 * 0.5**power
+    diameter, birth, width = 5.53, 1.234, 0.5 ** (power - 2)
     for place in (birth, birth + diameter, birth + 2.0 * diameter):
-        positions = place + width * (np.arange(8) - 3.4)
+        positions = width * (np.floor(place / width) + np.arange(-3, 5))
         got, expected = cell_moments(positions, birth, diameter), exact_moments(positions, birth, diameter)
-        # Each edge is where rounding of a distance of some 10 um has put it, and the area with it.
+        # The area at each edge is that of a distance of some 10 um, rounded.
         assert np.abs(got - expected).max() < 2e-15 * 12.0 * diameter * width
 
 

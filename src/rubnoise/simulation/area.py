@@ -160,7 +160,7 @@ def _moments_of_rest(pulse: Pulse, grid: Grid, edges: Doubles, rows: LiveRows, w
     strength = weight / (rows.diameter * rows.diameter)
     lives = (rows.birth, rows.diameter, rows.departure, strength)
     if pulse.shape == "triangle":
-        kernels_triangle.deposit_moments(edges, *lives, moments)
+        kernels_triangle.deposit_moments(edges, grid.spacing, *lives, moments)
         return moments
     # Where a cell is a small part of a life, differences of the integrals over it lose what the cell is to gain.
     narrow = rows.diameter >= FINEST * grid.spacing

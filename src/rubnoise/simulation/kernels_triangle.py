@@ -41,47 +41,53 @@ def _add_areas(positions: Doubles, born: float, size: float, slope: float, total
 
 @compiled
 def deposit_moments(
-    positions: Doubles, birth: Doubles, diameter: Doubles, departure: Doubles, strength: Doubles, moments: Doubles
+    positions: Doubles,
+    width: float,
+    birth: Doubles,
+    diameter: Doubles,
+    departure: Doubles,
+    strength: Doubles,
+    moments: Doubles,
 ) -> None:
     """Add every junction's Legendre moments of the force to the cells between positions.
 
+    The cells are ``width`` um wide: positions far from the start are rounded, and their differences even more so.
     moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2 (uN um).
     """
     force = np.zeros(len(positions))
     deposit_areas(positions, birth, diameter, departure, strength * diameter * diameter, force)
     for cell in range(1, len(positions)):
-        width = positions[cell] - positions[cell - 1]
         moments[0, cell] += width * (force[cell] + force[cell - 1]) / 2.0
         moments[1, cell] += width * (force[cell] - force[cell - 1]) / 6.0
     for row in range(len(birth)):
-        _add_kinks(
-            positions, birth[row], diameter[row], departure[row], _SLOPE * strength[row] * diameter[row], moments
-        )
+        slope = _SLOPE * strength[row] * diameter[row]
+        _add_kinks(positions, width, birth[row], diameter[row], departure[row], slope, moments)
 
 
 @compiled_bare
-def _add_kinks(positions: Doubles, born: float, size: float, departure: float, slope: float, moments: Doubles) -> None:
+def _add_kinks(
+    positions: Doubles, width: float, born: float, size: float, departure: float, slope: float, moments: Doubles
+) -> None:
     """Add what one life puts beside the chords; a life ended early falls to nothing where it ends."""
     if departure <= born:
         return
-    _add_kink(positions, born, 0.0, slope, moments)
+    _add_kink(positions, width, born, 0.0, slope, moments)
     age = departure - born
     if age > size:
-        _add_kink(positions, born, size, -2.0 * slope, moments)
+        _add_kink(positions, width, born, size, -2.0 * slope, moments)
     if departure >= born + 2.0 * size:
-        _add_kink(positions, born, 2.0 * size, slope, moments)
+        _add_kink(positions, width, born, 2.0 * size, slope, moments)
     else:
-        _add_kink(positions, born, age, slope if age > size else -slope, moments)
-        _add_fall(positions, departure, slope * max(min(age, 2.0 * size - age), 0.0), moments)
+        _add_kink(positions, width, born, age, slope if age > size else -slope, moments)
+        _add_fall(positions, width, departure, slope * max(min(age, 2.0 * size - age), 0.0), moments)
 
 
 @compiled_bare
-def _add_kink(positions: Doubles, born: float, age: float, slope: float, moments: Doubles) -> None:
+def _add_kink(positions: Doubles, width: float, born: float, age: float, slope: float, moments: Doubles) -> None:
     """Add a change of slope (uN/um) at an age (um): slope w ((y - 1 + r)+ - r y), r the part of its cell behind it."""
     cell = first_at_or_after(positions, born + age)
     if cell == 0 or cell == len(positions):
         return
-    width = positions[cell] - positions[cell - 1]
     # From the birth and the age one after the other: their sum is rounded.
     r = min(max((positions[cell] - born - age) / width, 0.0), 1.0)
     beside = slope * width * width * r * (1.0 - r)
@@ -91,12 +97,11 @@ def _add_kink(positions: Doubles, born: float, age: float, slope: float, moments
 
 
 @compiled_bare
-def _add_fall(positions: Doubles, place: float, height: float, moments: Doubles) -> None:
+def _add_fall(positions: Doubles, width: float, place: float, height: float, moments: Doubles) -> None:
     """Add a fall by a height (uN) at a place (um): height (y - (y > 1 - r)), r the part of its cell behind it."""
     cell = first_at_or_after(positions, place)
     if cell == 0 or cell == len(positions):
         return
-    width = positions[cell] - positions[cell - 1]
     r = (positions[cell] - place) / width
     moments[0, cell] += height * width * (0.5 - r)
     moments[1, cell] += height * width * (1.0 / 6.0 - r * (1.0 - r))
