@@ -7,7 +7,13 @@ from typing import Any, Final
 from numba import float64, njit
 from numba.extending import intrinsic
 
-SOURCES = ("compiling.py", "simulation/kernels*.py", "simulation/lanes.py", "simulation/ticks.py")
+SOURCES = (
+    "compiling.py",
+    "contact/deviates.py",
+    "simulation/kernels*.py",
+    "simulation/lanes.py",
+    "simulation/ticks.py",
+)
 """Files that are compiled into functions of other files."""
 
 _DIVISION: Final = "numpy"
