@@ -108,7 +108,7 @@ def logarithmic(axis: "Axis") -> None:
 
     scale = axis.axes.set_xscale if axis is axis.axes.xaxis else axis.axes.set_yscale
     scale("log")
-    axis.set_major_formatter(FuncFormatter(lambda value, _: _power_of_ten(value)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if _is_narrow(axis) else _power_of_ten(value)))
     axis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}" if _is_narrow(axis) else ""))
 
 
