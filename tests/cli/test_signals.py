@@ -81,7 +81,7 @@ import sys
 
 class Interrupting:
     def find_spec(self, name, path, target=None):
-        if name == "rubnoise.cli.app":
+        if name == sys.argv[1]:
             signal.raise_signal(signal.SIGINT)
 
 sys.meta_path.insert(0, Interrupting())
@@ -90,8 +90,13 @@ main()
 """
 
 
-def test_an_interrupt_while_the_program_is_being_loaded_says_nothing() -> None:
-    done = subprocess.run([sys.executable, "-c", LOADING], capture_output=True, check=False)
+@pytest.mark.parametrize(
+    ("while_loading", "command"),
+    [("rubnoise.cli.app", "run"), ("rubnoise.scenario.load", "run"), ("rubnoise.api.sweeping", "sweep")],
+)
+def test_an_interrupt_while_the_program_is_being_loaded_says_nothing(while_loading: str, command: str) -> None:
+    words = [sys.executable, "-c", LOADING.replace("sys.argv[1]", repr(while_loading)), command, "x.toml"]
+    done = subprocess.run(words, capture_output=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, b"", b"")
 
 

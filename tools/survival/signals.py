@@ -56,8 +56,7 @@ def signals(count: int, seed: int, stories: tuple[Story, ...] = SHORT) -> Outcom
             stop = _stopped(story, Path(name), delay, number, twice=twice, alone=alone)
             stops.append(stop)
             outcome.count(f"{number.name}{' twice' if twice else ''}: {_end(stop)}")
-            at_once = twice or alone or number == signal.SIGTERM  # the system ends who has not begun yet
-            for wrong in (*_wrong(stop, Path(name), number, at_once=at_once), *_afterwards(story, Path(name))):
+            for wrong in (*_wrong(stop, Path(name), number), *_afterwards(story, Path(name))):
                 kind = f"{number.name}{' twice' if twice else ''}{' to a process' if alone else ''}"
                 outcome.find(f"{turn}: {story.name}, {kind} after {delay:.2f} s: {wrong}")
     for what, values in (("wall", [stop.wall for stop in stops]), ("cpu", [stop.cpu for stop in stops])):
@@ -111,9 +110,9 @@ def _end(stop: Stop) -> str:
     return f"exit code {stop.code}, nothing kept" if stop.code > 0 else f"left by {signal.Signals(-stop.code).name}"
 
 
-def _wrong(stop: Stop, folder: Path, number: int, *, at_once: bool) -> Iterator[str]:
-    """Yield what is wrong about how a run took a signal; ``at_once``: which may have left by the signal itself."""
-    if stop.code not in {0, 128 + number, *([-number] if at_once else [])}:
+def _wrong(stop: Stop, folder: Path, number: int) -> Iterator[str]:
+    """Yield what is wrong about how a run took a signal; one that has not begun yet is ended by the signal itself."""
+    if stop.code not in {0, 128 + number, -number}:
         yield f"exit code {stop.code}, {stop.said}"
     elif stop.code >= 0 and ("Traceback" in stop.said or stop.said.count("\n") > 1):
         yield f"said {stop.said}"

@@ -3,15 +3,19 @@
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import Path
 from types import FrameType
+from typing import ParamSpec
 
 from rubnoise.errors import RunStopped
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1
+
+Given = ParamSpec("Given")
 
 
 class Watcher:
@@ -76,6 +80,26 @@ class Watcher:
             self._write("")
             sys.stderr.write("\r")
             sys.stderr.flush()
+
+
+def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]:
+    """Let SIGINT end the process by itself as long as a command has made nothing, and is not watched yet.
+
+    Python's own way, an exception wherever the program is, gets lost in libraries that are just being loaded.
+    """
+
+    @wraps(command)
+    def called(*given: Given.args, **named: Given.kwargs) -> None:
+        if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+            command(*given, **named)
+            return
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        try:
+            command(*given, **named)
+        finally:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    return called
 
 
 @contextmanager

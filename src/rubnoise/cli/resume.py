@@ -5,7 +5,10 @@ from typing import Annotated
 
 import typer
 
+from rubnoise.cli.progress import interrupted_at_once
 
+
+@interrupted_at_once
 def command(
     part: Annotated[
         Path,

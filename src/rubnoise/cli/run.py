@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rubnoise.cli.progress import interrupted_at_once
+
 if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
 
 
+@interrupted_at_once
 def command(
     file: Annotated[Path, typer.Argument(help="The scenario, a TOML file.", metavar="FILE", show_default=False)],
     *,

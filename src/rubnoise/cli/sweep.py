@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rubnoise.cli.progress import interrupted_at_once
+
 if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
     from rubnoise.sweep.conducting import Ending
 
 
+@interrupted_at_once
 def command(
     file: Annotated[Path, typer.Argument(help="A file with a table [sweep].", metavar="FILE", show_default=False)],
     *,
