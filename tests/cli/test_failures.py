@@ -32,7 +32,7 @@ def test_a_disk_that_breaks_in_the_middle_leaves_nothing(
     here: Path, monkeypatch: pytest.MonkeyPatch, writes: int
 ) -> None:
     monkeypatch.setattr(Part, "write", _failing_after(writes))
-    answer = call("run", SHORT, "--set", "sliding.distance=3 mm")
+    answer = call("run", SHORT, "--set", "sliding.distance=20 mm")
     assert (answer.code, answer.out) == (1, "")
     assert answer.err == f"{here / 'contact.h5'}: writing failed: Input/output error\n"
     assert names(here) == []
@@ -41,7 +41,7 @@ def test_a_disk_that_breaks_in_the_middle_leaves_nothing(
 def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (here / "contact.h5").write_bytes(b"precious")
     monkeypatch.setattr(Part, "write", _failing_after(1))
-    assert call("run", SHORT, "--force", "--set", "sliding.distance=3 mm").code == 1
+    assert call("run", SHORT, "--force", "--set", "sliding.distance=20 mm").code == 1
     assert (here / "contact.h5").read_bytes() == b"precious"
     assert names(here) == ["contact.h5"]
 

@@ -75,8 +75,11 @@ def test_the_second_signal_leaves_at_once(second: signal.Signals) -> None:
     assert (done.returncode, done.stdout) == (-second, "one\n"), done.stderr
 
 
-LOADING = """
-import signal
+# What is run behind a & begins with SIGINT ignored, and so does what it starts.
+USUAL = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
+LOADING = (
+    USUAL
+    + """
 import sys
 
 class Interrupting:
@@ -88,6 +91,7 @@ sys.meta_path.insert(0, Interrupting())
 from rubnoise.__main__ import main
 main()
 """
+)
 
 
 @pytest.mark.parametrize(
@@ -101,7 +105,7 @@ def test_an_interrupt_while_the_program_is_being_loaded_says_nothing(while_loadi
 
 
 def test_an_interrupt_after_that_ends_a_command_as_ever() -> None:
-    kept = "import signal; from rubnoise import __main__ as entry; import rubnoise.cli.app as app;"
+    kept = USUAL + "from rubnoise import __main__ as entry; import rubnoise.cli.app as app;"
     kept += "app.main = lambda: print(signal.getsignal(signal.SIGINT) is signal.default_int_handler); entry.main()"
     done = subprocess.run([sys.executable, "-c", kept], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "True\n")

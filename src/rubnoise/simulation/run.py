@@ -57,6 +57,7 @@ def simulate(
     observe: Observer | None = None,
     watch: Watch | None = None,
     commit: Callable[[State], None] | None = None,
+    alone: bool = False,
 ) -> State:
     """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
 
@@ -64,7 +65,8 @@ def simulate(
     between two blocks. ``state``: go on from here instead of from the start; ``intervene``: a SimPy process of the
     caller's beside those of the contact, made anew in every block; ``observe``: is told of births, mid-lives, deaths;
     ``watch``: is told after each panel; ``commit``: is handed the state after each block, or after some that are
-    played together, from which the run could go on. Raises Refused for an intervention or an observer without events.
+    played together, from which the run could go on; ``alone``: none are played together. Raises Refused for an
+    intervention or an observer without events.
     """
     play = _play(engine, intervene, observe)
     run = Run(
@@ -73,7 +75,7 @@ def simulate(
         constants=slider_constants(model),
         sink=sink,
         play=play,
-        together=intervene is None,  # which is started anew in every block
+        together=intervene is None and not alone,  # an intervention is started anew in every block
         watch=watch,
     )
     state = start(model, seed) if state is None else state

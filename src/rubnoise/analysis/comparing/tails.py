@@ -22,6 +22,8 @@ RARE: Final = 1e-5
 _VALUES = 400
 _LONGEST = 1e15  # times the births of the record
 
+_LARGEST_UNIFORM = 1.0 - 2.0**-53
+
 
 class Drawn(Protocol):
     """A law whose values grow with the uniforms that make them."""
@@ -79,7 +81,7 @@ def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float
     third = fourth = 1.0
     for law, brings in laws:
         # From the median on, so that what is brought is of order 1 whatever the unit.
-        values = law.draw(np.concatenate([[0.5], 1.0 - middle]))
+        values = law.draw(np.minimum(np.concatenate([[0.5], 1.0 - middle]), _LARGEST_UNIFORM))
         brought = brings(values)[1:]
         second = float(shares @ brought**2)
         third *= float(shares @ brought**3) / second**1.5

@@ -76,13 +76,13 @@ def chosen_blocks(blocks: int, count: int) -> list[int]:
 
 
 def _play(model: Model, seed: int, sink: Compared, state: State) -> None:
-    """Play the block that a state begins; with events, since those are played one block at a time."""
+    """Play the block that a state begins, and no other."""
 
     def leave(_state: State) -> None:
         raise _BlockIsOver
 
     try:
-        simulate(model, seed, sink, engine="events", state=state, commit=leave)
+        simulate(model, seed, sink, engine="events", state=state, commit=leave, alone=True)
     except _BlockIsOver:
         return
 
