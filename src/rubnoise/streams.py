@@ -12,6 +12,9 @@ STREAM_VERSION = 1
 SEED_LIMIT = 2**53
 """Seeds lie below this, so that JSON, HDF5 and TOML readers that hold integers in doubles keep them exactly."""
 
+LARGEST_UNIFORM = 1.0 - 2.0**-53
+"""No uniform number is larger than this."""
+
 
 class Stream(IntEnum):
     """One purpose of random numbers; the value is the second word of the Philox key and never changes."""

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.deviates import normal_above
+from rubnoise.streams import LARGEST_UNIFORM
 
 Doubles = NDArray[np.float64]
-_LARGEST_UNIFORM = 1.0 - 2.0**-53
 
 
 class SizeLaw(Protocol):
@@ -111,7 +111,7 @@ class NormalSizes:
 
         Rejection from the law itself with acceptance d / d_largest; exact, since a 53-bit uniform bounds d.
         """
-        largest = float(self.draw(np.array([_LARGEST_UNIFORM]))[0])
+        largest = float(self.draw(np.array([LARGEST_UNIFORM]))[0])
         return _accepted(lambda n: self.draw(generator.random(n)), generator, largest, count)
 
 

@@ -14,7 +14,7 @@ from rubnoise.contact.sizes import FixedSizes, SizeLaw
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.streams import Stream, generator, uniforms
+from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
 
 Doubles = NDArray[np.float64]
 
@@ -223,7 +223,7 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
 
 def _largest(sizes: SizeLaw) -> float:
     """Return the largest diameter in um that a law can draw: that of the largest uniform, since laws are inverted."""
-    return float(sizes.draw(np.array([1.0 - 2.0**-53]))[0])
+    return float(sizes.draw(np.array([LARGEST_UNIFORM]))[0])
 
 
 def _poisson(seed: int, mean: float) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
+from rubnoise.streams import LARGEST_UNIFORM
 
 Doubles = NDArray[np.float64]
 
@@ -21,8 +22,6 @@ RARE: Final = 1e-5
 
 _VALUES = 400
 _LONGEST = 1e15  # times the births of the record
-
-_LARGEST_UNIFORM = 1.0 - 2.0**-53
 
 
 class Drawn(Protocol):
@@ -81,7 +80,7 @@ def _shape(laws: list[tuple[Drawn, Callable[[Doubles], Doubles]]], births: float
     third = fourth = 1.0
     for law, brings in laws:
         # From the median on, so that what is brought is of order 1 whatever the unit.
-        values = law.draw(np.minimum(np.concatenate([[0.5], 1.0 - middle]), _LARGEST_UNIFORM))
+        values = law.draw(np.minimum(np.concatenate([[0.5], 1.0 - middle]), LARGEST_UNIFORM))
         brought = brings(values)[1:]
         second = float(shares @ brought**2)
         third *= float(shares @ brought**3) / second**1.5
