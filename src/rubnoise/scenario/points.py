@@ -1,7 +1,7 @@
 """The points of a sweep: scenarios that are ready to run, each with a seed and a name of its own."""
 
 import json
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
@@ -40,25 +40,37 @@ class Point:
 
 def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[Point, ...]:
     """Return so many runs of every case but for the ``first`` ones, the replicates of a case one after another."""
-    return tuple(_point(case, replicate) for case in cases for replicate in range(first, replicates))
+    return tuple(point for case in cases for point in _points(case, range(first, replicates)))
 
 
-def _point(case: Case, replicate: int) -> Point:
-    seed = derived_seed(case.scenario, replicate)
-    run = case.scenario.run.model_copy(update={"seed": seed})
-    scenario = replace(case.scenario, run=run)
-    return Point(values=case.values, replicate=replicate, run_id=run_id(scenario), seed=seed, scenario=scenario)
+def _points(case: Case, replicates: range) -> Iterator[Point]:
+    """Yield replicates of a case; what all of them have in common is put into words once."""
+    scenario, told = case.scenario, case.scenario.resolved()
+    words = _seed_words(told)
+    for replicate in replicates:
+        seed = _derived(scenario.run.seed, words, replicate)
+        run = scenario.run.model_copy(update={"seed": seed})
+        yield Point(
+            values=case.values,
+            replicate=replicate,
+            run_id=_name(told, seed),
+            seed=seed,
+            scenario=replace(scenario, run=run),
+        )
 
 
-def derived_seed(scenario: Scenario, replicate: int) -> int:
+def _seed_words(told: Mapping[str, Any]) -> tuple[int, ...]:
+    digest = sha256(_canonical(told, without=_NOT_THE_CONTACT)).digest()
+    return tuple(int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
+
+
+def _derived(seed: int, words: tuple[int, ...], replicate: int) -> int:
     """Return the seed of a replicate: 53 bits that follow from the seed in the scenario and from what happens there.
 
     Neither the order of points nor what else is swept has a part in it, nor has how the run is written or titled. From
     numpy's SeedSequence, whose numbers are the same in every version (O'Neill's seed_seq_fe).
     """
-    digest = sha256(canonical(scenario, without=_NOT_THE_CONTACT)).digest()
-    words = (int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
-    sequence = np.random.SeedSequence(scenario.run.seed, spawn_key=(*words, replicate))
+    sequence = np.random.SeedSequence(seed, spawn_key=(*words, replicate))
     return int(sequence.generate_state(1, np.uint64)[0]) >> 11
 
 
@@ -67,8 +79,12 @@ def run_id(scenario: Scenario) -> str:
 
     The title has no part in it, nor has the engine, since both engines give the same bits.
     """
-    run = scenario.run.model_copy(update={"engine": type(scenario.run).model_fields["engine"].default})
-    return sha256(canonical(replace(scenario, run=run), without=("title",))).hexdigest()[:_ID_DIGITS]
+    return _name(scenario.resolved(), scenario.run.seed)
+
+
+def _name(told: Mapping[str, Any], seed: int) -> str:
+    run = told["run"] | {"seed": seed, "engine": SECTIONS["run"].model_fields["engine"].default}
+    return sha256(_canonical({**told, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
 
 
 def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
@@ -76,9 +92,13 @@ def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
 
     Defaults are left out so that a key of a later version, with its default, changes no name and no seed.
     """
+    return _canonical(scenario.resolved(), without)
+
+
+def _canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     told = {
         name: _without_defaults(name, value) if isinstance(value, dict) else value
-        for name, value in scenario.resolved().items()
+        for name, value in resolved.items()
         if name not in without
     }
     kept = {name: value for name, value in told.items() if value != {}}
