@@ -25,9 +25,10 @@ THREADS: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS
 """One thread each: there are as many workers as processors."""
 
 _BEGIN: Final = (
-    "import json, sys; sys.path[:] = json.loads(sys.argv[2]); "
+    "import gc, json, sys; gc.disable(); sys.path[:] = json.loads(sys.argv[2]); "
     "from rubnoise.sweep.worker import serve; serve(int(sys.argv[1]))"
 )
+"""No garbage is looked for among a thousand modules while they are loaded."""
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
