@@ -1,9 +1,10 @@
 """What a sweep costs beside its bare runs: processor time of each run, and how well two processes share the work.
 
-    .venv/bin/python tools/sweep_cost.py [--replicates 40] [--jobs 2] [--scenario scenarios/paper/fig7.toml]
+    .venv/bin/python tools/sweep_cost.py [--replicates 40] [--jobs 2] [--repeats 3] [--scenario FILE]
 
-First every run is made bare, one after another in this process, into a file each; then the same sweep by one worker
-process, and by several. The machine should have nothing else to do; processor times bear some of it, wall times none.
+Every run is made bare, one after another in this process, into a file each; then the same sweep by one worker process,
+and by several; and all of that so many times. The machine should have nothing else to do; processor times bear some of
+it, wall times none.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from statistics import median
 
 import rubnoise
 
@@ -80,38 +82,45 @@ def main() -> int:
     parser.add_argument("--scenario", type=Path, default=ROOT / "scenarios" / "paper" / "fig7.toml")
     parser.add_argument("--replicates", type=int, default=40)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--repeats", type=int, default=3)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=".") as name:
         folder = Path(name)
         (folder / "warm").mkdir()
         bare(given.scenario, 1, folder / "warm")  # kernels compiled, libraries loaded
-        (folder / "bare").mkdir()
+        costs: dict[str, list[Cost]] = {}
         runs = 0
+        for turn in range(given.repeats):
+            (place := folder / f"bare{turn}").mkdir()
 
-        def make_bare() -> None:
-            nonlocal runs
-            runs = bare(given.scenario, given.replicates, folder / "bare")
+            def make_bare(place: Path = place) -> None:
+                nonlocal runs
+                runs = bare(given.scenario, given.replicates, place)
 
-        costs = {"bare runs": cost_of(make_bare)}
-        for jobs in (1, given.jobs):
-            make = partial(swept, given.scenario, given.replicates, folder / f"jobs{jobs}", jobs)
-            costs[f"sweep, {jobs} {'process' if jobs == 1 else 'processes'}"] = cost_of(make)
-            tell_spreads(folder / f"jobs{jobs}")
+            costs.setdefault("bare runs", []).append(cost_of(make_bare))
+            for jobs in (1, given.jobs):
+                place = folder / f"jobs{jobs}-{turn}"
+                make = partial(swept, given.scenario, given.replicates, place, jobs)
+                title = f"sweep, {jobs} {'process' if jobs == 1 else 'processes'}"
+                costs.setdefault(title, []).append(cost_of(make))
+        tell_spreads(place)
     _print(costs, runs, given.jobs)
     return 0
 
 
-def _print(costs: dict[str, Cost], runs: int, jobs: int) -> None:
+def _print(costs: dict[str, list[Cost]], runs: int, jobs: int) -> None:
+    """Print medians of the turns; every ratio is that of a turn, whose sides were measured one after another."""
     first, one, several = costs.values()
-    print(f"{runs} runs")
+    print(f"{runs} runs, medians of {len(first)}")
     print(f"{'':<24}{'wall (s)':>10}{'processor (s)':>15}{'a run (ms)':>12}{'beside bare':>13}")
-    for name, cost in costs.items():
-        each = 1000.0 * cost.processor / runs
-        print(
-            f"{name:<24}{cost.wall:>10.2f}{cost.processor:>15.2f}{each:>12.2f}{cost.processor / first.processor:>13.3f}"
-        )
-    print(f"parallel efficiency of {jobs} processes: {one.wall / (jobs * several.wall):.3f} of one worker,", end=" ")
-    print(f"{first.wall / (jobs * several.wall):.3f} of the bare runs")
+    for name, turns in costs.items():
+        wall, processor = median(cost.wall for cost in turns), median(cost.processor for cost in turns)
+        beside = median(cost.processor / bare.processor for cost, bare in zip(turns, first, strict=True))
+        print(f"{name:<24}{wall:>10.2f}{processor:>15.2f}{1000.0 * processor / runs:>12.2f}{beside:>13.3f}")
+    for name, alone in (("one worker", one), ("the bare runs", first)):
+        shares = sorted(a.wall / (jobs * b.wall) for a, b in zip(alone, several, strict=True))
+        told = f"parallel efficiency of {jobs} processes, of {name}: {median(shares):.3f}"
+        print(f"{told} (from {shares[0]:.3f} to {shares[-1]:.3f})")
 
 
 if __name__ == "__main__":
