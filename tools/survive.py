@@ -1,4 +1,4 @@
-"""Runs tortured: `python tools/survive.py kills|writes|power|full|signals|cost`, by the interpreter of dev.py's .venv.
+"""Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
@@ -20,6 +20,7 @@ from survival.full import full  # noqa: E402
 from survival.kills import kills  # noqa: E402
 from survival.power import power  # noqa: E402
 from survival.signals import signals  # noqa: E402
+from survival.sweeps import sweeps  # noqa: E402
 from survival.writes import writes  # noqa: E402
 
 Torture = Callable[[int, int], Outcome]
@@ -27,6 +28,7 @@ TORTURES: Mapping[str, tuple[Torture, int]] = {
     "kills": (kills, 1000),
     "writes": (writes, 1),
     "power": (power, 1000),
+    "sweeps": (sweeps, 1000),
     "full": (full, 100),
     "signals": (signals, 200),
     "cost": (cost, 10),

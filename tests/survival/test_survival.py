@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from survival import cost, full, kills, power, signals, writes
+from survival import cost, full, kills, power, signals, sweeps, writes
 from survival.recording import Recording
 from survival.stories import SHORT, SMALL, Story
 
@@ -75,6 +75,23 @@ def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
 
     monkeypatch.setattr(power, "recorded", forgetting)
     assert any(said in finding for finding in power.power(30, seed=3, stories=(BARE,)).findings)
+
+
+def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> None:
+    outcome = sweeps.sweeps(30, seed=3, stories=(BARE, COMPRESSED))
+    assert outcome.findings == []
+    assert outcome.counts["runs made anew"] > 0 < outcome.counts["runs found whole"]
+    assert outcome.counts["runs found torn"] > 0 < outcome.counts["runs gone on with"]
+
+
+def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweeps, "settle", lambda _: {})
+    assert any("unreadable" in finding for finding in sweeps.sweeps(9, seed=3, stories=(BARE,)).findings)
+
+
+def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweeps, "clear_unsettled", lambda *_: None)
+    assert any("exists already" in finding for finding in sweeps.sweeps(60, seed=3, stories=(BARE,)).findings)
 
 
 def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:

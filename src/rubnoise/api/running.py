@@ -51,13 +51,16 @@ def run(
     force: bool = False,
     command: Sequence[str] | None = None,
     watch: Watch | None = None,
+    durable: bool = True,
 ) -> Run:
     """Run a scenario into a result file and open it; a run of it that did not finish there is gone on with.
 
     ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
     ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
-    after each panel. Raises OutputRefused before anything is created, also where another run did not finish there,
-    ScenarioRefused for a seed that is none, Refused where this machine has too little memory.
+    after each panel. Without ``durable`` the system may take its time to bring the file to the disk: nobody waits for
+    that, and a power cut within half a minute may take it. Raises OutputRefused before anything is created, also where
+    another run did not finish there, ScenarioRefused for a seed that is none, Refused where this machine has too little
+    memory.
     """
     check_output(path, force=force, unfinished=True)
     scenario = _seeded(scenario, seed)
@@ -68,7 +71,7 @@ def run(
     description = describe(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
     if watch is not None:
         watch(0.0, 0, 0)
-    with RunWriter(path, description, force=force) as writer:
+    with RunWriter(path, description, force=force, durable=durable) as writer:
         play(writer, scenario, watch)
     return Run(open_run(path, own=writer.written))
 

@@ -79,11 +79,12 @@ def carry_out(
     command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
     here = 0 if cluster is not None else jobs or processors()
     means = Means(
-        work=_work(sweep, place, command),
+        work=_work(sweep, place, command, durable=cluster is not None),
         workers=workers,
         recover=partial(found_run, root=place.root) if sweep.keep == "runs" else _nothing,
         affordable=partial(_check_room, sweep, place, here),
         watch=watch,
+        settled=cluster is not None or sweep.keep == "summary",
     )
     return conduct(place, sweep, means, shard=part, command=join(command))
 
@@ -103,23 +104,25 @@ def _workers(jobs: int | None, cluster: str | None) -> Callable[[], AbstractCont
     return partial(Pool, jobs or processors())
 
 
-def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str]) -> Callable[[Point], Row]:
+def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Callable[[Point], Row]:
     if sweep.keep == "summary":
         return keep_summary
-    return partial(keep_run, root=folder.root, command=tuple(command))
+    return partial(keep_run, root=folder.root, command=tuple(command), durable=durable)
 
 
-def keep_run(point: Point, *, root: Path, command: Sequence[str], patience: float = PATIENCE) -> Row:
+def keep_run(
+    point: Point, *, root: Path, command: Sequence[str], patience: float = PATIENCE, durable: bool = True
+) -> Row:
     """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
 
     What an earlier attempt left unfinished is gone on with. A file that somebody writes just now, such as a worker that
-    has not noticed yet that its sweep was stopped, is waited for so many seconds. Raises OutputRefused for one in its
-    place that is not the run.
+    has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the disk has the
+    file only once somebody sees it there (see together). Raises OutputRefused for one in its place that is not the run.
     """
     last = time.monotonic() + patience
     while (row := found_run(point, root=root)) is None:
         try:
-            row = _made(point, SweepFolder(root), command)
+            row = _made(point, SweepFolder(root), command, durable=durable)
             break
         except OutputInUse:
             if time.monotonic() >= last:
@@ -129,8 +132,9 @@ def keep_run(point: Point, *, root: Path, command: Sequence[str], patience: floa
     return row
 
 
-def _made(point: Point, folder: SweepFolder, command: Sequence[str]) -> Row:
-    with run(point.scenario, folder.run(point.run_id), command=command, watch=ORDERS.check) as result:
+def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Row:
+    path = folder.run(point.run_id)
+    with run(point.scenario, path, command=command, watch=ORDERS.check, durable=durable) as result:
         figures: dict[str, float] = {}
         for figure in result.summary:
             figures |= figure.as_attributes()

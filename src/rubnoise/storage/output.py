@@ -110,8 +110,8 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
         ) from problem
 
 
-def give_final_name(paths: OutputPaths, *, force: bool) -> None:
-    """Rename the whole part file to its final name and see the folder onto the disk.
+def give_final_name(paths: OutputPaths, *, force: bool, durable: bool = True) -> None:
+    """Rename the whole part file to its final name and, where it shall be ``durable``, see the folder onto the disk.
 
     Without ``force`` a file that appeared meanwhile is left alone: RubnoiseError, and the part stays.
     """
@@ -119,7 +119,8 @@ def give_final_name(paths: OutputPaths, *, force: bool) -> None:
         disk.rename(paths.part, paths.final)
     else:
         _rename_to_absent(paths)
-    disk.sync_folder(paths.final.parent)
+    if durable:
+        disk.sync_folder(paths.final.parent)
 
 
 def _rename_to_absent(paths: OutputPaths) -> None:

@@ -27,9 +27,12 @@ SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
-def make_part(path: Path, making: Path, description: RunDescription, *, hashed: bool = True) -> "Part":
+def make_part(
+    path: Path, making: Path, description: RunDescription, *, hashed: bool = True, durable: bool = True
+) -> "Part":
     """Make a part file under a passing name, with its space reserved, and rename it when its structure is on the disk.
 
+    Without ``durable`` it is renamed before the disk has it.
     Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
     Raises OSError, and OutputRefused where the disk has no room; nothing is left behind then.
     """
@@ -40,7 +43,8 @@ def make_part(path: Path, making: Path, description: RunDescription, *, hashed: 
         structure.commit(descriptor)
         copy = 0 if description.compression == "none" else structure.size
         reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
-        disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
+        if durable:
+            disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
         part = Part(descriptor, columns, pulse_of(description.scenario_resolved), hashed=hashed)
         disk.rename(making, path)
     return part

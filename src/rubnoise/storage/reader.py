@@ -38,6 +38,10 @@ class TooNew(RunFileRefused):
     """A run file in a format version that this rubnoise does not know yet."""
 
 
+class InUse(RunFileRefused):
+    """A file that another program is writing."""
+
+
 class RunFile:
     """An open run file. Opening reads its structure only; each column is read when it is asked for.
 
@@ -208,7 +212,7 @@ def _share(descriptor: int) -> None:
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError as problem:
-        raise RunFileRefused("is being written by another program") from problem
+        raise InUse("is being written by another program") from problem
     except OSError:
         return  # where a file system has no locks, nobody else has one either
 

@@ -40,8 +40,10 @@ class RunWriter:
 
     Without a description it goes on with the part that is there: ``description`` and ``state`` say with what and from
     where, None being the start, and ``replay`` hands out the rows that are there. Without ``safe`` there are neither
-    journal nor hashes, which is only good for measuring what they cost. Entering raises OutputRefused (see
-    check_output; a full disk and a second writer too), and RunFileRefused for a part that cannot be read.
+    journal nor hashes, which is only good for measuring what they cost. Without ``durable`` a run that ends before its
+    first commit does not wait for the disk: a kill loses nothing then, a power cut may until somebody has seen the file
+    onto the disk (see together). Entering raises OutputRefused (see check_output; a full disk and a second writer too),
+    and RunFileRefused for a part that cannot be read.
     """
 
     def __init__(
@@ -51,11 +53,13 @@ class RunWriter:
         *,
         force: bool = False,
         safe: bool = True,
+        durable: bool = True,
     ) -> None:
         self._path = path
         self._given = description
         self._force = force
         self._safe = safe
+        self._durable = durable
         self._keep_part = description is None
         self._open = ExitStack()
         self.state: State | None = None
@@ -109,9 +113,9 @@ class RunWriter:
         with self._telling():
             if self._journal.begun and self.state is not None:
                 self._commit(self.state)
-            finished = now()
-            self._complete(summary, finished, between)
-            self._name()
+            finished, durable = now(), self._durable or self._journal.begun
+            self._complete(summary, finished, between, durable=durable)
+            self._name(durable=durable)
             self.written = self._written(summary, finished)
 
     def _begin(self, description: RunDescription, opening: ExitStack) -> None:
@@ -119,7 +123,7 @@ class RunWriter:
         if self._paths.journal.exists():
             disk.remove(self._paths.journal)
             disk.sync_folder(self._paths.journal.parent)
-        part = _make_part(self._paths, description, hashed=self._safe)
+        part = _make_part(self._paths, description, hashed=self._safe, durable=self._durable)
         opening.callback(self._discard)
         self._part = opening.enter_context(part)
         self._keep_journal(description, opening)
@@ -143,15 +147,17 @@ class RunWriter:
         self._keep_part = True
         self._committed_at = monotonic()
 
-    def _complete(self, summary: Mapping[str, Scalar], finished: str, between: Callable[[], None]) -> None:
+    def _complete(
+        self, summary: Mapping[str, Scalar], finished: str, between: Callable[[], None], *, durable: bool
+    ) -> None:
         if self.description.compression == "gzip":
             compress_part(self._part, self._paths, self.description, summary, finished, between)
             return
         changed = self._part.completion(summary, finished)
         if self._safe:
-            self._journal.append("end", packed_ending(changed), durable=True)
+            self._journal.append("end", packed_ending(changed), durable=durable)
         changed.commit(self._part.descriptor)
-        disk.sync(self._part.descriptor)
+        (disk.sync if durable else disk.begin_sync)(self._part.descriptor)
 
     def _written(self, summary: Mapping[str, Scalar], finished: str) -> Written:
         file = self._paths.final.stat()
@@ -159,12 +165,12 @@ class RunWriter:
             return Written(file)
         return Written.of(file, self.description, self._part.columns(), summary, finished)
 
-    def _name(self) -> None:
+    def _name(self, *, durable: bool) -> None:
         # The part is whole and needs its journal no more; one that went last would be left over by a kill.
         self._journal.close()
         disk.remove(self._paths.journal)
         try:
-            give_final_name(self._paths, force=self._force)
+            give_final_name(self._paths, force=self._force, durable=durable)
         except OutputAppearedError:
             self._keep_part = True
             raise
@@ -198,8 +204,8 @@ class RunWriter:
             raise RubnoiseError(text) from problem
 
 
-def _make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool) -> Part:
+def _make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool, durable: bool) -> Part:
     try:
-        return make_part(paths.part, paths.making, description, hashed=hashed)
+        return make_part(paths.part, paths.making, description, hashed=hashed, durable=durable)
     except OSError as problem:
         raise OutputRefused(f"{paths.final}: cannot be written: {problem.strerror or problem}") from problem

@@ -10,8 +10,9 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.sweep.engine import Course, Outcome, Workers
 from rubnoise.sweep.folder import Shard, SweepFolder
 from rubnoise.sweep.further import Further, Unmet
-from rubnoise.sweep.journal import Entry, Journal
+from rubnoise.sweep.journal import Journal
 from rubnoise.sweep.known import Known
+from rubnoise.sweep.ledger import Ledger
 from rubnoise.sweep.renewal import Renewal
 from rubnoise.sweep.rows import Row
 from rubnoise.sweep.stock import Stock
@@ -41,7 +42,8 @@ class Means:
 
     ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that nobody
     wrote down, ``affordable`` raises where the runs to be made need more than there is, ``watch`` is told how far the
-    sweep is, several times a second, and may raise RunStopped.
+    sweep is, several times a second, and may raise RunStopped. Unless it is ``settled``, work leaves its files to the
+    sweep to be seen onto the disk.
     """
 
     work: Callable[[Point], Row]
@@ -49,6 +51,7 @@ class Means:
     recover: Callable[[Point], Row | None]
     affordable: Callable[[Sequence[Point]], None]
     watch: Callable[[Standing], None]
+    settled: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,9 +74,11 @@ def conduct(
     """
     with folder.writing(shard):
         folder.claim(sweep)
-        renewal = Renewal(folder, sweep, command, alone=shard is None)
+        further = Further(sweep)
+        renewal = Renewal(folder, sweep, further, command, alone=shard is None)
         with Journal(folder.journal(shard)) as journal:
-            conductor = _Conductor(folder, _part(sweep, shard), means, journal, renewal, shard)
+            ledger = Ledger(folder, journal, Stock.of(folder, sweep.precision))
+            conductor = _Conductor(_part(further, sweep, shard), means, ledger, renewal, shard)
             try:
                 conductor.carry_out()
             except RunStopped as stopped:
@@ -83,11 +88,11 @@ def conduct(
         return Ending(points=points, known=known, imprecise=conductor.imprecise)
 
 
-def _part(sweep: Sweep, shard: Shard | None) -> Sweep:
+def _part(further: Further, sweep: Sweep, shard: Shard | None) -> Further:
     """Return what a shard goes through of a sweep with a precision: whole points, since it decides on them."""
     if shard is None or sweep.precision is None:
-        return sweep
-    return replace(sweep, cases=shard.of_cases(sweep.cases))
+        return further
+    return Further(replace(sweep, cases=shard.of_cases(sweep.cases)))
 
 
 class _Conductor:
@@ -95,76 +100,84 @@ class _Conductor:
 
     def __init__(
         self,
-        folder: SweepFolder,
-        sweep: Sweep,
+        further: Further,
         means: Means,
-        journal: Journal,
+        ledger: Ledger,
         renewal: Renewal,
         shard: Shard | None,
     ) -> None:
-        self.further = Further(sweep)
+        self.further = further
         self._means = means
-        self._journal = journal
+        self._ledger = ledger
         self._renewal = renewal
-        self._shard = None if sweep.precision else shard
-        self._stock = Stock.of(folder, sweep.precision)
+        self._shard = None if further.precision else shard
+        self._before = 0
+        self._now = Standing(runs=0, done=0, failed=0, before=0)
 
     def carry_out(self) -> None:
         """Take stock, then make what is missing, as long as anything is."""
         for point in self._wanted():
-            if (row := self._means.recover(point)) is not None:
-                self._done(point, row)
+            if (row := self._recover(point)) is not None:
+                self._ledger.done(row, settled=not row.file)
+        self._ledger.settle()
         if not (points := self._wanted()):
             return
         self._means.affordable(points)
-        before = self._standing().done
+        self._before = self._standing().done
         with self._means.workers() as workers:
             while points:
-                self._make(points, workers, before)
+                self._make(points, workers)
                 points = self._wanted()
 
     @property
     def imprecise(self) -> list[Unmet]:
         """The points that have all the replicates they may have, and too few for their precision."""
-        return self.further.unmet(self._stock.ended)
+        return self.further.unmet(self._ledger.stock.ended)
 
     def _wanted(self) -> tuple[Point, ...]:
-        points = self.further(self._stock.ended)
+        points = self.further(self._ledger.stock.ended)
         return points if self._shard is None else self._shard.of_points(points, self.further.points)
 
-    def _standing(self, before: int = 0) -> Standing:
+    def _standing(self) -> Standing:
         """Count the runs of this shard as they are planned by now."""
         points = self.further.points
         own = points if self._shard is None else self._shard.of_points(points, points)
-        done, failed = (sum(point.run_id in ended for point in own) for ended in (self._stock.done, self._stock.failed))
-        return Standing(runs=len(own), done=done, failed=failed, before=before)
+        stock = self._ledger.stock
+        done, failed = (sum(point.run_id in ended for point in own) for ended in (stock.done, stock.failed))
+        return Standing(runs=len(own), done=done, failed=failed, before=self._before)
 
-    def _make(self, points: tuple[Point, ...], workers: Workers, before: int) -> None:
+    def _make(self, points: tuple[Point, ...], workers: Workers) -> None:
         """Carry out the points of a round."""
-        standing = self._standing(before)
+        self._now = self._standing()
+        self._means.watch(self._now)
+        if not self._means.settled:
+            self._ledger.begin(points)
+        course = Course(points, self._means.work, workers, recover=self._recover, watch=self._look_up)
+        try:
+            for outcome in course.outcomes():
+                self._write_down(outcome)
+                self._renewal.if_due()
+        finally:
+            self._ledger.settle()
+        self._now = self._standing()
+        self._means.watch(self._now)
 
-        def look_up() -> None:
-            self._means.watch(standing)
+    def _recover(self, point: Point) -> Row | None:
+        self._ledger.clear(point)
+        return self._means.recover(point)
 
-        look_up()
-        course = Course(points, self._means.work, workers, recover=self._means.recover, watch=look_up)
-        for outcome in course.outcomes():
-            went_well = self._write_down(outcome)
-            standing = replace(standing, done=standing.done + went_well, failed=standing.failed + (not went_well))
-            self._renewal.if_due()
-        look_up()
+    def _look_up(self) -> None:
+        if self._ledger.settle_if_due():
+            self._now = self._standing()
+        self._means.watch(self._now)
 
-    def _write_down(self, outcome: Outcome[Row]) -> bool:
+    def _write_down(self, outcome: Outcome[Row]) -> None:
         if outcome.result is not None:
-            self._done(outcome.point, outcome.result)
-            return True
-        self._journal.add(Entry(run_id=outcome.point.run_id, state="failed", reason=_reason(outcome.problem)))
-        self._stock.failed[outcome.point.run_id] = {}
-        return False
-
-    def _done(self, point: Point, row: Row) -> None:
-        self._journal.add(Entry(run_id=point.run_id, state="done", row=row))
-        self._stock.add(row)
+            self._ledger.done(outcome.result, settled=self._means.settled)
+            self._now = replace(self._now, done=self._now.done + 1)
+        else:
+            self._ledger.failed(outcome.point.run_id, _reason(outcome.problem))
+            self._now = replace(self._now, failed=self._now.failed + 1)
 
 
 def _reason(problem: Exception | None) -> str:

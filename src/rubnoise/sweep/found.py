@@ -15,6 +15,7 @@ from rubnoise.sweep.rows import Row
 def found_run(point: Point, *, root: Path) -> Row | None:
     """Return the row of a run whose finished result lies where it belongs, or None.
 
+    All of it is read, and compared with its hashes: a power cut may have come before the disk had it.
     It is that of the point where its scenario, seed and stream version are; title and engine have no part in that.
     """
     folder = SweepFolder(root)
@@ -23,10 +24,10 @@ def found_run(point: Point, *, root: Path) -> Row | None:
         return None
     try:
         with open_run(path) as file:
-            origin, summary = file.provenance, file.summary
+            origin, summary, damaged = file.provenance, file.summary, file.damaged()
     except RunFileRefused:
         return None
-    if not origin["finished"] or origin["stream_version"] != STREAM_VERSION:
+    if damaged or not summary or not origin["finished"] or origin["stream_version"] != STREAM_VERSION:
         return None
     if _told(json.loads(str(origin["scenario_resolved"]))) != _told(point.scenario.resolved()):
         return None

@@ -88,12 +88,12 @@ def _stacks(points: Sequence[Point], known: Known) -> Iterator[Stack]:
 
 
 def _arrays_of_runs(folder: SweepFolder, known: Known) -> Arrays:
-    for entry in folder.entries():
+    for entry in folder.entries() if known.arrays else ():
         if entry.row is not None and entry.row.arrays and entry.run_id in known.places:
             yield known.places[entry.run_id], entry.row.arrays
 
 
 def _arrays_of_points(folder: SweepFolder, known: Known, numbers: Sequence[int]) -> Arrays:
-    for entry in folder.entries():
+    for entry in folder.entries() if known.arrays else ():
         if entry.row is not None and entry.row.of_point and entry.run_id in known.places:
             yield numbers[known.places[entry.run_id]], entry.row.of_point

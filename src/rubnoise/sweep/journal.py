@@ -24,10 +24,13 @@ _DIGITS: Final = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """The end of one run: done, with what is left of it, or failed, with the reason."""
+    """What happened to one run: it is done, with what is left of it, or failed, with the reason; or is to be made.
+
+    One that was ``begun`` had no file in its place: what is found there, torn, is its own.
+    """
 
     run_id: str
-    state: Literal["done", "failed"]
+    state: Literal["begun", "done", "failed"]
     row: Row | None = None
     reason: str = ""
 
@@ -52,13 +55,16 @@ class Journal:
         os.fsync(self._descriptor)
         os.close(self._descriptor)
 
-    def add(self, entry: Entry) -> None:
-        """Append an entry; raises OSError where the disk fails."""
-        text = json.dumps(_packed(entry), separators=(",", ":")).encode()
-        self._write(xxhash.xxh3_64_hexdigest(text).encode() + b" " + text + b"\n")
+    def add(self, *entries: Entry) -> None:
+        """Append entries; raises OSError where the disk fails."""
+        self._write(b"".join(map(_line, entries)))
         if time.monotonic() - self._synced >= SYNC_EVERY:
-            os.fsync(self._descriptor)
-            self._synced = time.monotonic()
+            self.sync()
+
+    def sync(self) -> None:
+        """See all of it onto the disk."""
+        os.fsync(self._descriptor)
+        self._synced = time.monotonic()
 
     def _write(self, line: bytes) -> None:
         while line:
@@ -75,6 +81,11 @@ def entries(path: Path) -> Iterator[Entry]:
                     yield _unpacked(json.loads(text))
     except FileNotFoundError:
         return
+
+
+def _line(entry: Entry) -> bytes:
+    text = json.dumps(_packed(entry), separators=(",", ":")).encode()
+    return xxhash.xxh3_64_hexdigest(text).encode() + b" " + text + b"\n"
 
 
 def _packed(entry: Entry) -> dict[str, Any]:

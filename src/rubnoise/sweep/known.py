@@ -18,13 +18,17 @@ FAILED: Final = "failed"
 
 @dataclass(slots=True)
 class Known:
-    """States, files, reasons and figures of the runs of a plan, one after another in its order."""
+    """States, files, reasons and figures of the runs of a plan, one after another in its order.
+
+    ``arrays``: whether the journals have any, which are not held here.
+    """
 
     places: Mapping[str, int]
     states: list[str]
     files: list[str]
     reasons: list[str]
     figures: dict[str, NDArray[np.float64]]
+    arrays: bool = False
 
     @classmethod
     def of(cls, folder: SweepFolder, points: Sequence[Point]) -> Self:
@@ -32,7 +36,7 @@ class Known:
         count = len(points)
         known = cls({p.run_id: n for n, p in enumerate(points)}, [PLANNED] * count, [""] * count, [""] * count, {})
         for entry in folder.entries():
-            if (place := known.places.get(entry.run_id)) is not None:
+            if entry.state != "begun" and (place := known.places.get(entry.run_id)) is not None:
                 known._take(place, entry)
         return known
 
@@ -42,6 +46,7 @@ class Known:
         self.states[place], self.reasons[place] = entry.state, entry.reason
         if entry.row is not None:
             self.files[place] = entry.row.file
+            self.arrays = self.arrays or bool(entry.row.arrays or entry.row.of_point)
             for name, value in entry.row.figures.items():
                 if name not in self.figures:
                     self.figures[name] = np.full(len(self.states), np.nan)

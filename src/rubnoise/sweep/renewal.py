@@ -22,13 +22,13 @@ SHARE: Final = 0.02
 class Renewal:
     """The index of a whole sweep, whoever makes its runs; shards write it at their end alone."""
 
-    def __init__(self, folder: SweepFolder, sweep: Sweep, command: str, *, alone: bool) -> None:
+    def __init__(self, folder: SweepFolder, sweep: Sweep, further: Further, command: str, *, alone: bool) -> None:
         """Stand before the first index."""
         self._folder = folder
         self._sweep = sweep
         self._command = command
         self._alone = alone
-        self._further = Further(sweep)
+        self._further = further
         self._due = time.monotonic() + EVERY
 
     def if_due(self) -> None:

@@ -13,11 +13,12 @@ Figures = Mapping[str, float]
 
 @dataclass(slots=True)
 class Stock:
-    """Runs that are done, with the one figure that a precision asks for, and runs that failed."""
+    """Runs that are done, with the one figure that a precision asks for, those that failed, those that were begun."""
 
     quantity: str | None
     done: dict[str, Figures] = field(default_factory=dict)
     failed: dict[str, Figures] = field(default_factory=dict)
+    begun: set[str] = field(default_factory=set)
 
     @classmethod
     def of(cls, folder: SweepFolder, precision: Precision | None) -> Self:
@@ -27,6 +28,8 @@ class Stock:
         """
         stock = cls(None if precision is None else precision.quantity)
         for entry in folder.entries():
+            if entry.state == "begun":
+                stock.begun.add(entry.run_id)
             if entry.row is not None and (not entry.row.file or (folder.root / entry.row.file).exists()):
                 stock.add(entry.row)
         return stock
@@ -35,6 +38,12 @@ class Stock:
         """Take in a run that is done."""
         known = self.quantity is not None and self.quantity in row.figures
         self.done[row.run_id] = {str(self.quantity): row.figures[str(self.quantity)]} if known else {}
+        self.begun.discard(row.run_id)
+
+    def fail(self, run_id: str) -> None:
+        """Take in a run that failed, if only after it had seemed to be done."""
+        self.done.pop(run_id, None)
+        self.failed[run_id] = {}
 
     @property
     def ended(self) -> dict[str, Figures]:
