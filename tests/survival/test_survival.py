@@ -13,6 +13,7 @@ from rubnoise.storage.history import History
 from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.writer import RunWriter
+from rubnoise.sweep import found
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
 BARE, COMPRESSED = SMALL[2], SMALL[3]
@@ -90,7 +91,7 @@ def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeyp
 
 
 def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeps, "clear_unsettled", lambda *_: None)
+    monkeypatch.setattr(found, "clear_unsettled", lambda *_: None)
     assert any("exists already" in finding for finding in sweeps.sweeps(60, seed=3, stories=(BARE,)).findings)
 
 

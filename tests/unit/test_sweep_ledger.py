@@ -1,5 +1,7 @@
 """A run is written down as done when the disk has its file, and what a power cut leaves of one makes no trouble."""
 
+import os
+import signal
 from collections.abc import Iterator
 from errno import EIO
 from pathlib import Path
@@ -10,11 +12,13 @@ import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.points import Point
 from rubnoise.storage import disk
+from rubnoise.storage import survey as survey_module
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.found import found_run
 from rubnoise.sweep.journal import Journal, entries
 from rubnoise.sweep.ledger import Ledger
+from rubnoise.sweep.rows import Row
 from rubnoise.sweep.stock import Stock
 from tests.unit.sweeps import sweep_of
 
@@ -48,6 +52,10 @@ def _made(point: Point, folder: SweepFolder, ledger: Ledger) -> Path:
 def _left(point: Point, folder: SweepFolder) -> Path:
     """Make a run that nobody takes in, as one that is killed in the same moment."""
     return folder.root / keep_run(point, root=folder.root, command=("x",), durable=False).file
+
+
+def _recovered(point: Point, folder: SweepFolder, ledger: Ledger) -> Row | None:
+    return found_run(point, root=folder.root, begun=point.run_id in ledger.stock.begun)
 
 
 def _told(folder: SweepFolder) -> list[tuple[str, str]]:
@@ -124,7 +132,7 @@ def test_torn_results_of_runs_that_were_begun_go_and_others_stay(
     with torn.open("r+b") as file:
         file.truncate(torn.stat().st_size // 2)
     for point in points:
-        ledger.clear(point)
+        _recovered(point, folder, ledger)
     assert stranger.read_bytes() == b"mine"
     assert not torn.exists()
     assert found_run(points[2], root=folder.root) is not None
@@ -142,10 +150,10 @@ def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
     path.write_bytes(data)
     assert found_run(points[0], root=folder.root) is None
     ledger.begin(points)
-    ledger.clear(points[0])
+    _recovered(points[0], folder, ledger)
     assert path.exists()  # it was there before, and may be anybody's
     ledger.stock.begun.add(points[0].run_id)
-    ledger.clear(points[0])
+    _recovered(points[0], folder, ledger)
     assert not path.exists()
 
 
@@ -158,10 +166,29 @@ def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
     paths.part.hardlink_to(path)
     torn.part.write_bytes(bytes(5000))
     with sole_writer(torn):
-        ledger.clear(points[1])
+        _recovered(points[1], folder, ledger)
         assert torn.part.exists()
     for point in points:
-        ledger.clear(point)
+        _recovered(point, folder, ledger)
     assert path.exists()
     assert not paths.part.exists()
     assert not torn.part.exists()
+
+
+def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(
+    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ledger.begin(points)
+    path = _left(points[0], folder)
+    with monkeypatch.context() as patches:
+        patches.setattr(survey_module, "survey", lambda _: os.kill(os.getpid(), signal.SIGKILL))
+        assert _recovered(points[0], folder, ledger) is None
+    assert path.exists()
+    assert _recovered(points[0], folder, ledger) is not None
+
+
+def test_a_whole_result_of_another_run_stays(points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger) -> None:
+    ledger.begin(points)
+    path = _left(points[1], folder).rename(folder.run(points[0].run_id))
+    assert _recovered(points[0], folder, ledger) is None
+    assert path.exists()

@@ -10,7 +10,7 @@ import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.points import Point
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.together import clear_unsettled, settle
+from rubnoise.storage.together import settle
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.found import found_run
 from survival.child import committing
@@ -75,9 +75,9 @@ def _go_on(outcome: Outcome, folder: SweepFolder, points: Sequence[Point]) -> No
     """Make what nobody wrote down as done, as a sweep does that goes on."""
     for point in points:
         there = folder.run(point.run_id).exists()
-        clear_unsettled(folder.run(point.run_id), point.scenario.text)
+        found = found_run(point, root=folder.root, begun=True)
         part = OutputPaths.of(folder.run(point.run_id)).part.exists()
-        if found_run(point, root=folder.root) is not None:
+        if found is not None:
             outcome.count("runs found whole")
         else:
             outcome.count("runs found torn" if there else "runs gone on with" if part else "runs made anew")

@@ -81,7 +81,7 @@ def carry_out(
     means = Means(
         work=_work(sweep, place, command, durable=cluster is not None),
         workers=workers,
-        recover=partial(found_run, root=place.root) if sweep.keep == "runs" else _nothing,
+        recover=partial(found_run, root=place.root) if sweep.keep == "runs" else None,
         affordable=partial(_check_room, sweep, place, here),
         watch=watch,
         settled=cluster is not None or sweep.keep == "summary",
@@ -139,10 +139,6 @@ def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable:
         for figure in result.summary:
             figures |= figure.as_attributes()
     return Row(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures)
-
-
-def _nothing(_point: Point) -> None:
-    return None
 
 
 def _check_room(sweep: Sweep, folder: SweepFolder, jobs: int, points: Sequence[Point]) -> None:

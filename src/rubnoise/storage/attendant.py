@@ -8,6 +8,7 @@ import os
 import socket
 import sys
 import threading
+from contextlib import suppress
 from signal import SIG_IGN, SIGINT, signal
 from typing import Final
 from weakref import finalize
@@ -62,7 +63,7 @@ def attend() -> None:
     from rubnoise.storage.survey import survey
 
     signal(SIGINT, SIG_IGN)
-    with socket.socket(fileno=CHANNEL) as channel:
+    with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits
         while True:
             _, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
             if not descriptors:

@@ -42,6 +42,10 @@ class InUse(RunFileRefused):
     """A file that another program is writing."""
 
 
+class Unseen(RunFileRefused):
+    """A file of which nothing can be told, since whoever looked at it was killed or took too long."""
+
+
 class RunFile:
     """An open run file. Opening reads its structure only; each column is read when it is asked for.
 
@@ -227,7 +231,7 @@ def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
     except (ValueError, RecursionError) as problem:
         raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
     if "refused" in found:
-        raise RunFileRefused(found["refused"])
+        raise (Unseen if found.get("unseen") else RunFileRefused)(found["refused"])
     if "too_new" in found:
         version, source = found["too_new"], found["source"]
         raise TooNew(

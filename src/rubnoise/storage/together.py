@@ -1,13 +1,15 @@
 """Results of many short runs seen onto the disk together: to wait for each alone takes longer than its bytes."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
+from typing import Literal
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
 from rubnoise.storage.history import History
 from rubnoise.storage.output import OutputInUse, OutputPaths, sole_writer
-from rubnoise.storage.reader import InUse, TooNew, open_run
+from rubnoise.storage.reader import InUse, TooNew, Unseen
 from rubnoise.storage.resuming import mended
 from rubnoise.storage.unfinished import described
 
@@ -28,23 +30,27 @@ def settle(paths: Iterable[Path]) -> dict[Path, OSError]:
     return wrong
 
 
-def clear_unsettled(path: Path, text: str) -> None:
+def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) -> None:
     """Remove what a kill or a power cut has left of a run that was not settled, as far as nothing can be made of it.
 
-    A result stays that is whole in every respect, ``text`` being the scenario that it has to tell, and a part with a
-    commit, before which all of it was on the disk. So does what another process writes, what may not be looked at, and
-    what is of a later version.
+    ``kind`` tells of the file under its final name, where there is one; it goes where it is torn. A part goes where the
+    whole result is there, and where it has no commit: before one all of it was on the disk. What another process writes
+    stays as it is.
     """
     paths = OutputPaths.of(path)
-    try:
-        with sole_writer(paths):
-            if paths.final.exists() and _is_torn(paths, text):
-                disk.remove(paths.final)
-            if paths.part.exists() and (paths.final.exists() or _is_lost(paths)):
-                disk.remove(paths.part)
-                disk.remove(paths.journal)
-    except OutputInUse:
+    if kind != "torn" and not paths.part.exists():
         return
+    with suppress(OutputInUse), sole_writer(paths):
+        if kind == "torn":
+            disk.remove(paths.final)
+        if paths.part.exists() and (kind == "whole" or _is_lost(paths)):
+            disk.remove(paths.part)
+            disk.remove(paths.journal)
+
+
+def is_of_torn(refusal: RunFileRefused) -> bool:
+    """Whether a file was refused as one that a power cut has torn would be, and not because nobody could look at it."""
+    return not isinstance(refusal, InUse | TooNew | Unseen) and not isinstance(refusal.__cause__, OSError)
 
 
 def _by_folder(paths: Iterable[Path]) -> dict[Path, list[Path]]:
@@ -62,15 +68,6 @@ def _settle(path: Path) -> None:
         disk.close(descriptor)
 
 
-def _is_torn(paths: OutputPaths, text: str) -> bool:
-    try:
-        with open_run(paths.final) as run:
-            # Columns have hashes, and HDF5 has checksums of what is shorter than a page; a longer text has neither.
-            return run.provenance["scenario_toml"] != text or not run.summary or bool(run.damaged())
-    except RunFileRefused as refusal:
-        return _says_torn(refusal)
-
-
 def _is_lost(paths: OutputPaths) -> bool:
     if not History.read(paths.journal).commits:
         return True
@@ -78,9 +75,5 @@ def _is_lost(paths: OutputPaths) -> bool:
         with mended(paths) as run:
             described(run)
     except RunFileRefused as refusal:
-        return _says_torn(refusal)
+        return is_of_torn(refusal)
     return False
-
-
-def _says_torn(refusal: RunFileRefused) -> bool:
-    return not isinstance(refusal, InUse | TooNew) and not isinstance(refusal.__cause__, OSError)

@@ -27,13 +27,17 @@ CPU_SECONDS: Final = 10
 WALL_SECONDS: Final = 60.0
 ANSWER_BYTES: Final = 64 * 1024**2
 
+FROM_OUTSIDE: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
+"""Signals that no library sends to itself: a lack of memory, or somebody's hand."""
+
 Look = Callable[[int], bytes]
 
 
 def vetted(descriptor: int, look: Look, *, patience: float = WALL_SECONDS) -> bytes:
     """Return what ``look`` makes of an open file in a child process.
 
-    The answer is a JSON object; where the child crashes or takes too much, one that says so under ``refused``.
+    The answer is a JSON object; where the child crashes or takes too much, one that says so under ``refused``, and
+    under ``unseen`` that this need not be the file's fault.
     """
     receiving, sending = os.pipe()
     child = _copy_of_this_process()
@@ -113,7 +117,9 @@ def _outcome(child: int, receiving: int, deadline: float) -> bytes:
             os.kill(child, signal.SIGKILL)
         _, status = os.waitpid(child, 0)
     if answer is None:
-        return _refusal("reading its structure takes more time or memory than that of any run")
+        return _refusal("reading its structure takes more time or memory than that of any run", unseen=True)
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in FROM_OUTSIDE:
+        return _refusal("whoever read its structure was killed; try again", unseen=True)
     return answer if status == 0 else _refusal(f"damaged: HDF5 {_end(status)} on its structure; {REMEDY}")
 
 
@@ -138,5 +144,5 @@ def _end(status: int) -> str:
     return "loops" if number == signal.SIGXCPU else f"crashes ({signal.Signals(number).name})"
 
 
-def _refusal(reason: str) -> bytes:
-    return json.dumps({"refused": reason}).encode()
+def _refusal(reason: str, *, unseen: bool = False) -> bytes:
+    return json.dumps({"refused": reason, "unseen": unseen}).encode()

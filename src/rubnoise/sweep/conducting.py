@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from rubnoise.errors import RunStopped
 from rubnoise.scenario.points import Point
@@ -36,19 +37,27 @@ class Standing:
     before: int
 
 
+class Recover(Protocol):
+    """Finds what a run has left that nobody wrote down."""
+
+    def __call__(self, point: Point, *, begun: bool) -> Row | None:
+        """Return its row, or None; ``begun``: what is torn is that of this folder, and may go."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Means:
     """How the runs of a sweep are made.
 
     ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that nobody
-    wrote down, ``affordable`` raises where the runs to be made need more than there is, ``watch`` is told how far the
-    sweep is, several times a second, and may raise RunStopped. Unless it is ``settled``, work leaves its files to the
-    sweep to be seen onto the disk.
+    wrote down, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
+    ``watch`` is told how far the sweep is, several times a second, and may raise RunStopped. Unless it is ``settled``,
+    work leaves its files to the sweep to be seen onto the disk.
     """
 
     work: Callable[[Point], Row]
     workers: Callable[[], AbstractContextManager[Workers]]
-    recover: Callable[[Point], Row | None]
+    recover: Recover | None
     affordable: Callable[[Sequence[Point]], None]
     watch: Callable[[Standing], None]
     settled: bool
@@ -116,10 +125,7 @@ class _Conductor:
 
     def carry_out(self) -> None:
         """Take stock, then make what is missing, as long as anything is."""
-        for point in self._wanted():
-            if (row := self._recover(point)) is not None:
-                self._ledger.done(row, settled=not row.file)
-        self._ledger.settle()
+        self._take_in()
         if not (points := self._wanted()):
             return
         self._means.affordable(points)
@@ -128,6 +134,17 @@ class _Conductor:
             while points:
                 self._make(points, workers)
                 points = self._wanted()
+
+    def _take_in(self) -> None:
+        """Write down what is there of runs that nobody wrote down."""
+        self._now = self._standing()
+        try:
+            for point in self._wanted():
+                if (row := self._recover(point)) is not None:
+                    self._ledger.done(row, settled=not row.file)
+                    self._look_up()
+        finally:
+            self._ledger.settle()
 
     @property
     def imprecise(self) -> list[Unmet]:
@@ -163,8 +180,9 @@ class _Conductor:
         self._means.watch(self._now)
 
     def _recover(self, point: Point) -> Row | None:
-        self._ledger.clear(point)
-        return self._means.recover(point)
+        if self._means.recover is None:
+            return None
+        return self._means.recover(point, begun=point.run_id in self._ledger.stock.begun)
 
     def _look_up(self) -> None:
         if self._ledger.settle_if_due():

@@ -2,37 +2,60 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.scenario.points import Point
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.together import clear_unsettled, is_of_torn
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.rows import Row
 
+Kind = Literal["whole", "torn", "other"]
 
-def found_run(point: Point, *, root: Path) -> Row | None:
+
+def found_run(point: Point, *, root: Path, begun: bool = False) -> Row | None:
     """Return the row of a run whose finished result lies where it belongs, or None.
 
-    All of it is read, and compared with its hashes: a power cut may have come before the disk had it.
-    It is that of the point where its scenario, seed and stream version are; title and engine have no part in that.
+    It is that of the point where its scenario, seed and stream version are; title and engine have no part in that. All
+    of it is read, and compared with its hashes: a power cut may have come before the disk had it. Of a run that was
+    ``begun`` here, what is torn, and parts of which nothing can be made, are removed.
     """
     folder = SweepFolder(root)
     path = folder.run(point.run_id)
-    if not path.exists():
-        return None
+    row, kind = _found(point, folder, begun=begun) if path.exists() else (None, None)
+    if begun:
+        clear_unsettled(path, kind)
+    return row
+
+
+def _found(point: Point, folder: SweepFolder, *, begun: bool) -> tuple[Row | None, Kind]:
     try:
-        with open_run(path) as file:
-            origin, summary, damaged = file.provenance, file.summary, file.damaged()
-    except RunFileRefused:
-        return None
-    if damaged or not summary or not origin["finished"] or origin["stream_version"] != STREAM_VERSION:
-        return None
-    if _told(json.loads(str(origin["scenario_resolved"]))) != _told(point.scenario.resolved()):
-        return None
+        with open_run(folder.run(point.run_id)) as file:
+            kind, summary = _kind(point, file, begun=begun), file.summary
+    except RunFileRefused as refusal:
+        return None, "torn" if is_of_torn(refusal) else "other"
+    if kind != "whole":
+        return None, kind
     figures = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}
-    return Row(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures)
+    return Row(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures), kind
+
+
+def _kind(point: Point, file: RunFile, *, begun: bool) -> Kind:
+    origin = file.provenance
+    if origin["stream_version"] != STREAM_VERSION or not _is_same(str(origin["scenario_resolved"]), point):
+        return "other"
+    # HDF5 has checksums of what is shorter than a page, and columns have hashes; a longer text has neither.
+    lost = begun and origin["scenario_toml"] != point.scenario.text
+    return "torn" if lost or not origin["finished"] or not file.summary or file.damaged() else "whole"
+
+
+def _is_same(resolved: str, point: Point) -> bool:
+    try:
+        return _told(json.loads(resolved)) == _told(point.scenario.resolved())
+    except (ValueError, TypeError, KeyError):
+        return False
 
 
 def _told(resolved: dict[str, Any]) -> dict[str, Any]:

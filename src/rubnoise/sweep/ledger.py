@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from rubnoise.scenario.points import Point
-from rubnoise.storage.together import clear_unsettled, settle
+from rubnoise.storage.together import settle
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import Entry, Journal
 from rubnoise.sweep.rows import Row
@@ -37,11 +37,6 @@ class Ledger:
         self.stock.begun.update(fresh)
         self._journal.add(*(Entry(run_id=name, state="begun") for name in fresh))
         self._journal.sync()
-
-    def clear(self, point: Point) -> None:
-        """Remove what is left of a run that had been begun here, where nothing can be made of it."""
-        if point.run_id in self.stock.begun:
-            clear_unsettled(self._folder.run(point.run_id), point.scenario.text)
 
     def done(self, row: Row, *, settled: bool) -> None:
         """Take in a run that is done; unless it is ``settled``, its line waits until the disk has its file."""

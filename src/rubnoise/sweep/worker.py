@@ -29,7 +29,7 @@ def _answer(line: "Connection[Any, Any]") -> bool:
     """Answer one call; return whether there was one, and nobody has asked to stop."""
     try:
         function, arguments = line.recv()
-    except EOFError:
+    except (EOFError, ConnectionResetError):  # the second where the parent was killed before it had read all answers
         return False
     ORDERS.busy = True
     _send(line, _called(function, arguments))
