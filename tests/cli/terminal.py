@@ -113,18 +113,12 @@ def begin(*arguments: str | Path, part: Path) -> "subprocess.Popen[str]":
     return run
 
 
-def stop(run: "subprocess.Popen[str]", *numbers: signal.Signals) -> tuple[Answer, float]:
-    """Send signals to a run; return its answer and the seconds until it left."""
-    sent = time.monotonic()
+def stop(run: "subprocess.Popen[str]", *numbers: signal.Signals) -> Answer:
+    """Send signals to a run and return its answer; raises TimeoutExpired where it does not leave."""
     for number in numbers:
         run.send_signal(number)
     out, err = run.communicate(timeout=60)
-    return Answer(code=run.returncode, out=out, err=err), time.monotonic() - sent
-
-
-def a_second() -> float:
-    """Return a second, or as much longer as a machine with more to do than processors takes for a second's work."""
-    return max(1.0, 2.0 * os.getloadavg()[0] / (os.cpu_count() or 1))
+    return Answer(code=run.returncode, out=out, err=err)
 
 
 def columns(path: Path) -> dict[str, bytes]:

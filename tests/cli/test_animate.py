@@ -95,6 +95,6 @@ def test_without_matplotlib_it_is_told_what_to_install(
 
 def test_a_signal_leaves_nothing_behind(result: Path, here: Path) -> None:
     drawing: subprocess.Popen[str] = begin("animate", "x.h5", "--seconds", "50", part=here / ".x.gif.lock")
-    answer, _ = stop(drawing, signal.SIGINT)
+    answer = stop(drawing, signal.SIGINT)
     assert (answer.code, answer.err) == (130, "stopped by a signal; nothing was kept\n")
     assert names(here) == ["x.h5"]

@@ -250,6 +250,6 @@ def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     export_of_it: subprocess.Popen[str] = begin(
         "export", "x.h5", "--to", "csv", "--group", "trace", part=here / "x_trace.csv.part"
     )
-    answer, _ = stop(export_of_it, signal.SIGTERM)
+    answer = stop(export_of_it, signal.SIGTERM)
     assert (answer.code, answer.err) == (143, "stopped by a signal; nothing was kept\n")
     assert names(here) == ["x.h5"]

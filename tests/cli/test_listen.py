@@ -199,7 +199,7 @@ def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     # A hundredth of the true speed: ten minutes of sound, which take a while to write.
     slowly = ("listen", "x.h5", "--speed-up", "0.01")
     listening: subprocess.Popen[str] = begin(*slowly, part=here / "x_velocity.wav.part")
-    answer, _ = stop(listening, signal.SIGTERM)
+    answer = stop(listening, signal.SIGTERM)
     assert (answer.code, answer.err) == (143, "stopped by a signal; nothing was kept\n")
     assert names(here) == ["x.h5"]
 

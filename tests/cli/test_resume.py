@@ -58,7 +58,7 @@ def whole(here: Path) -> dict[str, bytes]:
 def test_killed_in_the_middle_a_run_goes_on_to_the_same_bits(here: Path) -> None:
     assert call("run", SLIDER, "-o", "whole.h5", "-q", *SOME_SECONDS, "--engine", "batch").code == 0
     run = begin("run", SLIDER, "-o", "x.h5", *SOME_SECONDS, part=here / "x.h5.part.journal")
-    killed, _ = stop(run, signal.SIGKILL)
+    killed = stop(run, signal.SIGKILL)
     assert killed.code == -signal.SIGKILL
     assert names(here) == [".x.h5.lock", "whole.h5", "x.h5.part", "x.h5.part.journal"]
     assert call("info", "x.h5.part", "--json").json()["share"] > 0.0

@@ -65,9 +65,10 @@ def leave_a_result_and_die(point: Point, folder: Path) -> str:
 
 
 def sleep(point: Point, folder: Path) -> str:
-    """Tell that the work began, and take long."""
+    """Tell that the work began, take long, and tell that it ended."""
     (folder / point.run_id).touch()
     time.sleep(60.0)
+    (folder / f"{point.run_id} awake").touch()
     return point.run_id
 
 

@@ -3,7 +3,6 @@
 import json
 import os
 import pickle
-import time
 from fractions import Fraction
 from pathlib import Path
 
@@ -252,11 +251,9 @@ def test_extends_needs_a_name_and_a_folder(tmp_path: Path) -> None:
 )
 def test_a_strangers_file_is_bounded(tmp_path: Path, content: bytes, message: str) -> None:
     (path := tmp_path / "a.toml").write_bytes(content)
-    began = time.perf_counter()
     with pytest.raises(ScenarioRefused) as refused:
         load(path)
     assert message in str(refused.value)
-    assert time.perf_counter() - began < 2.0
 
 
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.points import Point
-from rubnoise.storage import disk
+from rubnoise.storage import disk, writer
 from rubnoise.storage import survey as survey_module
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep.folder import SweepFolder
@@ -66,6 +66,7 @@ def test_runs_wait_for_the_disk_together_and_are_written_down_then(
     points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[str] = []
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 1e9)  # a run that others keep from the processor would wait itself
     for name in ("sync", "sync_rows", "sync_folder"):
         monkeypatch.setattr(disk, name, lambda _, name=name: calls.append(f"{name} {len(_told(folder))}"))
     ledger.begin(points[:2])
@@ -108,6 +109,7 @@ def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
     assert _told(folder)[2:] == [(good.stem, "done"), (bad.stem, "failed")]
     assert (set(ledger.stock.done), set(ledger.stock.failed)) == ({good.stem}, {bad.stem})
     *_, last = entries(folder.journal(None))
+    assert (good.exists(), bad.exists()) == (True, False)
     assert last.reason == f"{bad}: writing failed: Input/output error"
 
 

@@ -10,6 +10,8 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.streams import LARGEST_UNIFORM
+
 Doubles = NDArray[np.float64]
 
 # ln 2 in two parts; the first has 32 trailing zero bits, so that exponent * HIGH is exact.
@@ -17,8 +19,6 @@ LN2_HIGH = float.fromhex("0x1.62e42feep-1")
 LN2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 _PER_LN2 = float.fromhex("0x1.71547652b82fep+0")
 _EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))
-
-_LARGEST_BELOW_ONE = 1.0 - 2.0**-53
 
 
 def _polynomial(coefficients: tuple[float, ...], x: Doubles) -> Doubles:
@@ -72,4 +72,4 @@ def normal_above(uniform: Doubles, mass_above: float) -> Doubles:
 
     z = -Phi^-1((1 - u) * mass_above): the law of drawing again until the bound is passed, from one uniform each.
     """
-    return -normal_quantile(np.minimum((1.0 - uniform) * mass_above, _LARGEST_BELOW_ONE))
+    return -normal_quantile(np.minimum((1.0 - uniform) * mass_above, LARGEST_UNIFORM))

@@ -2,9 +2,11 @@
 
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import Final
 
 from rubnoise.scenario.points import Point
+from rubnoise.storage import disk
 from rubnoise.storage.together import settle
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import Entry, Journal
@@ -56,7 +58,10 @@ class Ledger:
         return time.monotonic() - self._settled_at >= SETTLE_EVERY and self.settle()
 
     def settle(self) -> bool:
-        """See the files onto the disk that wait for it, then write down their runs; return whether any failed by it."""
+        """See the files onto the disk that wait for it, then write down their runs; return whether any failed by it.
+
+        A file with which that went wrong goes: read again it might look whole, and never be on the disk.
+        """
         rows = {self._folder.root / row.file: row for row in self._waiting}
         wrong = settle(rows)
         self._journal.add(
@@ -64,6 +69,8 @@ class Ledger:
         )
         self._waiting.clear()
         for path, problem in wrong.items():
+            with suppress(OSError):
+                disk.remove(path)
             self.failed(rows[path].run_id, f"{path}: writing failed: {problem.strerror or problem}")
         self._settled_at = time.monotonic()
         return bool(wrong)
