@@ -102,7 +102,7 @@ def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:
 
 
 def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    def removing(paths: OutputPaths, *, force: bool) -> None:
+    def removing(paths: OutputPaths, *, force: bool, durable: bool) -> None:
         disk.remove(paths.final)
         disk.rename(paths.part, paths.final)
 
