@@ -21,7 +21,7 @@ Doubles = NDArray[np.float64]
 _TOGETHER = 65_536
 """Births before the start that are looked at together."""
 
-_DRAWN_AT_ONCE = 8192
+_DRAWN_AT_ONCE = 16_384
 """Births that are drawn together: many enough for arrays to pay, few enough to stay in the processor's cache."""
 
 
