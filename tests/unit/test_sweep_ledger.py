@@ -166,6 +166,7 @@ def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
     path = _left(points[0], folder)
     paths, torn = OutputPaths.of(path), OutputPaths.of(folder.run(points[1].run_id))
     paths.part.hardlink_to(path)
+    (alone := OutputPaths.of(folder.run(points[2].run_id)).journal).write_bytes(b"of a part that is gone")
     torn.part.write_bytes(bytes(5000))
     with sole_writer(torn):
         _recovered(points[1], folder, ledger)
@@ -174,6 +175,7 @@ def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
         _recovered(point, folder, ledger)
     assert path.exists()
     assert not paths.part.exists()
+    assert not alone.exists()
     assert not torn.part.exists()
 
 

@@ -38,12 +38,12 @@ def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) 
     stays as it is.
     """
     paths = OutputPaths.of(path)
-    if kind != "torn" and not paths.part.exists():
+    if kind != "torn" and not (paths.part.exists() or paths.journal.exists()):
         return
     with suppress(OutputInUse), sole_writer(paths):
         if kind == "torn":
             disk.remove(paths.final)
-        if paths.part.exists() and (kind == "whole" or _is_lost(paths)):
+        if kind == "whole" or not paths.part.exists() or _is_lost(paths):
             disk.remove(paths.part)
             disk.remove(paths.journal)
 
