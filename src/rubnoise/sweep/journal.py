@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rubnoise.sweep.rows import Row
 
 SYNC_EVERY: Final = 1.0
-"""Seconds of lines that a power cut may take; their runs are found again by their files."""
+"""Seconds of lines that a power cut may take, whose runs are found again by their files, and seconds of such files."""
 
 _DIGITS: Final = 16
 

@@ -9,12 +9,9 @@ from rubnoise.scenario.points import Point
 from rubnoise.storage import disk
 from rubnoise.storage.together import settle
 from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.journal import Entry, Journal
+from rubnoise.sweep.journal import SYNC_EVERY, Entry, Journal
 from rubnoise.sweep.rows import Row
 from rubnoise.sweep.stock import Stock
-
-SETTLE_EVERY: Final = 1.0
-"""Seconds of runs that a power cut may cost, at least."""
 
 
 class Ledger:
@@ -55,7 +52,7 @@ class Ledger:
 
     def settle_if_due(self) -> bool:
         """Settle what waits, when the last time is long enough ago; return whether runs turned out to have failed."""
-        return time.monotonic() - self._settled_at >= SETTLE_EVERY and self.settle()
+        return time.monotonic() - self._settled_at >= SYNC_EVERY and self.settle()
 
     def settle(self) -> bool:
         """See the files onto the disk that wait for it, then write down their runs; return whether any failed by it.
