@@ -3,17 +3,22 @@
 import signal
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from rubnoise.storage import writer
-from tests.cli.terminal import Answer, begin, call, columns, names, stop
+from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.resuming import examined
+from tests.cli.terminal import Answer, call, columns, names, stop
 
 SLIDER = Path("../given/slider.toml")
-SOME_SECONDS = ("--set", "sliding.distance=300 mm", "--set", "output.tick=1 um")
-STOPPED = """
-import sys
+HALF_WAY = """
+import time
+from pathlib import Path
 from unittest.mock import patch
 from rubnoise.cli.app import main
 from rubnoise.cli.progress import Watcher
@@ -21,16 +26,24 @@ from rubnoise.errors import RunStopped
 from rubnoise.simulation import draws
 from rubnoise.storage import writer
 
-class Stops(Watcher):
+class Halts(Watcher):
+    halts = True
+
     def __call__(self, distance, junctions, live):
-        if distance > 1500.0:
-            raise RunStopped(15)
+        if self.halts and distance > 1500.0:
+            self.halts = False
+            {halt}
 
 writer.COMMIT_SECONDS = 0.0
 draws._DRAWN_AT_ONCE = 1
-with patch("rubnoise.cli.progress.Watcher", Stops):
+with patch("rubnoise.cli.progress.Watcher", Halts):
     main()
 """
+STOPPED = HALF_WAY.format(halt="raise RunStopped(15)")
+WAITING = HALF_WAY.format(
+    halt="""Path("halted").touch()
+            while Path("halted").exists(): time.sleep(0.01)"""
+)
 SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 
 
@@ -55,17 +68,30 @@ def whole(here: Path) -> dict[str, bytes]:
     return found
 
 
-def test_killed_in_the_middle_a_run_goes_on_to_the_same_bits(here: Path) -> None:
-    assert call("run", SLIDER, "-o", "whole.h5", "-q", *SOME_SECONDS, "--engine", "batch").code == 0
-    run = begin("run", SLIDER, "-o", "x.h5", *SOME_SECONDS, part=here / "x.h5.part.journal")
-    killed = stop(run, signal.SIGKILL)
+@pytest.fixture
+def waiting(here: Path) -> Iterator["subprocess.Popen[str]"]:
+    """Begin a run that waits half-way until the file `halted` is gone."""
+    words = [sys.executable, "-c", WAITING, "run", SLIDER, "-o", "x.h5", "-q", *SHORT]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        while not (here / "halted").exists():
+            assert run.poll() is None, "the run ended before it was half-way"
+            time.sleep(0.01)
+        yield run
+        run.kill()
+
+
+def test_killed_in_the_middle_a_run_goes_on_to_the_same_bits(
+    here: Path, whole: dict[str, bytes], waiting: "subprocess.Popen[str]"
+) -> None:
+    killed = stop(waiting, signal.SIGKILL)
+    (here / "halted").unlink()
     assert killed.code == -signal.SIGKILL
-    assert names(here) == [".x.h5.lock", "whole.h5", "x.h5.part", "x.h5.part.journal"]
-    assert call("info", "x.h5.part", "--json").json()["share"] > 0.0
+    assert names(here) == [".x.h5.lock", "x.h5.part", "x.h5.part.journal"]
+    assert 0.1 < call("info", "x.h5.part", "--json").json()["share"] < 0.6
     answer = call("resume", "x.h5.part", "-q")
     assert answer == Answer(code=0, out="", err="")
-    assert columns(here / "x.h5") == columns(here / "whole.h5")
-    assert names(here) == ["whole.h5", "x.h5"]
+    assert columns(here / "x.h5") == whole
+    assert names(here) == ["x.h5"]
 
 
 def test_resume_answers_as_run_does(here: Path, part: Path, whole: dict[str, bytes]) -> None:
@@ -122,16 +148,27 @@ def test_info_says_how_far_it_is(here: Path, part: Path) -> None:
     assert "rubnoise resume x.h5.part goes on" in answer.out
 
 
-def test_info_looks_at_a_run_under_way_without_harm(here: Path) -> None:
-    assert call("run", SLIDER, "-o", "whole.h5", "-q", *SOME_SECONDS, "--engine", "batch").code == 0
-    run = begin("run", SLIDER, "-o", "x.h5", "-q", *SOME_SECONDS, part=here / "x.h5.part.journal")
-    answers = [call("info", "x.h5.part", "--json").json() for _ in range(5)]
-    assert all(told["being_written"] for told in answers)
+def test_info_looks_at_a_run_under_way_without_harm(
+    here: Path, whole: dict[str, bytes], waiting: "subprocess.Popen[str]"
+) -> None:
+    assert call("info", "x.h5.part", "--json").json()["being_written"]
     refused = call("resume", "x.h5.part")
-    assert run.poll() is None
     assert (refused.code, refused.err) == (2, f"{here / 'x.h5'}: another process is writing it\n")
-    assert run.communicate(timeout=120)[1] == ""
-    assert columns(here / "x.h5") == columns(here / "whole.h5")
+    (here / "halted").unlink()
+    assert waiting.communicate(timeout=120)[1] == ""
+    assert columns(here / "x.h5") == whole
+
+
+def test_a_run_that_ends_while_it_is_looked_at_is_told_as_ended(
+    here: Path, part: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def late(paths: OutputPaths) -> RunDescription:
+        paths.part.rename(paths.final)
+        return examined(paths)
+
+    monkeypatch.setattr("rubnoise.api.resuming.examined", late)
+    answer = call("resume", part.name)
+    assert (answer.code, answer.err) == (2, "x.h5.part: no such file; x.h5 is there\n")
 
 
 @pytest.mark.parametrize("words", [("compare",), ("junctions",), ("plot",), ("export", "--to", "csv"), ("listen",)])

@@ -34,15 +34,22 @@ def resume(part: str | os.PathLike[str], *, force: bool = False, watch: Watch | 
     be read, OutputRefused where the result may not be written or another process writes it, Refused where this version
     of rubnoise would go on with other numbers.
     """
-    paths = paths_of(part)
-    check_output(paths.final, force=True, unfinished=True)
-    return go_on(Path(part).with_suffix(""), examined(paths), force=force, watch=watch)
+    check_output(paths_of(part).final, force=True, unfinished=True)
+    return go_on(Path(part).with_suffix(""), _begun(part), force=force, watch=watch)
 
 
 def distance_of(part: str | os.PathLike[str]) -> float:
     """Return the sliding distance in um of a run that did not finish; refused as by `resume`."""
-    scenario = build(examined(paths_of(part)).scenario_resolved)
+    scenario = build(_begun(part).scenario_resolved)
     return scenario.model().distance
+
+
+def _begun(part: str | os.PathLike[str]) -> RunDescription:
+    try:
+        return examined(paths_of(part))
+    except RunFileRefused:
+        paths_of(part)  # refuses a part whose run has ended since it was first looked at
+        raise
 
 
 def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescription | None:
