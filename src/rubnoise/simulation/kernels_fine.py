@@ -15,15 +15,12 @@ from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.simulation.kernels_ends import END, add_fall, add_kink, add_rise
-from rubnoise.simulation.kernels_panels import BLOCK, PANEL, TERMS, add_panels, add_series
+from rubnoise.simulation.kernels_panels import BLOCK, CHUNK, MARGIN, PANEL, SERIES, add_panels, add_series
 
 Doubles = NDArray[np.float64]
 
 FINEST = 4 * END
 """Spacings in a diameter from which on a life is fine: its ends then lie within a quarter of the diameter."""
-
-CHUNK = 64 * BLOCK
-"""Positions whose series are held at a time."""
 
 
 def deposit_fine_lives(
@@ -46,8 +43,9 @@ def deposit_fine_lives(
     of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long or empty, the Legendre
     moments of it over the cell that ends at a position, in units of the spacing.
     """
-    centre = position[PANEL // 2 :: PANEL].copy()
-    series = np.empty(CHUNK // PANEL * TERMS)
+    centre = np.zeros(MARGIN + position.size // PANEL + MARGIN)
+    centre[MARGIN:-MARGIN] = position[PANEL // 2 :: PANEL]
+    series = np.empty(SERIES)
     alive = np.empty(len(birth), dtype=np.int64)
     deposit_by_chunks(
         position, centre, origin, spacing, begin, end, birth, diameter, weight, weights, series, alive, total, moments
@@ -82,7 +80,7 @@ def deposit_by_chunks(
     low = (origin + first) // CHUNK * CHUNK - origin
     while low < end:
         bottom, top = max(low, first), min(low + CHUNK, (end + BLOCK - 1) // BLOCK * BLOCK)
-        series[: (top - bottom) // PANEL * TERMS] = 0.0
+        series[:] = 0.0
         while row < len(birth) and floor(birth[row] * per_spacing) - END - PANEL - origin < top:
             alive[count] = row
             count += 1
@@ -124,7 +122,7 @@ def _add_life(
     fall = floor((place + 2.0 * size * per_spacing - 16.0) * 0.125) - origin // PANEL
     low, high = max(rise, bottom // PANEL), min(fall, top // PANEL)
     if low < high:
-        add_panels(centre, low, high, bottom // BLOCK, born, size, spacing, weight, series)
+        add_panels(centre, low, high, rise, fall, bottom // PANEL, born, size, spacing, weight, series)
         kink = floor((place + size * per_spacing) * 0.125) - origin // PANEL
         if low <= kink < high:
             add_kink(position, PANEL * kink + 1, born, size, spacing, weight, total, moments)

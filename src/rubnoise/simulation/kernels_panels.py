@@ -3,12 +3,14 @@
 The coefficients follow from those of sqrt(2u - u^2), the slope of the lens, by a recurrence; compiled into others.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import inlined
 from rubnoise.simulation.kernels import AREA_COEFFICIENTS
-from rubnoise.simulation.lanes import fused, larger, load, polynomial, root, smaller, spread, store, where_above
+from rubnoise.simulation.lanes import WIDTH, fused, larger, load, polynomial, root, smaller, spread, store, where_above
 
 Doubles = NDArray[np.float64]
 
@@ -18,18 +20,31 @@ TERMS = 15
 """Terms of a panel's series: a panel reaches to a fifth of the way to the end of a life, and (1/5)^15 / 15^2.5 with the
 factors before it is 3e-16 of the squared diameter."""
 
-BLOCK = 8 * PANEL
-"""Positions whose panels go through the recurrence together."""
+_SOME, _FEW = 10, 8
+"""Terms that do as well six and fourteen panels further from both ends: there they fall by 1/17 and 1/33."""
 
-_ROW = PANEL * TERMS
+BLOCK = 8 * PANEL
+"""Positions in a block: grids begin and end at multiples of it."""
+
+CHUNK = 64 * BLOCK
+"""Positions whose series are held at a time."""
+
+MARGIN = WIDTH
+"""Panels on either side of those of a chunk or grid: a life's go by eights from its first one on."""
+
+_ROW = MARGIN + CHUNK // PANEL + MARGIN
+
+SERIES = TERMS * _ROW
+"""Numbers in the series of a chunk: one row a term."""
 
 # With g' s series sum g_n t^n, g_(n+1) = (1/2 - n)/(n + 1) a g_n + (2 - n)/(n + 1) b g_(n-1); in units s_n that take
 # the first factor away, G_(n+1) = a G_n + c_n b G_(n-1).
 _UNITS = [1.0]
 for _n in range(TERMS - 1):
     _UNITS.append(_UNITS[-1] * (0.5 - _n) / (_n + 1))
-_FACTORS = tuple((2.0 - n) / (n + 1) * _UNITS[n - 1] / _UNITS[n + 1] for n in range(1, TERMS - 1))
+_FACTORS = tuple((2.0 - n) / (n + 1) * _UNITS[n - 1] / _UNITS[n + 1] for n in range(1, TERMS - 2))
 _SCALES = tuple(_UNITS[n] / (n + 1) for n in range(TERMS - 1))
+_SOME_FACTORS, _FEW_FACTORS = _FACTORS[: _SOME - 3], _FACTORS[: _FEW - 3]
 
 
 def cell_weights() -> Doubles:
@@ -55,21 +70,27 @@ def add_panels(
     centre: Doubles,
     low: int,
     high: int,
-    first_block: int,
+    rise: int,
+    fall: int,
+    bottom: int,
     born: float,
     size: float,
     spacing: float,
     weight: float,
     series: Doubles,
 ) -> None:
-    """Add a life's series to the panels from ``low`` to ``high``, whole blocks at a time with no weight beside them."""
+    """Add a life's series to those of its panels, from ``rise`` to ``fall``, that lie from ``low`` to ``high``.
+
+    They go by eights from ``rise`` on, also where the others weigh nothing: how many terms a panel has must not depend
+    on where a run is cut. series: row by row the terms of the panels from ``bottom`` on.
+    """
     one, two, nothing = spread(1.0), spread(2.0), spread(0.0)
     birth, inverse = spread(born), spread(1.0 / size)
     reach = 0.5 * PANEL * spacing / size
     nearest, forward, backward, square = spread(5.0 * reach), spread(reach), spread(-reach), spread(-reach * reach)
-    lowest, highest = spread(centre[low] - spacing), spread(centre[high - 1] + spacing)
-    for block in range(low // PANEL, (high + PANEL - 1) // PANEL):
-        place = load(centre, PANEL * block)
+    lowest, highest = spread(centre[MARGIN + low] - spacing), spread(centre[MARGIN + high - 1] + spacing)
+    for panel in range(rise + (low - rise) // WIDTH * WIDTH, high, WIDTH):
+        place = load(centre, MARGIN + panel)
         share = where_above(lowest, place, where_above(place, highest, spread(weight), nothing), nothing)
         s = (place - birth) * inverse
         u = larger(smaller(s, two - s), nearest)
@@ -78,18 +99,29 @@ def add_panels(
         per_q = one / q
         across = (step * (two * (one - u))) * per_q
         back = square * per_q
-        at = (block - first_block) * _ROW
+        at = MARGIN + panel - bottom
         area = (u * root(u)) * polynomial(AREA_COEFFICIENTS, u)
         store(series, at, fused(share, area, load(series, at)))
-        before = (share * step) * root(q)
-        store(series, at + PANEL, load(series, at + PANEL) + before)
-        term = across * before
-        store(series, at + 2 * PANEL, load(series, at + 2 * PANEL) + term)
-        for n in range(TERMS - 3):
-            following = fused(across, term, (spread(_FACTORS[n]) * back) * before)
-            before, term = term, following
-            entry = at + (n + 3) * PANEL
-            store(series, entry, load(series, entry) + term)
+        slope = (share * step) * root(q)
+        from_end = min(panel - rise, fall - WIDTH - panel)
+        if from_end < 6:
+            add_terms(_FACTORS, slope, across, back, at, series)
+        elif from_end < 14:
+            add_terms(_SOME_FACTORS, slope, across, back, at, series)
+        else:
+            add_terms(_FEW_FACTORS, slope, across, back, at, series)
+
+
+@inlined
+def add_terms(factors: tuple[float, ...], slope: Any, across: Any, back: Any, at: int, series: Doubles) -> None:
+    """Add the terms of eight panels beyond the area, by the recurrence: two more than factors."""
+    before, term = slope, across * slope
+    store(series, at + _ROW, load(series, at + _ROW) + before)
+    store(series, at + 2 * _ROW, load(series, at + 2 * _ROW) + term)
+    for n in range(len(factors)):
+        before, term = term, fused(across, term, (spread(factors[n]) * back) * before)
+        place = at + (n + 3) * _ROW
+        store(series, place, load(series, place) + term)
 
 
 @inlined
@@ -107,22 +139,21 @@ def add_series(
     size = len(moments) // 3
     per_half = spread(2.0 / (PANEL * spacing))
     for panel in range((top - bottom) // PANEL):
-        block = panel // PANEL * _ROW
-        if panel % PANEL == 0:
+        first = MARGIN + panel
+        if panel % WIDTH == 0:
             for n in range(TERMS - 1):
-                place = block + (n + 1) * PANEL
+                place = first + (n + 1) * _ROW
                 store(series, place, spread(_SCALES[n]) * load(series, place))
-        term = block + panel % PANEL
         at = bottom + PANEL * panel + 1
         t = (load(position, at) - spread(position[at + PANEL // 2 - 1])) * per_half
-        value = spread(series[term + (TERMS - 1) * PANEL])
+        value = spread(series[first + (TERMS - 1) * _ROW])
         for n in range(TERMS - 2, -1, -1):
-            value = fused(value, t, spread(series[term + n * PANEL]))
+            value = fused(value, t, spread(series[first + n * _ROW]))
         store(total, at, load(total, at) + value)
         if len(moments) > 0:
             mean, slope, bend = load(moments, at), load(moments, size + at), load(moments, 2 * size + at)
             for n in range(TERMS):
-                coefficient = spread(series[term + n * PANEL])
+                coefficient = spread(series[first + n * _ROW])
                 mean = fused(coefficient, load(weights, n * PANEL), mean)
                 slope = fused(coefficient, load(weights, (TERMS + n) * PANEL), slope)
                 bend = fused(coefficient, load(weights, (2 * TERMS + n) * PANEL), bend)
