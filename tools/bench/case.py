@@ -78,7 +78,12 @@ class Case:
 
 
 class Draws(Protocol):
-    """Where junctions come from: one by one, or all of a run at once."""
+    """Where junctions come from: one by one, or all of a run at once.
+
+    ``seed`` is for who draws them itself.
+    """
+
+    seed: int
 
     def gap(self) -> float:
         """Return the distance in um to the next birth."""
@@ -98,7 +103,8 @@ class Drawn:
 
     def __init__(self, case: Case, seed: int) -> None:
         """Draw for a case."""
-        self.case, self.single, self.many = case, Random(seed), np.random.default_rng(seed)  # noqa: S311
+        self.case, self.seed = case, seed
+        self.single, self.many = Random(seed), np.random.default_rng(seed)  # noqa: S311
 
     def gap(self) -> float:
         """Return an exponential gap."""
@@ -123,11 +129,11 @@ class Drawn:
 
 
 class Given:
-    """Junctions that somebody else has drawn, so that everybody can be asked for the same run."""
+    """Junctions that rubnoise has drawn from a seed, so that everybody can be asked for the same run."""
 
-    def __init__(self, birth: Doubles, diameter: Doubles) -> None:
+    def __init__(self, birth: Doubles, diameter: Doubles, seed: int = 1) -> None:
         """Hand out these rows (um)."""
-        self.birth, self.sizes = birth, diameter
+        self.birth, self.sizes, self.seed = birth, diameter, seed
         self._gaps = iter([*np.diff(birth, prepend=0.0).tolist(), 1e12])
         self._diameters = iter([*diameter.tolist(), 1.0])
 

@@ -57,12 +57,13 @@ def fills(birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
 def _by_series(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
     """Return our way for lives of as many ticks as these: on whole blocks of positions, which it needs around them."""
     grid = Grid.around(0, CASE.ticks.size, CASE.tick)
-    wanted, whole, weights = grid.wanted, np.zeros(grid.position.size), cell_weights().ravel()
+    wanted, whole, weights = grid.wanted, np.empty(grid.position.size), cell_weights().ravel()
     where = (grid.position, grid.origin, grid.spacing, wanted.start, wanted.stop)
 
+    lives = (birth, diameter, np.full(birth.size, np.inf), weight)
+
     def fill(total: Doubles) -> None:
-        whole[:] = 0.0
-        deposit_fine_lives(*where, birth, diameter, weight, weights, whole, np.empty(0))
+        deposit_fine_lives(*where, *lives, weights, whole, np.empty(0))
         total += whole[wanted]
 
     return fill

@@ -9,7 +9,7 @@ from bench.case import AREA, DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Case, Dr
 SEED = 1
 
 
-def scenario(case: Case, engine: str, *, slider: bool = True) -> rubnoise.Scenario:
+def scenario(case: Case, engine: str, *, slider: bool = True, seed: int = SEED) -> rubnoise.Scenario:
     """Return a case as a scenario; raises Refused where this version has no such engine."""
     values: dict[str, Any] = {
         "format": 1,
@@ -22,7 +22,7 @@ def scenario(case: Case, engine: str, *, slider: bool = True) -> rubnoise.Scenar
         "diameter": {"law": "normal", "spread": case.diameter_std},
         "sliding": {"distance": case.distance, "start": "empty"},
         "output": {"tick": case.tick},
-        "run": {"seed": SEED, "engine": engine},
+        "run": {"seed": seed, "engine": engine},
     }
     if slider:
         values["strength"] = {"law": "constant", "mean": STRENGTH}
@@ -54,14 +54,14 @@ def output(record: Any, *, slider: bool) -> Output:
     )
 
 
-def area_alone(case: Case, draws: Draws, engine: str) -> Output:  # noqa: ARG001  (it draws its own junctions)
-    """Return births and the trace of the area, kept in memory."""
-    return output(rubnoise.simulate(scenario(case, engine, slider=False)), slider=False)
+def area_alone(case: Case, draws: Draws, engine: str) -> Output:
+    """Return births and the trace of the area, kept in memory, of junctions drawn from the seed."""
+    return output(rubnoise.simulate(scenario(case, engine, slider=False, seed=draws.seed)), slider=False)
 
 
-def run(case: Case, draws: Draws, path: Path, engine: str) -> None:  # noqa: ARG001  (as above)
+def run(case: Case, draws: Draws, path: Path, engine: str) -> None:
     """Make a whole run: every table, the summary beside theory and the hashes, on disk."""
-    rubnoise.run(scenario(case, engine), path, force=True, command=["bench"]).close()
+    rubnoise.run(scenario(case, engine, seed=draws.seed), path, force=True, command=["bench"]).close()
 
 
 def in_memory(case: Case, engine: str, *, slider: bool = True) -> rubnoise.Record:

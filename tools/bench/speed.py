@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 from bench.case import Case, Drawn
@@ -15,10 +16,14 @@ Growth = dict[str, dict[float, Timing]]
 
 
 def task(entrant: Entrant, case: Case, path: Path | None) -> Task:
-    """Return a run of an entrant as a task, in units of junctions; into a file where there is a path."""
+    """Return a run of an entrant as a task, in units of junctions; into a file where there is a path.
+
+    Each repeat has a seed of its own, so that nobody finds what was drawn for the one before.
+    """
+    seeds = count(1)
 
     def call() -> None:
-        draws = Drawn(case, seed=1)
+        draws = Drawn(case, seed=next(seeds))
         entrant.call(case, draws, *([path] if path else []))
 
     # Everybody writes a new file: to take an old one off the disk is nobody's work.
