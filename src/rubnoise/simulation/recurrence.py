@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled_bare
+from rubnoise.compiling import compiled_bare, fused
 
 Doubles = NDArray[np.float64]
 
@@ -18,16 +18,21 @@ def advance_slider(
     to x and x'. transition (2, 2) is the free motion over a cell less the identity. displacement (um) and velocity
     (um/s) begin with the state before the first cell and receive the state after every ``every``-th one.
     """
-    x = displacement[0]
-    v = velocity[0]
-    for cell in range(moments.shape[1]):
-        mean, slope, bend = moments[0, cell], moments[1, cell], moments[2, cell]
-        next_x = transition[0, 0] * x + transition[0, 1] * v
-        next_v = transition[1, 0] * x + transition[1, 1] * v
-        next_x += gains[0, 0] * mean + gains[0, 1] * slope + gains[0, 2] * bend
-        next_v += gains[1, 0] * mean + gains[1, 1] * slope + gains[1, 2] * bend
-        x += next_x
-        v += next_v
-        if (cell + 1) % every == 0:
-            displacement[(cell + 1) // every] = x
-            velocity[(cell + 1) // every] = v
+    x, v = displacement[0], velocity[0]
+    # By name, since the compiler can't know that none of them is among the numbers written.
+    x_from_x, x_from_v, v_from_x, v_from_v = transition[0, 0], transition[0, 1], transition[1, 0], transition[1, 1]
+    x_mean, x_slope, x_bend = gains[0, 0], gains[0, 1], gains[0, 2]
+    v_mean, v_slope, v_bend = gains[1, 0], gains[1, 1], gains[1, 2]
+    means, slopes, bends = moments[0], moments[1], moments[2]
+    cell = 0
+    for tick in range(1, len(means) // every + 1):
+        for _ in range(every):
+            push_x = x_mean * means[cell] + x_slope * slopes[cell] + x_bend * bends[cell]
+            push_v = v_mean * means[cell] + v_slope * slopes[cell] + v_bend * bends[cell]
+            # Two short chains for each: nothing else has to be waited for.
+            next_x = fused(x_from_x, x, x) + fused(x_from_v, v, push_x)
+            v = fused(v_from_v, v, v) + fused(v_from_x, x, push_v)
+            x = next_x
+            cell += 1
+        displacement[tick] = x
+        velocity[tick] = v
