@@ -49,10 +49,12 @@ def one(name: str, test: str, file: str, old: str, new: str, *, identity: bool =
     return Mutant(name, (Edit(file, old, new),), test, identity)
 
 
-_POISSON_GAP = "return self.mean_spacing * exponential(uniform)"
-_NEWBORN = "self.mean + self.std * normal_above(uniform, self._positive_mass)"
-_TICKS = "np.arange(origin, beyond, dtype=np.float64) * spacing"
-_SINGLE = f"({_TICKS}).astype(np.float32).astype(np.float64)"
+_POISSON_GAP = "gaps *= self.mean_spacing"
+_NEWBORN = """diameters = normal_above(uniform, self._positive_mass)
+        diameters *= self.std
+        diameters += self.mean
+"""
+_TICK = "float(first + n) * spacing"
 _AREA = "total[tick] = fused(weight * (u * np.sqrt(u)), _horner(AREA_COEFFICIENTS, u), total[tick])"
 _SECOND_TERM = "weight * (1.0 - u) * np.sqrt(u * (2.0 - u)) / 2.0"
 
@@ -60,8 +62,8 @@ LAWS = (
     one("0.327 for 1/3", MOMENTS, "contact/pulses.py", "return mpmath.mpf(1) / 3", 'return mpmath.mpf("0.327")'),
     one("births 1 % too rare", MOMENTS, "contact/births.py", _POISSON_GAP, f"{_POISSON_GAP} * 1.01"),
     one("births 1 % too many", MOMENTS, "contact/births.py", _POISSON_GAP, f"{_POISSON_GAP} * 0.99"),
-    one("regular gaps", MOMENTS, "contact/births.py", _POISSON_GAP, "return np.full(uniform.shape, self.mean_spacing)"),
-    one("uniform gaps", MOMENTS, "contact/births.py", _POISSON_GAP, "return 2.0 * self.mean_spacing * uniform"),
+    one("regular gaps", MOMENTS, "contact/births.py", _POISSON_GAP, "gaps[:] = self.mean_spacing"),
+    one("uniform gaps", MOMENTS, "contact/births.py", _POISSON_GAP, "gaps = 2.0 * self.mean_spacing * uniform"),
     one(
         "gap from d instead of 2d",
         MOMENTS,
@@ -95,7 +97,7 @@ LAWS = (
         f"{NEWBORN}[120 %]",
         "contact/sizes.py",
         _NEWBORN,
-        "np.abs(self.mean + self.std * normal_above(uniform, 1.0))",
+        "diameters = np.abs(self.mean + self.std * normal_above(uniform, 1.0))\n",
     ),
 )
 
@@ -165,8 +167,8 @@ STREAM_USE = (
         "float32 births",
         BIRTHS,
         "simulation/draws.py",
-        "np.add.accumulate(np.concatenate([[begin], gaps])), gaps",
-        "np.add.accumulate(np.concatenate([[begin], gaps])).astype(np.float32).astype(np.float64), gaps",
+        "    birth.flags.writeable = False\n",
+        "    birth = birth.astype(np.float32).astype(np.float64)\n",
         identity=True,
     ),
 )
@@ -267,15 +269,8 @@ def _death_at(factor: str) -> tuple[Edit, ...]:
 PLACES = (
     Mutant("death at d", _death_at("1.0"), MOMENTS),
     Mutant("death at 1.99 d", _death_at("1.99"), LIVES, identity=True),
-    one("float32 positions", TICKS, "simulation/grid.py", _TICKS, _SINGLE, identity=True),
-    one(
-        "off-by-one tick",
-        TICKS,
-        "simulation/grid.py",
-        _TICKS,
-        _TICKS.replace("origin, beyond", "origin + 1, beyond + 1"),
-        identity=True,
-    ),
+    one("float32 positions", TICKS, "simulation/ticks.py", _TICK, f"np.float64(np.float32({_TICK}))", identity=True),
+    one("off-by-one tick", TICKS, "simulation/ticks.py", _TICK, "float(first + n + 1) * spacing", identity=True),
     one(
         "count a tick late",
         LENSES,

@@ -33,6 +33,7 @@ def lives_file(path: Path, features: frozenset[Feature] = EVERYTHING, compressio
         birth=BIRTH,
         diameter=DIAMETER,
         strength=STRENGTH if "strength" in features else None,
+        natural=BIRTH + 2.0 * DIAMETER,
         departure=DEPARTURE,
         state=STATE,
         speed=SPEED if "speed" in features else None,

@@ -21,7 +21,8 @@ def deposited(grid: Grid, birth: Doubles, diameter: Doubles, weight: Doubles) ->
     total, moments = np.zeros(grid.position.size), np.zeros(3 * grid.position.size)
     wanted = grid.wanted
     where = (grid.position, grid.origin, grid.spacing, wanted.start, wanted.stop)
-    deposit_fine_lives(*where, birth, diameter, weight, WEIGHTS, total, moments)
+    lives = (birth, diameter, np.full(birth.size, np.inf), weight)
+    assert not deposit_fine_lives(*where, *lives, WEIGHTS, total, moments).size
     return total[wanted], moments.reshape(3, -1)[:, wanted]
 
 
@@ -142,7 +143,8 @@ def test_moments_are_left_out_where_nobody_asks_and_the_area_stays() -> None:
     total = np.zeros(grid.position.size)
     wanted = grid.wanted
     where = (grid.position, grid.origin, grid.spacing, wanted.start, wanted.stop)
-    deposit_fine_lives(*where, birth, diameter, weight, WEIGHTS, total, np.empty(0))
+    lives = (birth, diameter, np.full(birth.size, np.inf), weight)
+    deposit_fine_lives(*where, *lives, WEIGHTS, total, np.empty(0))
     assert np.array_equal(total[wanted], deposited(grid, birth, diameter, weight)[0])
 
 

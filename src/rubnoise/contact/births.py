@@ -54,7 +54,9 @@ class PoissonBirths:
 
     def gaps(self, uniform: Doubles) -> Doubles:
         """Return one gap in um for each uniform on [0, 1)."""
-        return self.mean_spacing * exponential(uniform)
+        gaps = exponential(uniform)
+        gaps *= self.mean_spacing
+        return gaps
 
     def first_gap(self, uniform: Doubles) -> Doubles:
         """Return the distance in um from a random place to the next birth: the law of a gap, which has no memory."""

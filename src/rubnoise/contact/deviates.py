@@ -55,7 +55,8 @@ def antilogarithm(x: Doubles) -> Doubles:
 
 def exponential(uniform: Doubles) -> Doubles:
     """Return deviates of unit mean, -ln(1 - u), from uniforms on [0, 1)."""
-    return -logarithm(1.0 - uniform)
+    deviates = logarithm(1.0 - uniform)
+    return np.negative(deviates, out=deviates)
 
 
 def normal_quantile(probability: Doubles) -> Doubles:
@@ -72,4 +73,7 @@ def normal_above(uniform: Doubles, mass_above: float) -> Doubles:
 
     z = -Phi^-1((1 - u) * mass_above): the law of drawing again until the bound is passed, from one uniform each.
     """
-    return -normal_quantile(np.minimum((1.0 - uniform) * mass_above, LARGEST_UNIFORM))
+    above = 1.0 - uniform
+    above *= mass_above
+    deviates = normal_quantile(np.minimum(above, LARGEST_UNIFORM, out=above))
+    return np.negative(deviates, out=deviates)

@@ -102,9 +102,11 @@ class NormalSizes:
 
     def draw(self, uniform: Doubles) -> Doubles:
         """Return one diameter in um for each uniform on [0, 1)."""
-        diameters = self.mean + self.std * normal_above(uniform, self._positive_mass)
+        diameters = normal_above(uniform, self._positive_mass)
+        diameters *= self.std
+        diameters += self.mean
         # Rounding may land on the excluded bound itself; a diameter of no extent has no life to divide by.
-        return np.maximum(diameters, self.std * 2.0**-52)
+        return np.maximum(diameters, self.std * 2.0**-52, out=diameters)
 
     def draw_length_biased(self, generator: np.random.Generator, count: int) -> Doubles:
         """Return diameters in um with density proportional to d f(d).

@@ -26,15 +26,20 @@ def natural_death(birth: Doubles, diameter: Doubles) -> Doubles:
 
 
 def junction_states(
-    birth: Doubles, diameter: Doubles, departure: Doubles, at_start: NDArray[np.bool_], distance: float
+    natural: Doubles, departure: Doubles, at_start: NDArray[np.bool_], distance: float
 ) -> NDArray[np.uint8]:
-    """Return the state bits of junctions; departure (um) is infinite for those that are not known to have left."""
-    death = natural_death(birth, diameter)
-    at_end = np.minimum(departure, death) > distance
-    state = np.zeros(birth.size, dtype=np.uint8)
-    state[at_start] |= np.uint8(JunctionState.ALIVE_AT_START)
-    state[at_end] |= np.uint8(JunctionState.ALIVE_AT_END)
-    state[departure < death] |= np.uint8(JunctionState.ENDED_EARLY)
+    """Return the state bits of junctions from their natural deaths and departures (um).
+
+    A departure is infinite for a junction that is not known to have left.
+    """
+    bits = (
+        (JunctionState.ALIVE_AT_START, at_start),
+        (JunctionState.ALIVE_AT_END, np.minimum(departure, natural) > distance),
+        (JunctionState.ENDED_EARLY, departure < natural),
+    )
+    state = np.zeros(natural.size, dtype=np.uint8)
+    for bit, of_whom in bits:
+        state |= of_whom.view(np.uint8) * np.uint8(bit)
     return state
 
 
@@ -44,22 +49,25 @@ def junction_columns(
     birth: Doubles,
     diameter: Doubles,
     strength: Doubles | None,
+    natural: Doubles,
     departure: Doubles,
     state: NDArray[np.uint8],
     speed: float | None,
 ) -> dict[str, NDArray[Any]]:
-    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s).
+    """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s), of their natural deaths.
 
     A row ended early has the death and life that it had; every other has death = birth + 2d, also beyond the run.
     """
-    planned = natural_death(birth, diameter)
-    early = departure < planned
-    death = np.where(early, departure, planned)
+    early = departure < natural
+    death, life = natural, 2.0 * diameter
+    if early.any():
+        death = np.where(early, departure, natural)
+        life = np.where(early, death - birth, life)
     columns: dict[str, NDArray[Any]] = {
         "junction": np.arange(first_row, first_row + birth.size, dtype=np.int64),
         "birth_distance": birth,
         "death_distance": death,
-        "life_distance": np.where(early, death - birth, 2.0 * diameter),
+        "life_distance": life,
         "diameter": diameter,
         "max_area": max_area(diameter),
     }

@@ -1,6 +1,8 @@
 """The sum of the live junctions: real contact area, count and force at the ticks of a panel."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,9 @@ Doubles = NDArray[np.float64]
 
 _CELL_WEIGHTS = cell_weights().ravel()
 _NO_MOMENTS = np.empty(0)
+
+_LONG = 1024
+"""Cells that cost as much as to look at two stretches of lives, and not at one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,12 +51,11 @@ class Room:
     def __init__(self) -> None:
         self._moments = np.empty(0)
 
-    def zeros(self, count: int) -> Doubles:
-        """Return so many zeros, in place of those returned before."""
+    def numbers(self, count: int) -> Doubles:
+        """Return so many numbers, whatever they are, in place of those returned before."""
         if self._moments.size < count:
             # What the system has given out in one large piece it lets the next run in this process have again.
             self._moments = np.empty(max(count, 3 * LARGEST_PANEL))
-        self._moments[:count] = 0.0
         return self._moments[:count]
 
 
@@ -99,23 +103,22 @@ def _weighted(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, room: R
     The moments are those over the cell that ends at a position, in units of the spacing; there are none without room.
     """
     size = grid.position.size
-    total = np.zeros(size)
-    flat = _NO_MOMENTS if room is None else room.zeros(3 * size)
+    total = np.empty(size)
+    flat = _NO_MOMENTS if room is None else room.numbers(3 * size)
     if pulse.shape == "triangle":
-        rest = np.ones(len(rows), dtype=np.bool_)
+        total[:], flat[:] = 0.0, 0.0
+        rest = np.arange(len(rows))
     else:
-        rest = (rows.diameter < FINEST * grid.spacing) | (rows.departure < rows.birth + 2.0 * rows.diameter)
-        fine = (rows, weight) if not rest.any() else (rows.where(~rest), weight[~rest])
-        _add_fine(grid, *fine, total, flat)
+        rest = _add_fine(grid, rows, weight, total, flat)
     moments = flat.reshape(3, -1)
-    if rest.any():
-        _add_rest(pulse, grid, rows.where(rest), weight[rest], total, moments)
+    if rest.size:
+        _add_rest(pulse, grid, rows.at(rest), weight[rest], total, moments)
     return total[grid.wanted], moments if room is None else moments[:, grid.wanted]
 
 
-def _add_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> None:
-    """Add lives of many positions that take their course."""
-    deposit_fine_lives(
+def _add_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> NDArray[np.int64]:
+    """Begin with lives of many positions that take their course; return the rows of the others."""
+    return deposit_fine_lives(
         grid.position,
         grid.origin,
         grid.spacing,
@@ -123,6 +126,7 @@ def _add_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, momen
         grid.wanted.stop,
         rows.birth,
         rows.diameter,
+        rows.departure,
         weight,
         _CELL_WEIGHTS,
         total,
@@ -136,17 +140,26 @@ def _add_rest(pulse: Pulse, grid: Grid, rows: LiveRows, weight: Doubles, total: 
     at = grid.wanted
     deposit = kernels_triangle.deposit_areas if pulse.shape == "triangle" else kernels.deposit_areas
     deposit(grid.position[at], *lives, weight, total[at])
-    if moments.size:
-        edges = _edges_in_reach(grid, rows)
-        found = _moments_of_rest(pulse, grid, grid.position[edges], rows, weight)
+    for some in _apart(grid, rows) if moments.size else ():
+        crowd = rows.part(some.start, some.stop)
+        edges = _edges_in_reach(grid, crowd)
+        found = _moments_of_rest(pulse, grid, grid.position[edges], crowd, weight[some])
         moments[:, edges.start + 1 : edges.stop] += found[:, 1:] / grid.spacing
 
 
-def _edges_in_reach(grid: Grid, rows: LiveRows) -> slice:
-    """Return the indices of the edges of those cells wanted in which any of the lives can be.
+def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:
+    """Yield the rows by stretches between which nothing lives for long.
 
     A few lives, as where some are coarser than others, should not cost a pass over all cells.
     """
+    last_death = np.maximum.accumulate(rows.death)
+    borders = np.flatnonzero(rows.birth[1:] - last_death[:-1] > _LONG * grid.spacing) + 1
+    for first, end in pairwise([0, *borders.tolist(), len(rows)]):
+        yield slice(first, end)
+
+
+def _edges_in_reach(grid: Grid, rows: LiveRows) -> slice:
+    """Return the indices of the edges of those cells wanted in which any of the lives can be."""
     cells = grid.cells()
     edges = grid.position[cells]
     first = max(int(np.searchsorted(edges, rows.birth.min())) - 1, 0)

@@ -32,7 +32,7 @@ def play_at_once(
     rows = replace(rows, departure=np.minimum(rows.departure, natural_death(rows.birth, rows.diameter)))
     for panel in panels:
         # A panel's ticks may end before many of the block's births: those would only be looked at.
-        seen = rows.first(int(np.searchsorted(rows.birth, panel.last_distance, side="right")))
+        seen = rows.part(0, int(np.searchsorted(rows.birth, panel.last_distance, side="right")))
         found = sample(panel, seen)
         if move is not None:
             move(panel, seen, found)

@@ -16,7 +16,7 @@ from rubnoise.simulation.panels import Panel, panels
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
 from rubnoise.simulation.starts import BlockStarts
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import Doubles, LiveRows, State
 
 Watch = Callable[[float, int, int], None]
 """Told after each panel: distance reached (um), junctions born so far, live count. It may raise to stop the run."""
@@ -75,7 +75,8 @@ def next_state(run: Run, state: State) -> State:
         sample=lambda panel, rows: _write_trace(run, panel, rows),
         move=None if motion is None else partial(_write_slider, run, motion, starts),
     )
-    _write_junctions(run, state, rows)
+    natural = natural_death(rows.birth, rows.diameter)
+    _write_junctions(run, state, rows, natural)
     run.sink.write("blocks", state.block, starts.columns(moving=motion is not None))
     ticks = block_panels[-1].end if block_panels else state.ticks
     return State(
@@ -85,7 +86,7 @@ def next_state(run: Run, state: State) -> State:
         junctions=state.junctions + len(births),
         ticks=ticks,
         events=state.events + events,
-        live=_carried(rows, (ticks - 1) * run.model.tick),
+        live=_carried(rows, natural, (ticks - 1) * run.model.tick),
         displacement=state.displacement if motion is None else motion.displacement,
         velocity=state.velocity if motion is None else motion.velocity,
     )
@@ -124,36 +125,36 @@ def _write_slider(
     run.sink.write("slider", panel.first, columns)
 
 
-def _write_junctions(run: Run, state: State, rows: LiveRows) -> None:
+def _write_junctions(run: Run, state: State, rows: LiveRows, natural: Doubles) -> None:
     """Write the rows that are new, and one by one those written before whose junction has been ended early since."""
     carried = len(state.live)
-    new = np.arange(len(rows)) >= (0 if state.block == 0 else carried)
-    ended = rows.departure < natural_death(rows.birth, rows.diameter)
-    ended[:carried] &= np.isinf(state.live.departure)
-    if new.any() or state.block == 0:
-        _write_rows(run, 0 if state.block == 0 else state.junctions, rows.where(new))
-    for row in np.flatnonzero(ended & ~new):
-        _write_rows(run, int(rows.junction[row]), rows.where(np.arange(len(rows)) == row))
+    written = 0 if state.block == 0 else carried
+    if len(rows) > written or state.block == 0:
+        first = 0 if state.block == 0 else state.junctions
+        _write_rows(run, first, rows.part(written, len(rows)), natural[written:])
+    since = np.isinf(state.live.departure) & (rows.departure[:carried] < natural[:carried])
+    for row in np.flatnonzero(since[:written]).tolist():
+        _write_rows(run, int(rows.junction[row]), rows.part(row, row + 1), natural[row : row + 1])
 
 
-def _write_rows(run: Run, first: int, rows: LiveRows) -> None:
+def _write_rows(run: Run, first: int, rows: LiveRows, natural: Doubles) -> None:
     # Only who was alive at the start has a birth with a minus sign, which -0.0 has too.
     at_start = np.signbit(rows.birth)
-    state = junction_states(rows.birth, rows.diameter, rows.departure, at_start, run.model.distance)
     columns = junction_columns(
         first_row=first,
         birth=rows.birth,
         diameter=rows.diameter,
         strength=None if run.model.strengths is None else rows.strength,
+        natural=natural,
         departure=rows.departure,
-        state=state,
+        state=junction_states(natural, rows.departure, at_start, run.model.distance),
         speed=run.model.sliding_speed,
     )
     run.sink.write("junctions", first, columns)
 
 
-def _carried(rows: LiveRows, last_tick: float) -> LiveRows:
+def _carried(rows: LiveRows, natural: Doubles, last_tick: float) -> LiveRows:
     """Return the rows that still matter beyond the last finished tick; a natural departure is forgotten again."""
-    early = rows.departure < natural_death(rows.birth, rows.diameter)
-    kept = replace(rows, departure=np.where(early, rows.departure, np.inf))
-    return kept.where(kept.death > last_tick)
+    beyond = np.flatnonzero(np.minimum(rows.departure, natural) > last_tick)
+    kept = rows.at(beyond)
+    return replace(kept, departure=np.where(kept.departure < natural[beyond], kept.departure, np.inf))

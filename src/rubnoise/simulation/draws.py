@@ -24,6 +24,9 @@ _TOGETHER = 65_536
 _DRAWN_AT_ONCE = 16_384
 """Births that are drawn together: many enough for arrays to pay, few enough to stay in the processor's cache."""
 
+_KEPT = 64
+"""How many times as many are kept between their being counted and their being played."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockBirths:
@@ -70,8 +73,14 @@ def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: i
     if isinstance(model.births, RegularBirths):
         birth = model.births.places(first_birth(model, seed), block * count + np.arange(blocks * count + 1))
         return birth, np.diff(birth)
-    gaps = _drawn(model, seed, Stream.GAPS, block, blocks)
-    return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
+    return _added_up(model, seed, block, begin, blocks), _drawn(model, seed, Stream.GAPS, block, blocks)
+
+
+@lru_cache(maxsize=_KEPT)  # wanted twice: to count the births, and to let them happen
+def _added_up(model: Model, seed: int, block: int, begin: float, blocks: int) -> Doubles:
+    birth = np.add.accumulate(np.concatenate([[begin], _drawn(model, seed, Stream.GAPS, block, blocks)]))
+    birth.flags.writeable = False
+    return birth
 
 
 def blocks_together(model: Model, block: int) -> int:
@@ -109,7 +118,7 @@ def _draw_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: i
 
 
 _drawn_at_once = lru_cache(maxsize=4)(_draw_at_once)
-_gaps_at_once = lru_cache(maxsize=64)(_draw_at_once)  # drawn twice: to count the births, and to let them happen
+_gaps_at_once = lru_cache(maxsize=_KEPT)(_draw_at_once)  # drawn twice, as they are added up twice
 
 
 def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.simulation.kernels_panels import BLOCK
+from rubnoise.simulation.ticks import place_ticks
 
 Doubles = NDArray[np.float64]
 
@@ -25,11 +26,13 @@ class Grid:
         """Return a grid for the positions i * spacing with i from ``first`` to ``end`` - 1."""
         origin = first // BLOCK * BLOCK - BLOCK
         beyond = (end // BLOCK + 2) * BLOCK
+        position = np.empty(beyond - origin)
+        place_ticks(origin, spacing, position)
         return cls(
             origin=origin,
             spacing=spacing,
             wanted=slice(first - origin, end - origin),
-            position=np.arange(origin, beyond, dtype=np.float64) * spacing,
+            position=position,
         )
 
     def cells(self) -> slice:

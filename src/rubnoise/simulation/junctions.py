@@ -45,8 +45,7 @@ class LiveSet:
 
     def rows(self) -> LiveRows:
         """Return the junctions that have joined so far, with the departures of those that have left."""
-        joined = replace(self._rows, departure=np.array(self.departure))
-        return joined.where(np.arange(len(joined)) < self.joined)
+        return replace(self._rows, departure=np.array(self.departure)).part(0, self.joined)
 
 
 Intervention = Callable[[Environment, LiveSet], ProcessGenerator]

@@ -1,8 +1,9 @@
 """The compiled heart for lives of many ticks: their ends tick by tick, all between them by the Taylor series of panels.
 
 Within a panel of eight ticks that is far enough from birth and death, the area of a junction is a short power series.
-So a life leaves fifteen numbers in each panel instead of an area and three integrals at each tick; what the series of
-all lives add up to is worked out once for each tick, and its moments over a cell follow from the same numbers.
+So a life leaves at most fifteen numbers in each panel instead of an area and three integrals at each tick; what the
+series of all lives add up to is worked out once for each tick, and its moments over a cell follow from the same
+numbers.
 
 Positions are spaced evenly and come with those of whole blocks around them, so that nothing has to be cut: index 0 is a
 multiple of 64, and panel p holds the positions 8p + 1 ... 8p + 8 and the cells that end there.
@@ -31,25 +32,31 @@ def deposit_fine_lives(
     end: int,
     birth: Doubles,
     diameter: Doubles,
+    departure: Doubles,
     weight: Doubles,
     weights: Doubles,
     total: Doubles,
     moments: Doubles,
-) -> None:
-    """Add the weighted area fractions of fine, whole lives to positions, and their moments to the cells.
+) -> NDArray[np.int64]:
+    """Sum the weighted area fractions of fine, whole lives at positions, and their moments over the cells.
+
+    Returns the rows of those lives that are not fine or were ended early, and have been left out.
 
     position (um): ``origin`` spacings and on, whole blocks; only what belongs to the indices from ``begin`` to ``end``
-    is complete, with at least a block before and after them. birth, diameter (um) and weight: one a junction, in order
-    of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long or empty, the Legendre
-    moments of it over the cell that ends at a position, in units of the spacing.
+    is complete, with at least a block before and after them. birth, diameter, departure (um) and weight: one a
+    junction, in order of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long or
+    empty, the Legendre moments of it over the cell that ends at a position, in units of the spacing. Whatever was in
+    them is overwritten.
     """
     centre = np.zeros(MARGIN + position.size // PANEL + MARGIN)
     centre[MARGIN:-MARGIN] = position[PANEL // 2 :: PANEL]
     series = np.empty(SERIES)
-    alive = np.empty(len(birth), dtype=np.int64)
-    deposit_by_chunks(
-        position, centre, origin, spacing, begin, end, birth, diameter, weight, weights, series, alive, total, moments
-    )
+    alive, other = np.empty((2, len(birth)), dtype=np.int64)
+    others = deposit_by_chunks(
+        position, centre, origin, spacing, begin, end, birth, diameter, departure, weight, weights, series, alive,
+        other, total, moments,
+    )  # fmt: skip
+    return other[:others]
 
 
 @compiled_bare
@@ -62,28 +69,36 @@ def deposit_by_chunks(
     end: int,
     birth: Doubles,
     diameter: Doubles,
+    departure: Doubles,
     weight: Doubles,
     weights: Doubles,
     series: Doubles,
     alive: NDArray[np.int64],
+    other: NDArray[np.int64],
     total: Doubles,
     moments: Doubles,
-) -> None:
-    """Do what `deposit_fine_lives` does, in room that is given.
+) -> int:
+    """Do what `deposit_fine_lives` does, in room that is given, and return how many it has put into ``other``.
 
-    centre (um): the place amid each panel; series: for the panels of a chunk; alive: for as many as there are lives.
+    centre (um): the place amid each panel; series: for a chunk; alive, other: for as many as there are lives.
     """
-    count, row = 0, 0
+    count, others, row = 0, 0, 0
     per_spacing = 1.0 / spacing
     first = begin // BLOCK * BLOCK - BLOCK
+    cleared = first
     # Borders of chunks lie at multiples from the run's start: sums keep their order however a run is cut.
     low = (origin + first) // CHUNK * CHUNK - origin
     while low < end:
         bottom, top = max(low, first), min(low + CHUNK, (end + BLOCK - 1) // BLOCK * BLOCK)
         series[:] = 0.0
+        cleared = _clear(cleared, top + BLOCK, total, moments)
         while row < len(birth) and floor(birth[row] * per_spacing) - END - PANEL - origin < top:
-            alive[count] = row
-            count += 1
+            if diameter[row] < FINEST * spacing or departure[row] < birth[row] + 2.0 * diameter[row]:
+                other[others] = row
+                others += 1
+            else:
+                alive[count] = row
+                count += 1
             row += 1
         kept = 0
         for n in range(count):
@@ -98,6 +113,19 @@ def deposit_by_chunks(
         count = kept
         add_series(position, spacing, bottom, top, series, weights, total, moments)
         low += CHUNK
+    return others
+
+
+@inlined
+def _clear(begin: int, end: int, total: Doubles, moments: Doubles) -> int:
+    """Set sums and moments from ``begin`` to ``end`` to zero, and return where that ends: while they are at hand."""
+    size = len(total)
+    end = min(end, size)
+    total[begin:end] = 0.0
+    if len(moments) > 0:
+        for n in range(3):
+            moments[n * size + begin : n * size + end] = 0.0
+    return end
 
 
 @inlined

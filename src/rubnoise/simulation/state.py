@@ -42,13 +42,13 @@ class LiveRows:
         """Where each life ends, in um: its departure where it was ended early, else birth + 2d."""
         return np.minimum(self.departure, self.birth + 2.0 * self.diameter)
 
-    def where(self, keep: NDArray[np.bool_]) -> "LiveRows":
-        """Return the rows to keep."""
-        return LiveRows(**{f.name: getattr(self, f.name)[keep] for f in fields(self)})
+    def at(self, rows: NDArray[np.int64]) -> "LiveRows":
+        """Return some of the rows."""
+        return LiveRows(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
 
-    def first(self, count: int) -> "LiveRows":
-        """Return the first so many rows, without a copy."""
-        return LiveRows(**{f.name: getattr(self, f.name)[:count] for f in fields(self)})
+    def part(self, first: int, end: int) -> "LiveRows":
+        """Return the rows from ``first`` to ``end`` - 1, without a copy."""
+        return LiveRows(**{f.name: getattr(self, f.name)[first:end] for f in fields(self)})
 
     def then(self, other: "LiveRows") -> "LiveRows":
         """Return these rows followed by others that were born later."""

@@ -3,21 +3,40 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled, compiled_bare
+from rubnoise.compiling import compiled, compiled_bare, inlined
 
 Doubles = NDArray[np.float64]
 
 
 @compiled_bare
+def place_ticks(first: int, spacing: float, positions: Doubles) -> None:
+    """Fill in the positions i * spacing (um) from i = ``first`` on."""
+    for n in range(len(positions)):
+        positions[n] = float(first + n) * spacing
+
+
+@compiled_bare
 def first_at_or_after(positions: Doubles, distance: float) -> int:
     """Return the first index whose position is not before a distance, or the number of positions."""
+    return _first_near(positions, _per_um(positions), distance)
+
+
+@inlined
+def _per_um(positions: Doubles) -> float:
+    """Return how many positions there are to a um: roughly, where they are rounded or hardly any."""
+    count = len(positions)
+    return (count - 1) / (positions[count - 1] - positions[0]) if count > 1 else 0.0
+
+
+@inlined
+def _first_near(positions: Doubles, per_um: float, distance: float) -> int:
+    """Return what `first_at_or_after` does from a guess at it, which costs nothing but time where it is wrong."""
     count = len(positions)
     if count == 0 or positions[count - 1] < distance:
         return count
     if positions[0] >= distance:
         return 0
-    spacing = (positions[count - 1] - positions[0]) / (count - 1)
-    index = min(max(int((distance - positions[0]) / spacing), 0), count - 1)
+    index = min(max(int((distance - positions[0]) * per_um), 0), count - 1)
     while index > 0 and positions[index - 1] >= distance:
         index -= 1
     while positions[index] < distance:
@@ -33,10 +52,11 @@ def count_live(positions: Doubles, birth: Doubles, departure: Doubles, count: ND
     infinite while a junction is alive.
     """
     ticks = len(positions)
-    change = np.zeros(ticks + 1, np.int64)
+    change = np.zeros(ticks + 1, np.int32)
+    per_um = _per_um(positions)
     for row in range(len(birth)):
-        change[first_at_or_after(positions, birth[row])] += 1
-        change[first_at_or_after(positions, departure[row])] -= 1
+        change[_first_near(positions, per_um, birth[row])] += 1
+        change[_first_near(positions, per_um, departure[row])] -= 1
     live = 0
     for tick in range(ticks):
         live += change[tick]

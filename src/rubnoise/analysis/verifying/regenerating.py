@@ -132,7 +132,7 @@ def _alive_before(
         for block in (block for block in blocks if reached[block] and ends[block] > panel.first):
             before = row < table.first_junction[block]
             carried = before & (death > limits[block])
-            live[block] = live[block].then(rows.where(carried))
+            live[block] = live[block].then(rows.at(np.flatnonzero(carried)))
             within = carried | (~before & (row < ends[block]))
             touched[block] = touched[block] or bool(np.any(early & within))
     return live, touched
