@@ -167,8 +167,8 @@ STREAM_USE = (
         "float32 births",
         BIRTHS,
         "simulation/draws.py",
-        "    birth.flags.writeable = False\n",
-        "    birth = birth.astype(np.float32).astype(np.float64)\n",
+        "np.add.accumulate(np.concatenate([[begin], gaps])), gaps",
+        "np.add.accumulate(np.concatenate([[begin], gaps])).astype(np.float32).astype(np.float64), gaps",
         identity=True,
     ),
 )

@@ -13,6 +13,7 @@ from rubnoise.contact.deviates import exponential
 from rubnoise.contact.sizes import FixedSizes, SizeLaw
 from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
+from rubnoise.simulation.counted import CountedBirths
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
 
@@ -24,8 +25,7 @@ _TOGETHER = 65_536
 _DRAWN_AT_ONCE = 16_384
 """Births that are drawn together: many enough for arrays to pay, few enough to stay in the processor's cache."""
 
-_KEPT = 64
-"""How many times as many are kept between their being counted and their being played."""
+_counted = CountedBirths()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,14 +73,8 @@ def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: i
     if isinstance(model.births, RegularBirths):
         birth = model.births.places(first_birth(model, seed), block * count + np.arange(blocks * count + 1))
         return birth, np.diff(birth)
-    return _added_up(model, seed, block, begin, blocks), _drawn(model, seed, Stream.GAPS, block, blocks)
-
-
-@lru_cache(maxsize=_KEPT)  # wanted twice: to count the births, and to let them happen
-def _added_up(model: Model, seed: int, block: int, begin: float, blocks: int) -> Doubles:
-    birth = np.add.accumulate(np.concatenate([[begin], _drawn(model, seed, Stream.GAPS, block, blocks)]))
-    birth.flags.writeable = False
-    return birth
+    gaps = _drawn(model, seed, Stream.GAPS, block, blocks)
+    return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
 
 
 def blocks_together(model: Model, block: int) -> int:
@@ -100,8 +94,7 @@ def _drawn(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> 
     if group == 1:
         return _made(model, stream, _uniforms(model, seed, stream, block, 1))
     before = block % group
-    keep = _gaps_at_once if stream is Stream.GAPS else _drawn_at_once
-    drawn = keep(model, seed, stream, block - before, group)
+    drawn = _drawn_at_once(model, seed, stream, block - before, group)
     return drawn[before * births : (before + blocks) * births]
 
 
@@ -111,14 +104,11 @@ def _blocks_at_once(model: Model) -> int:
     return max(min(_DRAWN_AT_ONCE // births, ceil(model.distance * model.birth_rate / births)), 1)
 
 
-def _draw_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
+@lru_cache(maxsize=4)
+def _drawn_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
     made = _made(model, stream, _uniforms(model, seed, stream, block, blocks))
     made.flags.writeable = False
     return made
-
-
-_drawn_at_once = lru_cache(maxsize=4)(_draw_at_once)
-_gaps_at_once = lru_cache(maxsize=_KEPT)(_draw_at_once)  # drawn twice, as they are added up twice
 
 
 def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
@@ -140,7 +130,8 @@ def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
 def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> BlockBirths:
     """Return the births that lie within the run of a block, or of some that are drawn together."""
     births = births_per_block(model)
-    birth, gaps = birth_distances(model, seed, block, begin, blocks)
+    counted = _counted.take(model, seed, (block, begin, blocks))
+    birth, gaps = counted or birth_distances(model, seed, block, begin, blocks)
     first = birth[: blocks * births : births]
     blocks = max(int(np.searchsorted(first, model.distance, side="right")), 1)
     count = min(int(np.searchsorted(birth, model.distance, side="right")), blocks * births)
@@ -160,7 +151,10 @@ def births_by_block(model: Model, seed: int) -> Iterator[int]:
     block, begin = 0, first_birth(model, seed)
     while begin <= model.distance:
         blocks = blocks_together(model, block)
-        birth, _ = birth_distances(model, seed, block, begin, blocks)
+        place = (block, begin, blocks)
+        counted = _counted.look(model, seed, place) or birth_distances(model, seed, *place)
+        _counted.keep(model, seed, place, counted)
+        birth, _ = counted
         left = min(int(np.searchsorted(birth, model.distance, side="right")), blocks * births)
         while left > 0:
             yield min(left, births)
