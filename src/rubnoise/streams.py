@@ -49,8 +49,9 @@ def uniforms(seed: int, stream: Stream, block: int, count: int, blocks: int = 1)
         return source.random(count)
     numbers = np.empty((blocks, count))
     bits: Any = source.bit_generator
-    for row in numbers:
+    begin = bits.state  # before its first number, where another block differs by its word of the counter alone
+    for number, row in enumerate(numbers, start=block):
+        begin["state"]["counter"][2] = number
+        bits.state = begin
         source.random(out=row)
-        # A step of the counter makes four numbers; the block's word stands above 2^128 of them.
-        bits.advance(2**128 - (count + 3) // 4)
     return numbers.ravel()
