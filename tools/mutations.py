@@ -224,7 +224,7 @@ PULSES = (
         "no kink where ticks are fine",
         FINE_LENSES,
         "simulation/kernels_fine.py",
-        "add_kink(position, PANEL * kink + 1, born, size, spacing, weight, total, moments)",
+        "add_kink(position, PANEL * kink + 1, born, inverse, in_spacings, weight, total, moments)",
         "pass",
         identity=True,
     ),

@@ -39,7 +39,8 @@ def junction_states(
     )
     state = np.zeros(natural.size, dtype=np.uint8)
     for bit, of_whom in bits:
-        state |= of_whom.view(np.uint8) * np.uint8(bit)
+        if of_whom.any():
+            state |= of_whom.view(np.uint8) * np.uint8(bit)
     return state
 
 

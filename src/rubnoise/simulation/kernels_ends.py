@@ -52,15 +52,15 @@ def add_rise(
     position: Doubles,
     start: int,
     born: float,
-    size: float,
-    spacing: float,
+    inverse_size: float,
+    size_in_spacings: float,
     weight: float,
     total: Doubles,
     moments: Doubles,
 ) -> None:
     """Add the first positions of a life, beginning before its birth, and the cells that end there."""
-    birth, inverse, nothing = spread(born), spread(1.0 / size), spread(0.0)
-    share, size_in_cells = spread(weight), spread(size / spacing)
+    birth, inverse, nothing = spread(born), spread(inverse_size), spread(0.0)
+    share, size_in_cells = spread(weight), spread(size_in_spacings)
     first, second, third = nothing, nothing, nothing
     for at in range(start, start + END, PANEL):
         u = larger((load(position, at) - birth) * inverse, nothing)
@@ -85,15 +85,15 @@ def add_fall(
     position: Doubles,
     start: int,
     born: float,
-    size: float,
-    spacing: float,
+    inverse_size: float,
+    size_in_spacings: float,
     weight: float,
     total: Doubles,
     moments: Doubles,
 ) -> None:
     """Add the last positions of a life, from behind its death backwards, and the cells that end there."""
-    birth, inverse, nothing, two = spread(born), spread(1.0 / size), spread(0.0), spread(2.0)
-    share, size_in_cells = spread(weight), spread(size / spacing)
+    birth, inverse, nothing, two = spread(born), spread(inverse_size), spread(0.0), spread(2.0)
+    share, size_in_cells = spread(weight), spread(size_in_spacings)
     first, second, third = nothing, nothing, nothing
     height, shape = nothing, nothing
     for at in range(start + END - PANEL, start - PANEL, -PANEL):
@@ -122,16 +122,16 @@ def add_kink(
     position: Doubles,
     start: int,
     born: float,
-    size: float,
-    spacing: float,
+    inverse_size: float,
+    size_in_spacings: float,
     weight: float,
     total: Doubles,
     moments: Doubles,
 ) -> None:
     """Take off what the series of the panel with the mid-life has too much on the other side of it."""
-    inverse, nothing, one = spread(1.0 / size), spread(0.0), spread(1.0)
-    birth, share, size_in_cells = spread(born), spread(-2.0 * weight), spread(size / spacing)
-    rising = (position[start + PANEL // 2 - 1] - born) * (1.0 / size) <= 1.0
+    inverse, nothing, one = spread(inverse_size), spread(0.0), spread(1.0)
+    birth, share, size_in_cells = spread(born), spread(-2.0 * weight), spread(size_in_spacings)
+    rising = (position[start + PANEL // 2 - 1] - born) * inverse_size <= 1.0
     direction = spread(1.0 if rising else -1.0)
     x = larger(direction * ((load(position, start) - birth) * inverse - one), nothing)
     store(total, start, fused(share * x, polynomial(_BEND, x * x), load(total, start)))

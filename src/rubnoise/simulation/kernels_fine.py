@@ -147,17 +147,18 @@ def _add_life(
     """Add what a life leaves between two indices, and return whether it goes on beyond them."""
     place = born * per_spacing
     rise = floor((place + 16.0) * 0.125) + 1 - origin // PANEL
-    fall = floor((place + 2.0 * size * per_spacing - 16.0) * 0.125) - origin // PANEL
+    inverse, in_spacings = 1.0 / size, size * per_spacing
+    fall = floor((place + 2.0 * in_spacings - 16.0) * 0.125) - origin // PANEL
     low, high = max(rise, bottom // PANEL), min(fall, top // PANEL)
     if low < high:
-        add_panels(centre, low, high, rise, fall, bottom // PANEL, born, size, spacing, weight, series)
-        kink = floor((place + size * per_spacing) * 0.125) - origin // PANEL
+        add_panels(centre, low, high, rise, fall, bottom // PANEL, born, inverse, spacing, weight, series)
+        kink = floor((place + in_spacings) * 0.125) - origin // PANEL
         if low <= kink < high:
-            add_kink(position, PANEL * kink + 1, born, size, spacing, weight, total, moments)
+            add_kink(position, PANEL * kink + 1, born, inverse, in_spacings, weight, total, moments)
     start = PANEL * rise - END + 1
     if bottom < start <= top:
-        add_rise(position, start, born, size, spacing, weight, total, moments)
+        add_rise(position, start, born, inverse, in_spacings, weight, total, moments)
     start = PANEL * fall + 1
     if bottom < start <= top:
-        add_fall(position, start, born, size, spacing, weight, total, moments)
+        add_fall(position, start, born, inverse, in_spacings, weight, total, moments)
     return PANEL * fall + 1 > top

@@ -74,7 +74,7 @@ def add_panels(
     fall: int,
     bottom: int,
     born: float,
-    size: float,
+    inverse_size: float,
     spacing: float,
     weight: float,
     series: Doubles,
@@ -85,8 +85,8 @@ def add_panels(
     on where a run is cut. series: row by row the terms of the panels from ``bottom`` on.
     """
     one, two, nothing = spread(1.0), spread(2.0), spread(0.0)
-    birth, inverse = spread(born), spread(1.0 / size)
-    reach = 0.5 * PANEL * spacing / size
+    birth, inverse = spread(born), spread(inverse_size)
+    reach = 0.5 * PANEL * spacing * inverse_size
     nearest, forward, backward, square = spread(5.0 * reach), spread(reach), spread(-reach), spread(-reach * reach)
     lowest, highest = spread(centre[MARGIN + low] - spacing), spread(centre[MARGIN + high - 1] + spacing)
     for panel in range(rise + (low - rise) // WIDTH * WIDTH, high, WIDTH):
