@@ -1,7 +1,9 @@
 """A program with threads has its files looked at by a process of one thread, and need not know of it."""
 
 import os
+import select
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -14,7 +16,7 @@ import pytest
 
 import rubnoise.storage.vetting
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.attendant import Attendant
+from rubnoise.storage.attendant import PROGRAM, Attendant
 from rubnoise.storage.reader import open_run
 from tests.format.runs import attempt
 
@@ -90,6 +92,19 @@ def test_a_process_that_was_ended_is_started_again(path: Path) -> None:
     while os.waitpid(child, os.WNOHANG) == (0, 0):  # with its user it goes by itself
         assert time.monotonic() < deadline
         time.sleep(0.01)
+
+
+@pytest.mark.parametrize("answers", [0, 1], ids=["before it has answered", "before its answer is read"])
+def test_it_ends_without_a_word_where_its_user_is_gone(path: Path, answers: int) -> None:
+    ours, its = socket.socketpair()
+    with its:
+        attendant = subprocess.Popen([sys.executable, "-c", PROGRAM], stdin=its, stderr=subprocess.PIPE)
+    with ours, path.open("rb") as file:
+        socket.send_fds(ours, [b"?"], [file.fileno()])
+        if answers:
+            select.select([ours], [], [], 60.0)
+    _, said = attendant.communicate(timeout=60)
+    assert (attendant.returncode, said) == (0, b"")
 
 
 def test_a_program_with_threads_leaves_nothing_behind_and_loads_no_hdf5(path: Path) -> None:

@@ -16,7 +16,7 @@ from rubnoise.scenario.sweep import expand
 from rubnoise.sweep import pool as pool_module
 from rubnoise.sweep.engine import Attempt, Course, Here, Outcome, WorkLost
 from rubnoise.sweep.pace import LONGEST, SECONDS, Pace
-from rubnoise.sweep.pool import Pool, WorkerDied
+from rubnoise.sweep.pool import Pool, Worker, WorkerDied
 from tests.unit import errands
 from tests.unit.sweeps import sweep_of
 
@@ -115,6 +115,17 @@ def test_a_process_that_just_ends_is_told_by_its_exit_code(pool: Pool, points: t
     [outcome] = Course(points[:1], errands.leave, pool).outcomes()
     assert str(outcome.problem) == "its process ended with exit code 7"
     assert str(WorkerDied(-250)) == "its process was killed by signal 250"
+
+
+@pytest.mark.parametrize("answers", [0, 1], ids=["before it has answered", "before its answer is read"])
+def test_a_worker_ends_without_a_word_where_its_parent_is_gone(answers: int, capfd: pytest.CaptureFixture[str]) -> None:
+    worker = Worker.begin()
+    worker.line.send((len, ("four",)))
+    if answers:
+        assert worker.line.poll(60.0)
+    worker.line.close()
+    assert worker.process.wait(60.0) == 0
+    assert capfd.readouterr().err == ""
 
 
 def test_a_function_that_cannot_be_sent_fails_each_point(pool: Pool, points: tuple[Point, ...]) -> None:

@@ -34,8 +34,8 @@ FAIR = """## What is compared, and how
   for the slider. Where a peer has a faster way of its own (no progress bar, Python's generator for single draws),
   it goes that way.
 - **CPU time** of the process and its children, warm, in medians of repeats that take turns (A B C A B C), so that a
-  slow minute hits everybody. Ratios are of such medians. Importing and compiling are left out, and told on their
-  own below.
+  slow minute hits everybody. Each repeat has a seed of its own. Ratios are of such medians. Importing and compiling
+  are left out, and told on their own below.
 - **One thread.** Left to themselves, libraries for linear algebra keep idle threads busy, which can double the time
   of lsim.
 - **Slow peers run shorter**, with the number of junctions beside them. They have no fixed cost that a longer run
