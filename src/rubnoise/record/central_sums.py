@@ -1,13 +1,14 @@
 """Sums of powers about the mean, in as few passes as there can be; compiled."""
 
-import numpy as np
+from typing import Any
+
 from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled_for_speed
 
 
 @compiled_for_speed
-def central_sums(values: NDArray[np.float64], powers: int) -> tuple[float, float, float, float]:
+def central_sums(values: NDArray[Any], powers: int) -> tuple[float, float, float, float]:
     """Return the mean and the sums of the second to fourth powers about it, the last two only where asked for."""
     count = len(values)
     mean = 0.0

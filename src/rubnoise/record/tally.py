@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 from math import sqrt
+from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.record.sink import Columns
@@ -32,8 +32,8 @@ class Moments:
     third: float = 0.0
     fourth: float = 0.0
 
-    def add(self, values: NDArray[np.float64]) -> None:
-        """Take in one panel of values."""
+    def add(self, values: NDArray[Any]) -> None:
+        """Take in one panel of values of any kind of number."""
         if not values.size:
             return
         # Only who runs a model waits for the compiler to be loaded, and no one who opens its result.
@@ -91,4 +91,4 @@ class Tally:
         for name, powers in WATCHED.get(group, {}).items():
             if name in columns:
                 seen = self.moments.setdefault(name, Moments(powers=powers))
-                seen.add(np.asarray(columns[name], dtype=np.float64))
+                seen.add(columns[name])
