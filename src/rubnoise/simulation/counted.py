@@ -12,7 +12,7 @@ Births = tuple[Doubles, Doubles]
 Place = tuple[int, float, int]
 """Where births that are drawn together begin: block, distance (um), and how many blocks they make."""
 
-_MOST = 32
+_MOST = 24
 """Draws that are kept: a few megabytes, in which all of a run of half a million junctions fit."""
 
 

@@ -22,7 +22,7 @@ Doubles = NDArray[np.float64]
 _TOGETHER = 65_536
 """Births before the start that are looked at together."""
 
-_DRAWN_AT_ONCE = 16_384
+_DRAWN_AT_ONCE = 24_576
 """Births that are drawn together: many enough for arrays to pay, few enough to stay in the processor's cache."""
 
 _counted = CountedBirths()

@@ -8,7 +8,7 @@ from rubnoise.model import Model
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.state import State
 
-LARGEST_PANEL = 262_144
+LARGEST_PANEL = 294_912
 """Positions in a panel at most, so that a thin contact, whose blocks are long, needs no more memory than others."""
 
 
