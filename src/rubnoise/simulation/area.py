@@ -25,6 +25,11 @@ Doubles = NDArray[np.float64]
 _CELL_WEIGHTS = cell_weights().ravel()
 _NO_MOMENTS = np.empty(0)
 
+_AT_ONCE = 12 * LARGEST_PANEL
+"""Numbers of room that are asked for, most of which are never touched. Usual systems take back what lies free at the
+end of the heap where it is more than twice the largest piece ever freed: after a run, all arrays of a panel, which the
+next one would have to be given anew."""
+
 _LONG = 1024
 """Cells that cost as much as to look at two stretches of lives, and not at one."""
 
@@ -54,8 +59,7 @@ class Room:
     def numbers(self, count: int) -> Doubles:
         """Return so many numbers, whatever they are, in place of those returned before."""
         if self._moments.size < count:
-            # What the system has given out in one large piece it lets the next run in this process have again.
-            self._moments = np.empty(max(count, 3 * LARGEST_PANEL))
+            self._moments = np.empty(max(count, _AT_ONCE))
         return self._moments[:count]
 
 
