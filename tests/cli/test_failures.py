@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from rubnoise.simulation import panels
 from rubnoise.storage.part import Part
 from tests.cli.terminal import call, command, names
 
@@ -27,6 +28,13 @@ def _failing_after(writes: int) -> Callable[..., None]:
     return failing
 
 
+@pytest.fixture
+def many_panels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a run reach the disk in many pieces."""
+    monkeypatch.setattr(panels, "LARGEST_PANEL", 4096)
+
+
+@pytest.mark.usefixtures("many_panels")
 @pytest.mark.parametrize("writes", [0, 2])
 def test_a_disk_that_breaks_in_the_middle_leaves_nothing(
     here: Path, monkeypatch: pytest.MonkeyPatch, writes: int
@@ -38,6 +46,7 @@ def test_a_disk_that_breaks_in_the_middle_leaves_nothing(
     assert names(here) == []
 
 
+@pytest.mark.usefixtures("many_panels")
 def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (here / "contact.h5").write_bytes(b"precious")
     monkeypatch.setattr(Part, "write", _failing_after(1))
