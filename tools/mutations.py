@@ -140,12 +140,13 @@ STREAM_USE = (
         "key = np.array([seed, int(stream)], dtype=np.uint64)",
         "key = np.array([seed, 2 if stream == 3 else int(stream)], dtype=np.uint64)",
     ),
-    one(
+    Mutant(
         "a block's stream reused",
+        (
+            Edit("streams.py", "np.array([0, 0, block, 0], dtype", "np.array([0, 0, block // 2, 0], dtype"),
+            Edit("streams.py", '["counter"][2] = number', '["counter"][2] = number // 2'),
+        ),
         STREAMS,
-        "streams.py",
-        "counter = np.array([0, 0, block, 0], dtype=np.uint64)",
-        "counter = np.array([0, 0, block // 2, 0], dtype=np.uint64)",
     ),
     one(
         "first birth of a block dropped",
