@@ -20,6 +20,9 @@ STRENGTH = 250.0
 SPEED = 1000.0
 MASS, STIFFNESS, DAMPING = 0.005, 300.0, 0.05
 
+SEED = 1
+"""Of the run whose junctions everybody is asked for."""
+
 
 @dataclass(frozen=True)
 class Case:
@@ -131,7 +134,7 @@ class Drawn:
 class Given:
     """Junctions that rubnoise has drawn from a seed, so that everybody can be asked for the same run."""
 
-    def __init__(self, birth: Doubles, diameter: Doubles, seed: int = 1) -> None:
+    def __init__(self, birth: Doubles, diameter: Doubles, seed: int = SEED) -> None:
         """Hand out these rows (um)."""
         self.birth, self.sizes, self.seed = birth, diameter, seed
         self._gaps = iter([*np.diff(birth, prepend=0.0).tolist(), 1e12])

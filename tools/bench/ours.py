@@ -4,9 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import rubnoise
-from bench.case import AREA, DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Case, Draws, Output, doubles
-
-SEED = 1
+from bench.case import AREA, DAMPING, MASS, SEED, SPEED, STIFFNESS, STRENGTH, Case, Draws, Output, doubles
 
 
 def scenario(case: Case, engine: str, *, slider: bool = True, seed: int = SEED) -> rubnoise.Scenario:
