@@ -6,10 +6,9 @@ from math import floor
 from typing import Any
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
-from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.calibration import calibrated_diameter
+from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.contact.strengths import ConstantStrength, StrengthLaw
-from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import extent, simulate
@@ -19,7 +18,7 @@ BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 
-UNEQUAL = LognormalStrength(mean=250.0, std=150.0)
+UNEQUAL = Lognormal(mean=250.0, std=150.0)
 
 
 def model(
@@ -33,7 +32,7 @@ def model(
     start: Any = "stationary",
     slider: Slider | None = FIG5_SLIDER,
     speed: float | None = 1000.0,
-    strength: float | StrengthLaw | None = 250.0,
+    strength: float | Law | None = 250.0,
     births: str = "poisson",
     pulse: Pulse = LENS,
 ) -> Model:
@@ -46,9 +45,9 @@ def model(
         mean_junction_count=count,
         calibration=calibration,
         calibrated_diameter=diameter,
-        sizes=sizes_for(diameter, spread),
+        sizes=law_for(diameter, spread),
         births=BIRTHS[births](mean_spacing=2.0 * diameter / count),
-        strengths=ConstantStrength(mean=strength) if isinstance(strength, float | int) else strength,
+        strengths=Fixed(value=strength) if isinstance(strength, float | int) else strength,
         sliding_speed=speed,
         distance=distance,
         start=start,

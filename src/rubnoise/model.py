@@ -5,9 +5,8 @@ from math import pi, sqrt
 from typing import Literal
 
 from rubnoise.contact.births import BirthLaw
+from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.contact.sizes import SizeLaw
-from rubnoise.contact.strengths import StrengthLaw
 
 Start = Literal["stationary", "empty"]
 
@@ -50,9 +49,9 @@ class Model:
     mean_junction_count: float
     calibration: Literal["paper", "exact", "matched"]
     calibrated_diameter: float
-    sizes: SizeLaw
+    sizes: Law
     births: BirthLaw
-    strengths: StrengthLaw | None
+    strengths: Law | None
     sliding_speed: float | None
     distance: float
     start: Start

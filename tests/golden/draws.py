@@ -10,31 +10,30 @@ from pathlib import Path
 
 import xxhash
 
-from rubnoise.contact.sizes import FixedSizes, NormalSizes
-from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
-from rubnoise.contact.sizes_lognormal import LognormalSizes
-from rubnoise.contact.strengths import ConstantStrength
-from rubnoise.contact.strengths_spread import LognormalStrength, NormalStrength, WeibullStrength
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Normal, Power, Weibull
 from rubnoise.streams import STREAM_VERSION, Stream, generator
 
 SEED = 20_240_229
 COUNT = 20_000
 GOLDEN = Path(__file__).parent / f"draws_{STREAM_VERSION}.json"
 SIZES = (
-    FixedSizes(diameter=5.53),
-    NormalSizes(mean=5.53, std=0.2),
-    NormalSizes(mean=1.0, std=3.0),
-    LognormalSizes(mean=5.53, std=1.1),
-    LognormalSizes(mean=1.0, std=3.0),
-    ExponentialSizes(mean=5.53),
-    GammaSizes(mean=5.53, std=1.1),
-    GammaSizes(mean=1.0, std=3.0),
+    Fixed(value=5.53),
+    Normal(centre=5.53, std=0.2),
+    Normal(centre=1.0, std=3.0),
+    Lognormal(mean=5.53, std=1.1),
+    Lognormal(mean=1.0, std=3.0),
+    Exponential(mean=5.53),
+    Gamma(mean=5.53, std=1.1),
+    Gamma(mean=1.0, std=3.0),
+    Weibull(mean=5.53, std=1.1),
+    Power(exponent=2.5, smallest=2.0, largest=20.0),
+    Power(exponent=1.0, smallest=2.0, largest=20.0),
 )
 STRENGTHS = (
-    ConstantStrength(mean=250.0),
-    NormalStrength(centre=250.0, std=100.0),
-    LognormalStrength(mean=250.0, std=100.0),
-    WeibullStrength(mean=250.0, std=100.0),
+    Fixed(value=250.0),
+    Normal(centre=250.0, std=100.0),
+    Lognormal(mean=250.0, std=100.0),
+    Weibull(mean=250.0, std=100.0),
 )
 
 

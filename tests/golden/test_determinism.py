@@ -47,9 +47,9 @@ def test_a_bit_that_differs_is_named() -> None:
     changed = json.loads(json.dumps(expected))
     assert determinism.differing(changed, expected) == []
     changed["runs"][BRIEF]["trace/real_contact_area"] = "0"
-    del changed["draws"]["ConstantStrength(mean=250.0)"]
+    del changed["draws"]["Fixed(value=250.0)"]
     assert determinism.differing(changed, expected) == [
-        "draws, ConstantStrength(mean=250.0)",
+        "draws, Fixed(value=250.0)",
         f"runs, {BRIEF}, trace/real_contact_area",
     ]
 

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
+from rubnoise.contact.laws import Fixed, Law, Normal
 from rubnoise.model import Model, Slider
 from tests.unit.theory_models import model_of
 
@@ -22,10 +22,10 @@ def regular(
     spread: float = 0.0,
     pulse: Pulse = LENS,
     slider: Slider | None = None,
-    sizes: SizeLaw | None = None,
+    sizes: Law | None = None,
 ) -> Model:
     """Return a contact with births at a spacing of one life over the mean count."""
-    equal = FixedSizes(diameter=DIAMETER) if spread == 0.0 else NormalSizes(mean=DIAMETER, std=spread)
+    equal = Fixed(value=DIAMETER) if spread == 0.0 else Normal(centre=DIAMETER, std=spread)
     model = model_of(sizes or equal, DIAMETER, mean_count, pulse=pulse, slider=slider)
     return replace(model, births=RegularBirths(mean_spacing=2.0 * DIAMETER / mean_count))
 

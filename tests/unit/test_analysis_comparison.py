@@ -14,9 +14,8 @@ from rubnoise.analysis.comparing.findings import Comparison
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.strengths_spread import LognormalStrength
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants
@@ -33,7 +32,7 @@ RIGHT = {
     "triangle": replace(bare(distance=6000.0, tick=0.2), pulse=TRIANGLE),
     "one size": bare(spread=Spread(absolute=0.0), distance=4000.0, tick=0.2),
     "unequal strengths": replace(
-        model(slider=None, distance=20_000.0, tick=0.2), strengths=LognormalStrength(mean=250.0, std=100.0)
+        model(slider=None, distance=20_000.0, tick=0.2), strengths=Lognormal(mean=250.0, std=100.0)
     ),
     "at rest": model(distance=10_000.0, tick=0.5, slider=replace(QUICK, start="rest"), speed=100.0),
     "regular": replace(bare(distance=3000.0, tick=0.2), births=RegularBirths(mean_spacing=0.55)),

@@ -10,10 +10,7 @@ from rubnoise.analysis.comparing.findings import LeftOut
 from rubnoise.analysis.comparing.judging import judged_mean
 from rubnoise.analysis.comparing.tails import LARGEST_SKEWNESS, NORMAL, Tail, tail_of, tail_of_squares
 from rubnoise.analysis.comparison import compare
-from rubnoise.contact.sizes import FixedSizes
-from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
-from rubnoise.contact.sizes_lognormal import LognormalSizes
-from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal
 from rubnoise.model import Model
 from rubnoise.theory.sampling import mean_area_error
 from tests.models import bare, recorded
@@ -29,7 +26,7 @@ def births(model: Model) -> float:
 
 
 def test_equal_junctions_are_as_skewed_as_their_number() -> None:
-    model = model_of(FixedSizes(diameter=5.0), 5.0)
+    model = model_of(Fixed(value=5.0), 5.0)
     for power in (1, 5, 9):
         found = tail_of(model, LENGTH, power)
         assert (found.skewness, found.needed) == (pytest.approx(births(model) ** -0.5), 0.0)
@@ -40,20 +37,20 @@ def test_equal_junctions_are_as_skewed_as_their_number() -> None:
 
 def test_exponential_sizes_have_the_skewness_of_their_moments() -> None:
     """E[d^n] = n!; what is too rare for the record to hold is 1e-5 of a junction, and takes little from the third."""
-    model = model_of(ExponentialSizes(mean=5.0), 5.0)
+    model = model_of(Exponential(mean=5.0), 5.0)
     assert tail_of(model, LENGTH, 1).skewness == pytest.approx(6.0 / 2.0**1.5 / births(model) ** 0.5, rel=0.01)
 
 
 def test_strengths_multiply_what_sizes_bring() -> None:
-    plain = model_of(FixedSizes(diameter=5.0), 5.0)
-    unequal = replace(plain, strengths=LognormalStrength(mean=250.0, std=100.0))
+    plain = model_of(Fixed(value=5.0), 5.0)
+    unequal = replace(plain, strengths=Lognormal(mean=250.0, std=100.0))
     factor = 1.16 ** (3 - 1.5)  # E[psi^3] / E[psi^2]^1.5
     assert tail_of(unequal, LENGTH, 3, 1).skewness == pytest.approx(factor * births(plain) ** -0.5, rel=0.01)
     assert tail_of(unequal, LENGTH, 3).skewness == pytest.approx(births(plain) ** -0.5)
 
 
 def test_sums_that_are_drawn_are_as_skewed() -> None:
-    law = GammaSizes(mean=1.0, std=0.4)
+    law = Gamma(mean=1.0, std=0.4)
     generator = np.random.default_rng(seed_of("tails/gamma"))
     numbers = generator.poisson(200.0, 10_000)
     cubes = law.draw(generator.random(int(numbers.sum()))) ** 3
@@ -66,8 +63,8 @@ def test_sums_that_are_drawn_are_as_skewed() -> None:
 
 
 def test_squares_of_a_wide_law_need_more_draws_than_those_of_a_narrow_one() -> None:
-    wide = tail_of_squares(LognormalSizes(mean=5.0, std=5.0), 5.0, 1000.0, 500.0)
-    narrow = tail_of_squares(LognormalSizes(mean=5.0, std=0.5), 5.0, 1000.0, 500.0)
+    wide = tail_of_squares(Lognormal(mean=5.0, std=5.0), 5.0, 1000.0, 500.0)
+    narrow = tail_of_squares(Lognormal(mean=5.0, std=0.5), 5.0, 1000.0, 500.0)
     assert narrow.needed == 0.0
     assert wide.needed > 500.0
     assert wide.skewness > narrow.skewness
@@ -90,7 +87,7 @@ def test_a_skewed_mean_is_scored_on_its_own_scale() -> None:
 
 def test_a_right_run_that_holds_one_huge_junction_is_accepted() -> None:
     """Of some hundred such runs one has a mean that a normal law would call impossible."""
-    run = replace(bare(distance=LENGTH, tick=2.0), sizes=LognormalSizes(mean=5.4772, std=3.834))
+    run = replace(bare(distance=LENGTH, tick=2.0), sizes=Lognormal(mean=5.4772, std=3.834))
     record = recorded(run, 1010)
     found = compare(run, held(record))
     assert found.outside == []

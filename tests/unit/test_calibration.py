@@ -2,7 +2,8 @@
 
 import pytest
 
-from rubnoise.contact.calibration import NoMatchingDiameter, Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.calibration import NoMatchingDiameter, calibrated_diameter
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.contact.pulses import LENS, TRIANGLE
 
 FIG5 = Spread(absolute=0.2)
@@ -31,7 +32,7 @@ def test_diameters_of_fig_5(calibration, diameter):
 def test_matched_meets_the_mean_area(spread, pulse):
     diameter = calibrated_diameter("matched", 200.0, 20.0, spread, pulse)
     life_mean = 20.0 * float(pulse.life_mean())
-    assert life_mean * sizes_for(diameter, spread).moment(3) / diameter == pytest.approx(200.0, rel=1e-13)
+    assert life_mean * law_for(diameter, spread).moment(3) / diameter == pytest.approx(200.0, rel=1e-13)
 
 
 @pytest.mark.parametrize(

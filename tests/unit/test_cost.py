@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.record.tally import Tally
 from rubnoise.simulation import yardstick

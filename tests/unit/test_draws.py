@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.deviates import exponential
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import (

@@ -14,7 +14,7 @@ from rubnoise.analysis.run_layout import BANDS, BINS, LAGS, RunLayout
 from rubnoise.analysis.run_summary import CURVES, RunSummary, SummarySink
 from rubnoise.analysis.spectra import welch
 from rubnoise.analysis.summary import summarise
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally

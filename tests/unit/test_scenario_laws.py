@@ -2,16 +2,12 @@
 
 import pytest
 
-from rubnoise.contact.sizes import FixedSizes, NormalSizes
-from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
-from rubnoise.contact.sizes_lognormal import LognormalSizes
-from rubnoise.contact.strengths import ConstantStrength, StrengthLaw
-from rubnoise.contact.strengths_spread import LognormalStrength, NormalStrength, WeibullStrength
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Weibull
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import build, loads
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 
-SPREADING = {"normal": NormalSizes, "lognormal": LognormalSizes, "gamma": GammaSizes}
+SPREADING = {"normal": Normal, "lognormal": Lognormal, "gamma": Gamma}
 STRENGTH = '[strength]\nmean = "250 MPa"\n'
 
 
@@ -33,7 +29,7 @@ def test_a_size_law_has_the_calibrated_diameter_and_its_spread(
 
 def test_exponential_sizes_need_no_spread() -> None:
     model = loads(BARE + '[diameter]\nlaw = "exponential"\n').model()
-    assert model.sizes == ExponentialSizes(mean=model.calibrated_diameter)
+    assert model.sizes == Exponential(mean=model.calibrated_diameter)
     assert model.stationary_mean_area == pytest.approx(6.0 * 200.0, rel=1e-14)
 
 
@@ -47,20 +43,20 @@ def test_matched_sizes_have_the_mean_area_asked_for(law: str) -> None:
 @pytest.mark.parametrize("law", ["lognormal", "gamma"])
 def test_no_spread_at_all_is_one_size(law: str) -> None:
     model = loads(whole(law=f'"{law}"', spread='"0 um"')).model()
-    assert model.sizes == FixedSizes(diameter=model.calibrated_diameter)
+    assert model.sizes == Fixed(value=model.calibrated_diameter)
 
 
 @pytest.mark.parametrize(
     ("law", "spread", "expected"),
     [
-        ("constant", "", ConstantStrength(mean=250.0)),
-        ("normal", '"50 MPa"', NormalStrength(centre=250.0, std=50.0)),
-        ("lognormal", '"20 %"', LognormalStrength(mean=250.0, std=50.0)),
-        ("weibull", '"0.1 GPa"', WeibullStrength(mean=250.0, std=100.0)),
-        ("weibull", '"0 %"', ConstantStrength(mean=250.0)),
+        ("constant", "", Fixed(value=250.0)),
+        ("normal", '"50 MPa"', Normal(centre=250.0, std=50.0)),
+        ("lognormal", '"20 %"', Lognormal(mean=250.0, std=50.0)),
+        ("weibull", '"0.1 GPa"', Weibull(mean=250.0, std=100.0)),
+        ("weibull", '"0 %"', Fixed(value=250.0)),
     ],
 )
-def test_a_strength_law_has_its_mean_and_spread(law: str, spread: str, expected: StrengthLaw) -> None:
+def test_a_strength_law_has_its_mean_and_spread(law: str, spread: str, expected: Law) -> None:
     scenario = loads(strong(law, spread))
     assert scenario.model().strengths == expected
     assert build(scenario.resolved()).model().strengths == expected
@@ -119,8 +115,8 @@ def test_python_gives_spreads_in_working_units() -> None:
         "sliding": {"distance": 1000},
     }
     model = build(values).model()
-    assert model.sizes == GammaSizes(mean=model.calibrated_diameter, std=0.5)
-    assert model.strengths == WeibullStrength(mean=250.0, std=40.0)
+    assert model.sizes == Gamma(mean=model.calibrated_diameter, std=0.5)
+    assert model.strengths == Weibull(mean=250.0, std=40.0)
 
 
 def test_the_least_matched_area_of_a_law_is_named() -> None:

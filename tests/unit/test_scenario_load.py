@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rubnoise.contact.sizes import FixedSizes, NormalSizes
+from rubnoise.contact.laws import Fixed, Normal
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Slider
 from rubnoise.scenario import build, load, loads
@@ -18,7 +18,7 @@ from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
 def test_the_whole_scenario_becomes_a_model() -> None:
     model = loads(WHOLE).model()
     assert model.calibrated_diameter == pytest.approx(5.5300126, abs=5e-8)
-    assert model.sizes == NormalSizes(mean=model.calibrated_diameter, std=0.2)
+    assert model.sizes == Normal(centre=model.calibrated_diameter, std=0.2)
     assert model.mean_birth_spacing == pytest.approx(0.55300126, abs=5e-9)
     assert model.strengths is not None
     assert (model.strengths.mean, model.sliding_speed, model.distance) == (250.0, 1000.0, 20_000.0)
@@ -31,7 +31,7 @@ def test_a_bare_scenario_has_the_defaults() -> None:
     model = scenario.model()
     diameter = model.calibrated_diameter
     assert diameter == pytest.approx((3 * 10) ** 0.5, rel=1e-15)
-    assert (model.sizes, model.calibration, model.start) == (FixedSizes(diameter=diameter), "exact", "stationary")
+    assert (model.sizes, model.calibration, model.start) == (Fixed(value=diameter), "exact", "stationary")
     assert (model.strengths, model.sliding_speed, model.slider) == (None, None, None)
     assert model.tick == diameter / 100
     assert (scenario.run.seed, scenario.run.engine, scenario.output.compression) == (1, "events", "none")
@@ -53,7 +53,7 @@ def test_a_spread_is_absolute_or_relative_and_may_be_nothing(spread: str, std: f
     model = loads(whole(spread=spread)).model()
     diameter = model.calibrated_diameter
     wanted = 0.2 if std is None else std * diameter
-    size_law = NormalSizes(mean=diameter, std=wanted) if wanted else FixedSizes(diameter=diameter)
+    size_law = Normal(centre=diameter, std=wanted) if wanted else Fixed(value=diameter)
     assert model.sizes == size_law
 
 

@@ -7,9 +7,8 @@ import pytest
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.summary import FEWEST_LIVES, summarise
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Fixed, Spread
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
@@ -150,5 +149,5 @@ def test_the_force_of_another_strength_is_not_agreed_with() -> None:
     run = model(slider=None, distance=2000.0)
     tally = _tally(run, seed_of("summary/force"))
     assert abs(_figures(run, tally)["friction_force_mean"].z or 0.0) <= 4.0
-    stronger = replace(run, strengths=ConstantStrength(mean=330.0))
+    stronger = replace(run, strengths=Fixed(value=330.0))
     assert (_figures(stronger, tally)["friction_force_mean"].z or 0.0) < -4.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.model import Model
 from rubnoise.theory.aliasing import sampled_spectral_density
 from rubnoise.theory.campbell import area_cumulants
@@ -17,7 +17,7 @@ from tests.unit.theory_models import model_of, one_size, paper_model
 MODELS = {
     "one size": one_size(),
     "paper": paper_model(),
-    "wide": model_of(NormalSizes(mean=5.53, std=4.0), 5.53),
+    "wide": model_of(Normal(centre=5.53, std=4.0), 5.53),
     "triangles": replace(one_size(), pulse=TRIANGLE),
 }
 TICKS = [0.0553, 0.5, 0.6, 3.7, 5.53, 20.0]

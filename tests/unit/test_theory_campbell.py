@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from tests.unit.theory_models import one_size, paper_model
@@ -50,7 +50,7 @@ def test_twice_the_births_double_every_cumulant() -> None:
 
 
 def test_force_is_strength_times_area() -> None:
-    model = replace(paper_model(), strengths=ConstantStrength(mean=3.0))
+    model = replace(paper_model(), strengths=Fixed(value=3.0))
     area, force = area_cumulants(model), force_cumulants(model)
     np.testing.assert_allclose(force.values, [k * 3.0**n for n, k in enumerate(area.values, start=1)], rtol=1e-15)
     assert force.skewness == pytest.approx(area.skewness, rel=1e-14)

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import Powers, autocovariance, joint_cumulants, life_overlaps
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
@@ -12,8 +12,8 @@ from tests.unit.theory_models import model_of, one_size, paper_model
 MODELS = {
     "fig5": paper_model(),
     "one size": one_size(),
-    "wide": model_of(NormalSizes(mean=2.0, std=3.0), 2.0),
-    "triangle": model_of(NormalSizes(mean=5.53, std=0.2), 5.53, pulse=TRIANGLE),
+    "wide": model_of(Normal(centre=2.0, std=3.0), 2.0),
+    "triangle": model_of(Normal(centre=5.53, std=0.2), 5.53, pulse=TRIANGLE),
 }
 
 

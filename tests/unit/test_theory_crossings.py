@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.sizes import FixedSizes, NormalSizes
+from rubnoise.contact.laws import Fixed, Normal
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
@@ -31,7 +31,7 @@ def slider_of(damping_ratio: float) -> Slider:
 
 
 def few(mean_count: float, damping_ratio: float, speed: float) -> Model:
-    return model_of(FixedSizes(diameter=5.53), 5.53, mean_count, slider=slider_of(damping_ratio), speed=speed)
+    return model_of(Fixed(value=5.53), 5.53, mean_count, slider=slider_of(damping_ratio), speed=speed)
 
 
 @pytest.mark.parametrize("damping_ratio", [1e-6, 1e-3, 0.02, 0.5, 1.0 - 1e-6, 1.0, 1.0 + 1e-6, 4.0, 1e3])
@@ -44,10 +44,8 @@ def test_second_cumulants_are_those_of_the_response_spectrum(damping_ratio: floa
     assert found.mean == expected.mean_displacement
 
 
-@pytest.mark.parametrize(
-    "law", [NormalSizes(mean=5.53, std=0.2), NormalSizes(mean=2.0, std=3.0)], ids=["narrow", "wide"]
-)
-def test_spread_sizes_and_slow_sliding_too(law: NormalSizes) -> None:
+@pytest.mark.parametrize("law", [Normal(centre=5.53, std=0.2), Normal(centre=2.0, std=3.0)], ids=["narrow", "wide"])
+def test_spread_sizes_and_slow_sliding_too(law: Normal) -> None:
     model = model_of(law, law.mean, slider=slider_of(0.02), speed=60.0)
     found, expected = motion_cumulants(model), response(model)
     assert found.displacement_std == pytest.approx(expected.displacement_std, rel=1e-8)

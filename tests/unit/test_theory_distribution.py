@@ -17,11 +17,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.calibration import Spread, sizes_for
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Spread, law_for
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
-from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
-from rubnoise.contact.sizes_lognormal import LognormalSizes
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import distribution as module
@@ -47,10 +44,10 @@ SPREADS = {
 
 
 def contact(count: float, spread: str = "none", pulse: Pulse = LENS) -> Model:
-    return model_of(sizes_for(MEAN, SPREADS[spread]), MEAN, count, pulse=pulse)
+    return model_of(law_for(MEAN, SPREADS[spread]), MEAN, count, pulse=pulse)
 
 
-def with_law(law: SizeLaw, count: float) -> Model:
+def with_law(law: Law, count: float) -> Model:
     return model_of(law, law.moment(1), count)
 
 
@@ -115,15 +112,15 @@ def test_four_moments_by_the_distribution_function(count: float, spread: str) ->
 @pytest.mark.parametrize(
     "law",
     [
-        LognormalSizes(mean=MEAN, std=0.3 * MEAN),
-        GammaSizes(mean=MEAN, std=0.5 * MEAN),
-        ExponentialSizes(mean=MEAN),
-        LognormalSizes(mean=MEAN, std=MEAN),
+        Lognormal(mean=MEAN, std=0.3 * MEAN),
+        Gamma(mean=MEAN, std=0.5 * MEAN),
+        Exponential(mean=MEAN),
+        Lognormal(mean=MEAN, std=MEAN),
     ],
     ids=["lognormal", "gamma", "exponential", "wide lognormal"],
 )
 @pytest.mark.parametrize("count", [0.5, 20.0, 300.0])
-def test_laws_with_a_long_tail(law: SizeLaw, count: float) -> None:
+def test_laws_with_a_long_tail(law: Law, count: float) -> None:
     """Only the mean, where the tail that doubles can hold is the moment's: the fourth needs probabilities of 1e-20."""
     model = with_law(law, count)
     found = distribution(model)
@@ -197,9 +194,9 @@ def test_many_lenses_by_davies_sum(count: float, spread: str, sizes: int) -> Non
     np.testing.assert_allclose(distribution(model).cdf(area), expected, atol=1e-10)
 
 
-def alive(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
+def alive(law: Law, count: int) -> tuple[Doubles, Doubles]:
     """Return diameters found alive and their shares, by one Gauss-Legendre rule over the support."""
-    if isinstance(law, FixedSizes):
+    if isinstance(law, Fixed):
         return np.array([law.diameter]), np.ones(1)
     low, high = law.support
     x, w = np.polynomial.legendre.leggauss(count)
@@ -341,7 +338,7 @@ def test_regular_births_are_refused(asked: Callable[[Model], object]) -> None:
 def test_strengths_and_ticks_play_no_role_and_equal_models_share_one_answer() -> None:
     model = contact(20.0, "0.2 um")
     assert distribution(replace(model, strengths=None, tick=0.1)) is distribution(model)
-    other = model_of(NormalSizes(mean=MEAN, std=0.21), MEAN, 20.0)
+    other = model_of(Normal(centre=MEAN, std=0.21), MEAN, 20.0)
     assert distribution(other) is not distribution(model)
 
 

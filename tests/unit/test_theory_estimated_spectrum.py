@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.sizes import NormalSizes
-from rubnoise.contact.sizes_gamma import ExponentialSizes
+from rubnoise.contact.laws import Exponential, Normal
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
@@ -67,7 +66,7 @@ def test_covariance_by_ticks_ends_with_the_longest_life() -> None:
 
 
 def test_lives_too_rare_to_count_do_not_lengthen_it() -> None:
-    model = model_of(ExponentialSizes(mean=5.53), 5.53)
+    model = model_of(Exponential(mean=5.53), 5.53)
     reach, variance = correlation_reach(model), area_cumulants(model).variance
     assert reach < 2.0 * size_range(model.sizes)[1]
     assert autocovariance(model, reach) < 1e-17 * variance
@@ -144,7 +143,7 @@ def test_bins_are_those_of_scipy(trace: Doubles) -> None:
 
 
 def test_a_triangle_and_spread_sizes_leak_and_alias_alike() -> None:
-    model = replace(model_of(NormalSizes(mean=5.53, std=2.0), 5.53), pulse=TRIANGLE)
+    model = replace(model_of(Normal(centre=5.53, std=2.0), 5.53), pulse=TRIANGLE)
     drawn = drawn_trace(model, TICK, TICKS * ROWS, seed_of("drawn trace of triangles"))
     expected = expected_periodogram(model, TICK, HANN)[1]
     assert np.max(np.abs(bin_scores(model, drawn.reshape(ROWS, TICKS), HANN, expected))) <= 4.0

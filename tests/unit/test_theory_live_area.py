@@ -6,22 +6,20 @@ import pytest
 
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
-from rubnoise.contact.sizes_gamma import ExponentialSizes
-from rubnoise.contact.sizes_lognormal import LognormalSizes
+from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal
 from rubnoise.theory.live_area import live_area
 from rubnoise.theory.pair_area import pair_area
 from tests.oracle.slow_distribution import level
 
-ONE_SIZE = FixedSizes(diameter=2.0)
-LAWS: dict[str, SizeLaw] = {
+ONE_SIZE = Fixed(value=2.0)
+LAWS: dict[str, Law] = {
     "one size": ONE_SIZE,
-    "hardly spread": NormalSizes(mean=5.53, std=1e-6),
-    "0.2 um": NormalSizes(mean=5.53, std=0.2),
-    "20 %": NormalSizes(mean=5.53, std=1.106),
-    "150 %": NormalSizes(mean=2.0, std=3.0),
-    "lognormal": LognormalSizes(mean=2.0, std=0.6),
-    "exponential": ExponentialSizes(mean=2.0),
+    "hardly spread": Normal(centre=5.53, std=1e-6),
+    "0.2 um": Normal(centre=5.53, std=0.2),
+    "20 %": Normal(centre=5.53, std=1.106),
+    "150 %": Normal(centre=2.0, std=3.0),
+    "lognormal": Lognormal(mean=2.0, std=0.6),
+    "exponential": Exponential(mean=2.0),
 }
 
 

@@ -6,7 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.sizes import FixedSizes, NormalSizes
+from rubnoise.contact.laws import Fixed, Normal
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.live_junctions import (
     age_density,
@@ -22,12 +22,12 @@ from rubnoise.theory.quadrature import panels
 from tests.unit.theory_models import model_of, one_size
 from tests.verification.seeds import seed_of
 
-LAWS = {"narrow": NormalSizes(mean=5.53, std=0.2), "wide": NormalSizes(mean=2.0, std=3.0)}
+LAWS = {"narrow": Normal(centre=5.53, std=0.2), "wide": Normal(centre=2.0, std=3.0)}
 EACH_LAW = pytest.mark.parametrize("name", LAWS)
 COUNT = 200_000
 
 
-def over_support(law: NormalSizes) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def over_support(law: Normal) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     low, high = law.support
     return panels(np.linspace(low, high, 101), 16)
 
@@ -105,7 +105,7 @@ def test_the_sizes_that_are_born_are_not_those_that_are_seen() -> None:
 
 
 def test_one_size_is_a_point_mass_with_a_uniform_age() -> None:
-    law = FixedSizes(diameter=5.0)
+    law = Fixed(value=5.0)
     d = np.array([[4.999, 5.0], [5.001, -1.0]])
     np.testing.assert_array_equal(live_diameter_density(law, d), 0.0)
     np.testing.assert_array_equal(live_diameter_distribution(law, d), [[0.0, 1.0], [1.0, 0.0]])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.mean_life import age_table
 from rubnoise.theory.quadrature import panels
@@ -21,7 +21,7 @@ def test_edges_that_differ_by_rounding_make_no_panel() -> None:
 @pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
 def test_mean_area_of_every_age_is_right_where_sizes_reach_down_to_nothing(pulse: Pulse) -> None:
     # Of these sizes an edge, doubled, falls beside another one. The check has no care for how lenses are born.
-    law = NormalSizes(mean=9.752392710241176, std=1.5)
+    law = Normal(centre=9.752392710241176, std=1.5)
     for age in np.linspace(0.5, 40.0, 80).tolist():
         sizes, weights = panels(np.unique(np.clip([0.5 * age, age, 6.0, 10.0, 14.0, 22.2], 0.5 * age, 22.2)), 60)
         exact = np.sum(weights * pulse.area(age, sizes) * law.density(sizes))

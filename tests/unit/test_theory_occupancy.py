@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.model import Model
 from rubnoise.theory.occupancy import (
     count_covariance,
@@ -20,7 +20,7 @@ from tests.unit.theory_models import model_of, one_size, paper_model
 
 Doubles = NDArray[np.float64]
 
-WIDE = model_of(NormalSizes(mean=2.0, std=3.0), 2.0)
+WIDE = model_of(Normal(centre=2.0, std=3.0), 2.0)
 
 
 def dense(model: Model, function: Callable[[Doubles], Doubles]) -> float:
@@ -43,7 +43,7 @@ def test_covariance_of_one_size_falls_in_a_straight_line_to_zero() -> None:
 
 
 def test_spread_makes_more_junctions_alive_than_asked_for() -> None:
-    at_turning = model_of(NormalSizes(mean=1.0, std=1.0), 1.0)
+    at_turning = model_of(Normal(centre=1.0, std=1.0), 1.0)
     assert mean_count(at_turning) / 20.0 == pytest.approx(1.288, abs=5e-4)
     assert mean_count(one_size()) == pytest.approx(20.0, rel=1e-15)
 

@@ -5,7 +5,7 @@ import pytest
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.one_sided import half_power_wavenumber, one_sided_density, one_sided_density_per_cycle, tail
@@ -34,7 +34,7 @@ def test_both_densities_integrate_to_the_variance(pulse: Pulse) -> None:
 @pytest.mark.parametrize("std", [0.2, 2.0, 6.0])
 def test_spread_leaves_the_tail_alone(pulse: Pulse, std: float) -> None:
     """What is left over is of the order 1/(k d)."""
-    model = replace(model_of(NormalSizes(mean=5.53, std=std), 5.53), pulse=pulse)
+    model = replace(model_of(Normal(centre=5.53, std=std), 5.53), pulse=pulse)
     k = np.array([1e3, 1e4])
     np.testing.assert_allclose(spectral_density(model, k), tail(model, k), rtol=4e-4)
 
@@ -64,7 +64,7 @@ def test_corner_of_triangles_is_that_of_a_squared_sinc() -> None:
 
 
 def test_large_junctions_in_a_wide_law_lower_the_corner() -> None:
-    wide = model_of(NormalSizes(mean=5.53, std=4.0), 5.53)
+    wide = model_of(Normal(centre=5.53, std=4.0), 5.53)
     assert half_power_wavenumber(wide) < 0.6 * half_power_wavenumber(one_size(5.53))
 
 

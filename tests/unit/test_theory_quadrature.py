@@ -1,27 +1,25 @@
 import numpy as np
 import pytest
 
-from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
-from rubnoise.contact.sizes_gamma import ExponentialSizes, GammaSizes
-from rubnoise.contact.sizes_lognormal import LognormalSizes
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal
 from rubnoise.theory.quadrature import cut_size_rule, size_edges, size_range, size_rule
 from tests.unit.size_laws import Gamma, LogNormal
 
-LAWS: dict[str, SizeLaw] = {
-    "normal 1e-8": NormalSizes(mean=2.0, std=2e-8),
-    "normal 4 %": NormalSizes(mean=2.0, std=0.08),
-    "normal 15 %": NormalSizes(mean=2.0, std=0.3),
-    "normal 300 %": NormalSizes(mean=2.0, std=6.0),
+LAWS: dict[str, Law] = {
+    "normal 1e-8": Normal(centre=2.0, std=2e-8),
+    "normal 4 %": Normal(centre=2.0, std=0.08),
+    "normal 15 %": Normal(centre=2.0, std=0.3),
+    "normal 300 %": Normal(centre=2.0, std=6.0),
     "lognormal 5 %": LogNormal(2.0, 0.05),
     "lognormal 40 %": LogNormal(2.0, 0.4),
     "lognormal 300 %": LogNormal(2.0, 3.0),
     "gamma 20 %": Gamma(2.0, 0.2),
     "exponential": Gamma(2.0, 1.0),
     "gamma 300 %, singular at 0": Gamma(2.0, 3.0),
-    "lognormal as drawn": LognormalSizes(mean=2.0, std=3.0),
-    "gamma as drawn": GammaSizes(mean=2.0, std=0.5),
-    "gamma as drawn, singular at 0": GammaSizes(mean=2.0, std=5.0),
-    "exponential as drawn": ExponentialSizes(mean=2.0),
+    "lognormal as drawn": Lognormal(mean=2.0, std=3.0),
+    "gamma as drawn": Gamma(mean=2.0, std=0.5),
+    "gamma as drawn, singular at 0": Gamma(mean=2.0, std=5.0),
+    "exponential as drawn": Exponential(mean=2.0),
 }
 
 
@@ -65,7 +63,7 @@ def test_a_rule_without_the_cut_would_show() -> None:
 
 
 def test_one_size_has_one_diameter_in_every_rule() -> None:
-    d, p = cut_size_rule(FixedSizes(diameter=3.0), np.array([[1.0], [5.0]]), 16)
+    d, p = cut_size_rule(Fixed(value=3.0), np.array([[1.0], [5.0]]), 16)
     assert d.tolist() == [[3.0], [3.0]]
     assert p.tolist() == [[1.0], [1.0]]
-    assert size_range(NormalSizes(mean=3.0, std=1e-12)) == (3.0, 3.0)
+    assert size_range(Normal(centre=3.0, std=1e-12)) == (3.0, 3.0)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.reach import covariance_reach
 from tests.unit.theory_models import paper_model
@@ -16,7 +16,7 @@ def test_sizes_that_are_alike_reach_as_far_as_their_lives() -> None:
 
 @pytest.mark.parametrize("part", [0.1, 0.01, 1e-9])
 def test_less_than_the_part_is_left_beyond_it(part: float) -> None:
-    model = replace(paper_model(), sizes=NormalSizes(mean=1.0, std=8.0))
+    model = replace(paper_model(), sizes=Normal(centre=1.0, std=8.0))
     reach = covariance_reach(model, part)
     level = part * autocovariance(model, 0.0)
     assert np.all(autocovariance(model, np.linspace(reach, 100.0, 50)) < level)
@@ -24,5 +24,5 @@ def test_less_than_the_part_is_left_beyond_it(part: float) -> None:
 
 
 def test_a_larger_part_is_reached_sooner() -> None:
-    model = replace(paper_model(), sizes=NormalSizes(mean=1.0, std=8.0))
+    model = replace(paper_model(), sizes=Normal(centre=1.0, std=8.0))
     assert covariance_reach(model, 0.5) < covariance_reach(model, 1e-9)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.contact.laws import Lognormal
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import phases
@@ -95,7 +95,7 @@ def test_cumulants_of_many_sizes(count: float, spread: float, pulse: Pulse) -> N
 @pytest.mark.parametrize("spread", [0.0, 0.2, 3.0])
 def test_cumulants_of_unequal_strengths(spread: float) -> None:
     """With one strength only the mean strength would count; the lives differ by strength even where sizes do not."""
-    psi = LognormalStrength(mean=250.0, std=75.0)
+    psi = Lognormal(mean=250.0, std=75.0)
     model = replace(regular(4.0, spread, TRIANGLE), strengths=psi)
     generator = np.random.default_rng(seed_of(f"regular strengths {spread}"))
     sample = drawn(model, [0.0], 200_000, generator)[0][0]

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.contact.laws import Lognormal
 from rubnoise.model import Model, Slider
 from rubnoise.theory import regular_count
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
@@ -101,7 +101,7 @@ def test_one_size_has_lines_alone() -> None:
 
 
 def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines() -> None:
-    psi = LognormalStrength(mean=250.0, std=75.0)
+    psi = Lognormal(mean=250.0, std=75.0)
     model = replace(regular(4.0), strengths=psi)
     generator = np.random.default_rng(seed_of("regular force covariance"))
     force, _ = drawn(model, LAGS, 100_000, generator)
@@ -168,8 +168,8 @@ def test_slider_under_a_periodic_force(count: float, pulse: Pulse, speed: float)
     assert response(model).mean_displacement == pytest.approx(displacement.mean(), rel=1e-7)
 
 
-@pytest.mark.parametrize("strengths", [None, LognormalStrength(mean=250.0, std=75.0)], ids=["equal", "unequal"])
-def test_slow_slider_under_sizes_and_strengths_that_differ(strengths: LognormalStrength | None) -> None:
+@pytest.mark.parametrize("strengths", [None, Lognormal(mean=250.0, std=75.0)], ids=["equal", "unequal"])
+def test_slow_slider_under_sizes_and_strengths_that_differ(strengths: Lognormal | None) -> None:
     """Over-damped and slow, Var x = int R_F(tau) exp(-k |tau| / (c V)) dtau / (2 c k V), the lines by themselves."""
     slider = replace(FIG5_SLIDER, mass=1e-9, damping=3.0)
     model = regular(2.5, 0.2, slider=slider)

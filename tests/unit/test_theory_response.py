@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
@@ -65,11 +65,9 @@ def test_both_stds_against_the_time_domain(damping_ratio: float, speed: float) -
     assert (found.displacement_std, found.velocity_std) == pytest.approx(stds_in_time(model), rel=2e-8)
 
 
-@pytest.mark.parametrize(
-    "law", [NormalSizes(mean=5.53, std=0.2), NormalSizes(mean=2.0, std=3.0)], ids=["narrow", "wide"]
-)
+@pytest.mark.parametrize("law", [Normal(centre=5.53, std=0.2), Normal(centre=2.0, std=3.0)], ids=["narrow", "wide"])
 @pytest.mark.parametrize(("damping_ratio", "speed"), [(0.02, 1e3), (1e-4, 200.0), (3.0, 1e5)])
-def test_spread_sizes_against_the_time_domain(law: NormalSizes, damping_ratio: float, speed: float) -> None:
+def test_spread_sizes_against_the_time_domain(law: Normal, damping_ratio: float, speed: float) -> None:
     model = model_of(law, law.mean, slider=slider_of(damping_ratio), speed=speed)
     found = response(model)
     assert (found.displacement_std, found.velocity_std) == pytest.approx(stds_in_time(model), rel=2e-8)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.contact.laws import Lognormal
 from rubnoise.errors import Refused
 from rubnoise.model import Slider
 from rubnoise.theory.drive import drive_of
@@ -61,14 +61,14 @@ def test_no_spectrum_without_damping_or_slider() -> None:
 
 
 def test_unequal_strengths_count_by_their_mean_square() -> None:
-    unequal = replace(paper_model(), strengths=LognormalStrength(mean=250.0, std=75.0))
+    unequal = replace(paper_model(), strengths=Lognormal(mean=250.0, std=75.0))
     w = np.array([0.0, 100.0, 245.0])
     ratio = displacement_spectrum(unequal, w) / displacement_spectrum(paper_model(), w)
     np.testing.assert_allclose(ratio, unequal.strengths.moment(2) / 250.0**2, rtol=1e-12)
 
 
-@pytest.mark.parametrize("strengths", [None, LognormalStrength(mean=250.0, std=75.0)], ids=["equal", "unequal"])
-def test_integral_and_lines_of_regular_births_are_the_variance(strengths: LognormalStrength | None) -> None:
+@pytest.mark.parametrize("strengths", [None, Lognormal(mean=250.0, std=75.0)], ids=["equal", "unequal"])
+def test_integral_and_lines_of_regular_births_are_the_variance(strengths: Lognormal | None) -> None:
     slider = replace(FIG5_SLIDER, damping=1.0)
     model = replace(paper_model(slider=slider), births=RegularBirths(mean_spacing=0.5))
     model = model if strengths is None else replace(model, strengths=strengths)

@@ -7,9 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.overlap import junction_area
-from rubnoise.contact.sizes import FixedSizes
-from rubnoise.contact.strengths import StrengthLaw
-from rubnoise.contact.strengths_spread import LognormalStrength
+from rubnoise.contact.laws import Fixed, Law, Lognormal
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
@@ -23,7 +21,7 @@ Records = tuple[Doubles, Model]
 RECORDS = 800
 
 
-def records(model: Model, lives: int, ticks_a_life: int, seed: int, strengths: StrengthLaw | None = None) -> Records:
+def records(model: Model, lives: int, ticks_a_life: int, seed: int, strengths: Law | None = None) -> Records:
     """Draw ``RECORDS`` stationary records one after the other, a row each; births uniform, so Poisson."""
     generator = np.random.default_rng(seed)
     diameter = model.sizes.support[1]
@@ -73,8 +71,8 @@ def test_errors_of_all_four_moments(long_records: Records) -> None:
 
 
 def test_errors_of_the_moments_of_the_force_under_unequal_strengths() -> None:
-    psi = LognormalStrength(mean=2.0, std=1.0)
-    few = model_of(FixedSizes(diameter=5.53), 5.53, mean_count=5.0)
+    psi = Lognormal(mean=2.0, std=1.0)
+    few = model_of(Fixed(value=5.53), 5.53, mean_count=5.0)
     trace, model = records(few, 400, 8, seed=13, strengths=psi)
     errors = force_standard_errors(replace(model, strengths=psi))
     found = moments(trace)

@@ -4,7 +4,7 @@ import pytest
 from scipy.special import struve
 
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.model import Model
 from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
@@ -57,14 +57,14 @@ def by_brute_force(model: Model, wavenumber: float) -> float:
 @pytest.mark.parametrize("wavenumber", [1e-3, 0.5, 3.0, 10.0, 40.0, 47.0, 52.0, 300.0])
 def test_density_of_spread_sizes(spread: str, wavenumber: float) -> None:
     mean, std = SPREADS[spread]
-    model = model_of(NormalSizes(mean=mean, std=std), mean)
+    model = model_of(Normal(centre=mean, std=std), mean)
     assert spectral_density(model, wavenumber) == pytest.approx(by_brute_force(model, wavenumber), rel=1e-11)
 
 
 @pytest.mark.parametrize("std", [1e-7, 1e-9, 1e-14])
 @pytest.mark.parametrize("wavenumber", [0.0, 0.7, 40.0])
 def test_a_hairline_spread_is_one_size(std: float, wavenumber: float) -> None:
-    model = model_of(NormalSizes(mean=5.53, std=std), 5.53)
+    model = model_of(Normal(centre=5.53, std=std), 5.53)
     assert spectral_density(model, wavenumber) == pytest.approx(
         float(spectral_density(one_size(), wavenumber)), rel=1e-11
     )
@@ -72,7 +72,7 @@ def test_a_hairline_spread_is_one_size(std: float, wavenumber: float) -> None:
 
 def test_density_where_spread_exceeds_the_mean_by_thirty_digit_quadrature() -> None:
     """The law written again from its definition: Normal(2, 3) given d > 0."""
-    model = model_of(NormalSizes(mean=2.0, std=3.0), 2.0)
+    model = model_of(Normal(centre=2.0, std=3.0), 2.0)
     with mpmath.workdps(30):
 
         def integrand(d: mpmath.mpf) -> mpmath.mpf:
@@ -87,7 +87,7 @@ def test_density_where_spread_exceeds_the_mean_by_thirty_digit_quadrature() -> N
 @pytest.mark.parametrize("spread", ["wide", "wider than the mean"])
 def test_tail_falls_with_the_fourth_power(spread: str) -> None:
     mean, std = SPREADS[spread]
-    model = model_of(NormalSizes(mean=mean, std=std), mean)
+    model = model_of(Normal(centre=mean, std=std), mean)
     m = model.sizes.moment
     k = 1e5
     tail = 4.0 * model.birth_rate * m(2) / k**4 * (1.0 + np.pi * m(1) / (4.0 * k * m(2)))
@@ -122,7 +122,7 @@ def test_averaging_over_the_swing_keeps_the_integral_and_takes_the_swing(pulse: 
 
 
 def test_spectrum_of_triangles_at_zero_and_far_out() -> None:
-    model = model_of(NormalSizes(mean=5.53, std=4.0), 5.53, pulse=TRIANGLE)
+    model = model_of(Normal(centre=5.53, std=4.0), 5.53, pulse=TRIANGLE)
     m = model.sizes.moment
     assert spectral_density(model, 0.0) == pytest.approx(model.birth_rate * (np.pi / 4.0) ** 2 * m(6), rel=1e-12)
     tail = 6.0 * (np.pi / 4.0) ** 2 * model.birth_rate * m(2) / 1e5**4

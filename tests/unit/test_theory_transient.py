@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.occupancy import mean_count
 from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
 from tests.unit.theory_models import model_of, one_size, paper_model
 
-WIDE = NormalSizes(mean=2.0, std=3.0)
+WIDE = Normal(centre=2.0, std=3.0)
 MODELS = {
     "one size": one_size(),
     "fig5": paper_model(),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.estimated_spectrum import expected_periodogram
@@ -87,11 +87,11 @@ def test_both_ways_to_the_error_of_a_bin_agree() -> None:
 
 def test_few_junctions_make_all_bins_move_together() -> None:
     """At N_jm = 1 a wide band is as uncertain as its number of junctions, and Gaussian noise would not show it."""
-    model = model_of(FixedSizes(diameter=5.53), 5.53, mean_count=1.0)
+    model = model_of(Fixed(value=5.53), 5.53, mean_count=1.0)
     values = estimates(model, CUT, 3000, "few junctions")
     bins = np.arange(3, 40)
     matrix = welch_covariance(model, CUT, bins)
-    gaussian = welch_covariance(model_of(FixedSizes(diameter=5.53), 5.53, mean_count=1e6), CUT, bins)
+    gaussian = welch_covariance(model_of(Fixed(value=5.53), 5.53, mean_count=1e6), CUT, bins)
     assert abs(variance_score(values[:, bins].mean(axis=1), matrix.mean())) <= 4.0
     assert variance_score(values[:, bins].mean(axis=1), gaussian.mean()) > 5.0
 

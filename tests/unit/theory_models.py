@@ -4,17 +4,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.calibration import Spread, calibrated_diameter, sizes_for
+from rubnoise.contact.calibration import calibrated_diameter
+from rubnoise.contact.laws import Fixed, Law, Spread, law_for
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.contact.sizes import FixedSizes, SizeLaw
-from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model, Slider
 
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 
 def model_of(
-    sizes: SizeLaw,
+    sizes: Law,
     mean_diameter: float,
     mean_count: float = 20.0,
     slider: Slider | None = None,
@@ -31,7 +30,7 @@ def model_of(
         calibrated_diameter=mean_diameter,
         sizes=sizes,
         births=PoissonBirths(mean_spacing=2.0 * mean_diameter / mean_count),
-        strengths=ConstantStrength(mean=250.0),
+        strengths=Fixed(value=250.0),
         sliding_speed=speed,
         distance=distance,
         start="stationary",
@@ -53,12 +52,12 @@ def paper_model(
     """Return the model of the paper's Fig. 5, or a neighbour of it."""
     law = Spread(absolute=spread)
     diameter = calibrated_diameter(calibration, mean_area, mean_count, law)
-    return model_of(sizes_for(diameter, law), diameter, mean_count, slider=slider, speed=speed)
+    return model_of(law_for(diameter, law), diameter, mean_count, slider=slider, speed=speed)
 
 
 def one_size(diameter: float = 5.53, slider: Slider | None = None, speed: float = 1000.0) -> Model:
     """Return a contact of junctions of one diameter."""
-    return model_of(FixedSizes(diameter=diameter), diameter, slider=slider, speed=speed)
+    return model_of(Fixed(value=diameter), diameter, slider=slider, speed=speed)
 
 
 def excess(values: NDArray[np.float64], error: float) -> float:

@@ -4,7 +4,7 @@ from fractions import Fraction
 from math import ceil, sqrt
 from typing import Any
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.comparing.findings import Comparison
 from rubnoise.analysis.comparison import compare
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.overlap import junction_area
 from rubnoise.model import Model
 from tests.models import bare

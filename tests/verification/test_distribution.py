@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import ndtr, pdtr
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants

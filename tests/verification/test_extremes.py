@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.record.rows import JunctionState
 from tests.models import bare, model, recorded
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.simulation import draws
 from rubnoise.simulation.observer import Observer

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation import draws

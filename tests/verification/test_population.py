@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.calibration import Spread
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal, Spread
 from rubnoise.model import Model
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import birth_distances, draw_blocks, first_birth, start
@@ -45,13 +44,13 @@ def exponential(mean: float) -> Distribution:
     return lambda gap: -np.expm1(-gap / mean)
 
 
-def redrawn_normal(law: NormalSizes) -> Distribution:
+def redrawn_normal(law: Normal) -> Distribution:
     """Return the distribution function of the normal law conditioned on d > 0."""
     below = ndtr(-law.mean / law.std)
     return lambda d: (ndtr((d - law.mean) / law.std) - below) / (1.0 - below)
 
 
-def length_biased(law: NormalSizes) -> Distribution:
+def length_biased(law: Normal) -> Distribution:
     """Return int_0^d x f(x) dx / m_1, by parts: with P and p the normal's distribution and density functions,
 
     int x f = mean (P(z) - P(z0)) - std (p(z) - p(z0)), z = (d - mean)/std, z0 = -mean/std.
@@ -71,8 +70,8 @@ def rows(name: str, run: Model) -> dict[str, Doubles]:
     return {column: np.asarray(values) for column, values in columns.items()}
 
 
-def law_of(run: Model) -> NormalSizes:
-    assert isinstance(run.sizes, NormalSizes)
+def law_of(run: Model) -> Normal:
+    assert isinstance(run.sizes, Normal)
     return run.sizes
 
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.special import struve
 
 import rubnoise
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.record.memory import MemoryRecord
 from tests.models import UNEQUAL, bare, model, recorded

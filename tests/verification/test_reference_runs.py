@@ -11,8 +11,7 @@ from simpy import Environment
 from simpy.events import ProcessGenerator
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.calibration import Spread
-from rubnoise.contact.sizes import NormalSizes
+from rubnoise.contact.laws import Normal, Spread
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import load
@@ -113,7 +112,7 @@ def test_death_at_1_98_diameters_is_rejected(precise: Model, monkeypatch: pytest
     assert found["junction_count_mean"] < -REJECTED
 
 
-class PlainStart(NormalSizes):
+class PlainStart(Normal):
     """Sizes of which the contact at the start is drawn as if every junction were as likely to be met."""
 
     __slots__ = ()
@@ -143,7 +142,7 @@ def test_a_start_from_nothing_is_not_stationary() -> None:
 
 def test_a_start_with_sizes_as_they_are_born_is_not_stationary() -> None:
     law = WIDE.sizes
-    assert isinstance(law, NormalSizes)
+    assert isinstance(law, Normal)
     wrong = replace(WIDE, sizes=PlainStart(mean=law.mean, std=law.std))
     z = mean_score(short_means(wrong, "unbiased"), expected(WIDE)["area_mean"], standard_errors(WIDE).mean)
     assert z < -REJECTED

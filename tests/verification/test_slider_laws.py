@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rubnoise.contact.calibration import Spread
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord

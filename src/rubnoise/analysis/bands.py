@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, shared_variance
-from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.spectrum import spectral_density
@@ -90,5 +90,5 @@ def _energies(model: Model, wavenumber: Doubles) -> tuple[Doubles, Doubles]:
     The energy of one junction is the spectrum of a contact of its size alone.
     """
     diameters, probabilities = size_rule(model.sizes, _SIZES)
-    alike = [replace(model, sizes=FixedSizes(diameter=d)) for d in diameters.tolist()]
+    alike = [replace(model, sizes=Fixed(value=d)) for d in diameters.tolist()]
     return probabilities, np.stack([spectral_density(each, wavenumber) for each in alike])

@@ -11,7 +11,7 @@ from rubnoise.analysis.batch_means import batch_length, error_of_mean
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.analysis.records import RecordTooShort
-from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import size_rule
@@ -71,6 +71,6 @@ def covariance_errors(model: Model, lag: Doubles, length: float, tick: float) ->
     u = step * np.arange(-2 * reach, 2 * reach + 1, dtype=np.float64)
     gaussian = [step * float((at(u) ** 2 + at(u + tau) * at(u - tau)).sum()) for tau in lag.tolist()]
     diameters, probabilities = size_rule(model.sizes, _SIZES)
-    alike = [replace(model, sizes=FixedSizes(diameter=d)) for d in diameters.tolist()]
+    alike = [replace(model, sizes=Fixed(value=d)) for d in diameters.tolist()]
     shared = np.stack([autocovariance(each, lag) for each in alike]) / model.birth_rate
     return np.sqrt((np.array(gaussian) + model.birth_rate * (probabilities @ np.square(shared))) / length)

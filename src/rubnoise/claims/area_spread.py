@@ -6,7 +6,7 @@ from math import sqrt
 
 from rubnoise.claims.claim import Claim, Quantity, Verdict, difference, settled
 from rubnoise.claims.evidence import Evidence, Tell, gather
-from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.campbell import area_cumulants
@@ -64,7 +64,7 @@ def _drop(found: Evidence, area: float, printed: float | None, few: int, many: i
 def _drop_of_one_size(found: Evidence, area: float) -> float:
     """Return the exact drop in um^2 from 10 to 50 junctions that are all as large as d_m."""
     few, many = (
-        replace(model, sizes=FixedSizes(diameter=model.calibrated_diameter))
+        replace(model, sizes=Fixed(value=model.calibrated_diameter))
         for model in (found.at(area=area, count=count).model for count in (10, 50))
     )
     return area_cumulants(few).std - area_cumulants(many).std

@@ -1,28 +1,17 @@
 """From mean real contact area and mean junction count to the mean diameter: the three calibrations."""
 
-from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from rubnoise.contact.lognormal import lognormal_moment
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.contact.sizes import positive_normal_moment
-from rubnoise.contact.sizes_gamma import gamma_moment
-from rubnoise.contact.spread import Spread, sizes_for
 from rubnoise.errors import Refused
-
-__all__ = ["CALIBRATIONS", "NoMatchingDiameter", "PaperMeansLens", "Spread", "calibrated_diameter", "sizes_for"]
 
 CALIBRATIONS = ("paper", "exact", "matched")
 _DIGITS = 40
 _PAPER_LIFE_MEAN = "0.327"  # Eq. 6 rounds 1/3 down; kept for the calibration that reproduces the paper
-_MOMENTS: dict[str, Callable[[Any, Any, int], Any]] = {
-    "normal": positive_normal_moment,
-    "lognormal": lognormal_moment,
-    "exponential": gamma_moment,
-    "gamma": gamma_moment,
-}
-_TURNINGS = {"normal": "0.89", "lognormal": "1.414", "gamma": "1.189"}  # near the least E[d^3]/d_m for unit spread
+_TURNING = (0.3, 3.0)  # where E[d^3]/d_m is least for unit spread lies between: at 0.89 to 1.5 for the laws there are
 
 
 class NoMatchingDiameter(Refused):
@@ -67,25 +56,24 @@ def calibrated_diameter(
         wanted = mean_junction_area / pulse.life_mean()
         if calibration == "exact":
             return float(mpmath.sqrt(wanted))
-        if spread.absolute and wanted < _least_third_moment(spread.law)[1] * mpmath.mpf(spread.absolute) ** 2:
-            factor = pulse.life_mean() * _least_third_moment(spread.law)[1]
+        if not (spread.absolute and spread.entry.takes_spread):
+            return float(mpmath.sqrt(wanted / spread.moment(mpmath.mpf(1), 3)))
+        least = _least_third_moment(spread.law)[1]
+        if wanted < least * mpmath.mpf(spread.absolute) ** 2:
+            factor = pulse.life_mean() * least
             raise NoMatchingDiameter(mean_area, float(factor * mean_count * spread.absolute**2), float(factor))
         return float(_matched_diameter(wanted, spread))
 
 
 def _matched_diameter(wanted: Any, spread: Spread) -> Any:
-    """Return the larger d_m with E[d^3] / d_m as wanted, an mpmath number in um^2."""
+    """Return the larger d_m with E[d^3] / d_m as wanted for an absolute spread, an mpmath number in um^2."""
     import mpmath
 
-    moment = _MOMENTS[spread.law]
-    if spread.fraction:
-        return mpmath.sqrt(wanted / moment(mpmath.mpf(1), mpmath.mpf(spread.fraction), 3))
-    if not spread.absolute:
-        return mpmath.sqrt(wanted)
+    unit = replace(spread, absolute=1.0)
     std = mpmath.mpf(spread.absolute)
     turning, _ = _least_third_moment(spread.law)
     root = mpmath.findroot(
-        lambda r: moment(r, mpmath.mpf(1), 3) / r - wanted / std**2,
+        lambda r: unit.moment(r, 3) / r - wanted / std**2,
         (turning, mpmath.sqrt(wanted) / std),
         solver="anderson",
         maxsteps=200,
@@ -94,7 +82,7 @@ def _matched_diameter(wanted: Any, spread: Spread) -> Any:
     return root * std
 
 
-@lru_cache(maxsize=len(_TURNINGS))
+@lru_cache(maxsize=16)
 def _least_third_moment(law: str) -> tuple[Any, Any]:
     """Return where E[d^3]/d_m is least for unit spread, and its value there.
 
@@ -105,7 +93,7 @@ def _least_third_moment(law: str) -> tuple[Any, Any]:
     with mpmath.workdps(_DIGITS):
 
         def third_over_mean(r: Any) -> Any:
-            return _MOMENTS[law](r, mpmath.mpf(1), 3) / r
+            return Spread(absolute=1.0, law=law).moment(r, 3) / r
 
-        turning = mpmath.findroot(lambda r: mpmath.diff(third_over_mean, r), mpmath.mpf(_TURNINGS[law]))
+        turning = mpmath.findroot(lambda r: mpmath.diff(third_over_mean, r), _TURNING, solver="anderson", verify=False)
         return turning, third_over_mean(turning)

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.sizes import FixedSizes, NormalSizes, SizeLaw
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed, Law, Normal
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
@@ -56,10 +55,10 @@ def settings_of(scenario: Scenario) -> Settings:
     )
 
 
-def _spread(sizes: SizeLaw) -> float:
-    if isinstance(sizes, FixedSizes):
+def _spread(sizes: Law) -> float:
+    if isinstance(sizes, Fixed):
         return 0.0
-    if isinstance(sizes, NormalSizes):
+    if isinstance(sizes, Normal):
         return sizes.std
     raise Refused("the page of lessons knows fixed and normal diameters alone (diameter.law)")
 
@@ -67,6 +66,6 @@ def _spread(sizes: SizeLaw) -> float:
 def _strength(model: Model) -> float:
     if model.strengths is None:
         return LESSON_STRENGTH
-    if isinstance(model.strengths, ConstantStrength):
+    if isinstance(model.strengths, Fixed):
         return model.strengths.mean
     raise Refused("the page of lessons knows equal strengths alone (strength.law)")

@@ -7,10 +7,8 @@ from typing import Literal, cast
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import calibrated_diameter
+from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.pulses import PULSES
-from rubnoise.contact.spread import SizeLawName, Spread, sizes_for
-from rubnoise.contact.strengths import StrengthLaw
-from rubnoise.contact.strengths_spread import strengths_for
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.units import LENGTH, RATIO, Quantity
@@ -33,18 +31,16 @@ def diameter_of(document: sections.Document) -> float:
     )
 
 
-def spread_of(diameter: sections.Diameter) -> Spread:
-    """Return how sizes spread about the mean diameter: by what law, and by a length or a part of the mean."""
-    if diameter.law == "fixed":
-        return Spread()
-    absolute, relative = _absolute_or_relative(diameter.spread)
-    return Spread(absolute=absolute, relative=relative, law=cast(SizeLawName, diameter.law))
-
-
-def _absolute_or_relative(spread: Quantity | None) -> tuple[float | None, float | None]:
+def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
+    """Return how a quantity spreads about its centre: by what law, and by an absolute or a relative spread."""
+    law = "fixed" if quantity.law == sections.ONE_STRENGTH else quantity.law
+    own = tuple((each.name, getattr(quantity, each.name)) for each in LAWS[law].parameters)
+    spread = quantity.spread
     if spread is None:
-        return None, None
-    return (None, float(spread)) if spread.kind == RATIO else (float(spread), None)
+        return Spread(law=law, parameters=own)
+    if spread.kind == RATIO:
+        return Spread(relative=float(spread), law=law, parameters=own)
+    return Spread(absolute=float(spread), law=law, parameters=own)
 
 
 def default_tick(diameter: float) -> Quantity:
@@ -65,9 +61,9 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         mean_junction_count=interface.mean_junction_count,
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
-        sizes=sizes_for(diameter, spread_of(document.diameter)),
+        sizes=law_for(diameter, spread_of(document.diameter)),
         births=_BIRTHS[document.birth.law](mean_spacing=2.0 * diameter / interface.mean_junction_count),
-        strengths=_strengths(document.strength) if document.strength else None,
+        strengths=_strengths(document.strength),
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
         start=cast(Literal["stationary", "empty"], sliding.start),
@@ -78,14 +74,8 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
     )
 
 
-def strength_std(strength: sections.Strength) -> float:
-    """Return the standard deviation in MPa that a scenario gives, 0 where it gives none."""
-    absolute, relative = _absolute_or_relative(strength.spread)
-    return relative * float(strength.mean) if relative is not None else absolute or 0.0
-
-
-def _strengths(strength: sections.Strength) -> StrengthLaw:
-    return strengths_for(strength.law, float(strength.mean), strength_std(strength))
+def _strengths(strength: sections.Strength | None) -> Law | None:
+    return law_for(float(strength.mean), spread_of(strength)) if strength else None
 
 
 def _slider(slider: sections.Slider) -> Slider:

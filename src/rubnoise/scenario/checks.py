@@ -3,11 +3,10 @@
 from collections.abc import Iterator
 
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
-from rubnoise.contact.spread import WIDEST
 from rubnoise.model import Model
 from rubnoise.scenario import limits
-from rubnoise.scenario.build import default_tick, diameter_of, model_of, spread_of, strength_std
-from rubnoise.scenario.document import Document
+from rubnoise.scenario.build import default_tick, diameter_of, model_of, spread_of
+from rubnoise.scenario.document import Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
@@ -98,14 +97,15 @@ def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter:
 
 def _width_problems(document: Document, layers: Layers, diameter: float) -> Iterator[Problem]:
     """Refuse laws with a long tail that are wider than they are made for; the normal law is at home anywhere."""
-    sizes, strength = document.diameter, document.strength
-    wide = {("diameter", "spread"): (sizes.law, spread_of(sizes).std(diameter) / diameter)}
-    if strength:
-        wide["strength", "spread"] = (strength.law, strength_std(strength) / float(strength.mean))
-    for path, (law, ratio) in wide.items():
-        if law != "normal" and ratio > WIDEST * (1.0 + 1e-12):
-            message = f'{ratio:.4g} times the mean is too wide for the law "{law}"'
-            hint = f'up to "{100.0 * WIDEST:g} %"'
+    quantities: list[tuple[str, Diameter | Strength, float]] = [("diameter", document.diameter, diameter)]
+    if document.strength:
+        quantities.append(("strength", document.strength, float(document.strength.mean)))
+    for name, quantity, centre in quantities:
+        path, spread = (name, "spread"), spread_of(quantity)
+        ratio, widest = spread.std(centre) / centre, spread.entry.widest
+        if ratio > widest * (1.0 + 1e-12):
+            message = f'{ratio:.4g} times the mean is too wide for the law "{quantity.law}"'
+            hint = f'up to "{100.0 * widest:g} %"'
             yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
 
 

@@ -1,16 +1,19 @@
 """The keys of a scenario file, section by section, with what each may hold."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, create_model
 from pydantic import Field as About
 
+from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
 FORMAT = 1
+ONE_STRENGTH = "constant"
+"""The strength table's word for the law that the registry calls fixed."""
 
 
 class Section(BaseModel):
@@ -39,18 +42,38 @@ class Interface(Section):
     ] = "exact"
 
 
+def _listed(one_value: str) -> str:
+    """Return every law with what the registry says of it, the law of one value under a name of the table's own."""
+    return "; ".join(f"{one_value if name == 'fixed' else name}: {entry.about}" for name, entry in LAWS.items())
+
+
+def _without_spread(one_value: str) -> str:
+    names = [one_value if name == "fixed" else name for name, entry in LAWS.items() if not entry.takes_spread]
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _with_parameters(table: type[Section], centre: str) -> Any:
+    """Return a table with the keys of its own that each law of the registry takes beside the law."""
+    keys: dict[str, Any] = {}
+    for name, entry in LAWS.items():
+        for each in entry.parameters:
+            about = About(description=f"{each.about.format(centre=centre)}; for the law {name}.")
+            keys[each.name] = (Annotated[float | None, Number(Range(each.low, each.high)), about], None)
+    return create_model(table.__name__, __base__=table, __doc__=table.__doc__, **keys)
+
+
 class Diameter(Section):
     """The law of junction diameters about the calibrated diameter d_m."""
 
     law: Annotated[
         str,
-        Choice(("fixed", "normal", "lognormal", "exponential", "gamma"), later=("mixture", "empirical")),
-        About(description="fixed: one size; normal: redrawn while not positive; the others: with a long tail."),
+        Choice(tuple(LAWS), later=("mixture", "empirical")),
+        About(description=f"{_listed('fixed').capitalize()}."),
     ] = "fixed"
     spread: Annotated[
         Quantity | None,
         Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        About(description="Standard deviation: a length, or a percentage of d_m; not for fixed and exponential."),
+        About(description=f"Standard deviation: a length, or a percentage of d_m; not for {_without_spread('fixed')}."),
     ] = None
 
 
@@ -79,19 +102,27 @@ class Strength(Section):
 
     law: Annotated[
         str,
-        Choice(("constant", "normal", "lognormal", "weibull")),
-        About(description="constant: one for all; normal: redrawn while not positive; lognormal, weibull."),
-    ] = "constant"
+        Choice((ONE_STRENGTH, *(name for name in LAWS if name != "fixed"))),
+        About(description=f"{_listed(ONE_STRENGTH).capitalize()}."),
+    ] = ONE_STRENGTH
     mean: Annotated[
         Quantity,
         Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
-        About(description="Mean shear strength psi; of the normal law before redrawing."),
+        About(description="Mean shear strength psi; of normal before redrawing, of power the unit of its ends."),
     ]
     spread: Annotated[
         Quantity | None,
         Measure((STRESS, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
-        About(description="Standard deviation: a stress, or a percentage of the mean; not for constant."),
+        About(
+            description=f"Standard deviation: a stress, or a percentage of the mean; not for "
+            f"{_without_spread(ONE_STRENGTH)}."
+        ),
     ] = None
+
+
+if not TYPE_CHECKING:  # the keys that a law brings along are known to the registry alone
+    Diameter = _with_parameters(Diameter, "d_m")
+    Strength = _with_parameters(Strength, "the mean")
 
 
 class Sliding(Section):

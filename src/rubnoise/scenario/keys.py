@@ -1,12 +1,14 @@
 """What is wrong with keys: unknown, missing, out of place, or with a value that does not fit."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from rubnoise.scenario.document import FORMAT, Document
-from rubnoise.scenario.fields import FROM_PYTHON, Choice, Unfit, did_you_mean
+from rubnoise.contact.laws import LAWS, Entry
+from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
+from rubnoise.scenario.fields import FROM_PYTHON, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
 
@@ -19,11 +21,15 @@ SECTIONS: dict[str, type[BaseModel]] = {
 SWEEP = "sweep"
 """The table of many runs, which is read apart: a scenario is one run."""
 
+LAW_SAMPLES: dict[str, float] = {each.name: each.sample for entry in LAWS.values() for each in entry.parameters}
+"""An ordinary value of every key that some law takes for itself."""
+
 _RIGHT_FORMS: dict[Path, str] = {
     ("format",): "format = 1",
     ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2"',
     ("interface", "mean_junction_count"): "mean_junction_count = 20",
     ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
+    **{(table, key): f"{key} = {value:g}" for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     ("strength", "mean"): 'mean = "250 MPa"',
     ("strength", "spread"): 'spread = "50 MPa" or spread = "20 %"',
     ("sliding", "distance"): 'distance = "40 mm"',
@@ -120,8 +126,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
         yield from _damping_problems(layers, slider)
-    yield from _spread_problems(layers, "diameter", {"fixed": "normal", "exponential": "gamma"})
-    yield from _spread_problems(layers, "strength", {"constant": "normal"})
+    yield from _law_problems(layers, "diameter")
+    yield from _law_problems(layers, "strength")
 
 
 def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
@@ -137,17 +143,38 @@ def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Proble
         yield Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
 
 
-def _spread_problems(layers: Layers, name: str, without: dict[str, str]) -> Iterator[Problem]:
-    """Hold a spread against the law; the laws ``without`` one each stand with the law that is like them and has one."""
-    table, path, about = _table(layers, name), (name, "spread"), SECTIONS[name].model_fields["law"]
+def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
+    """Compare the keys of a table with its law: those that the law needs, and those that would do nothing."""
+    table, about = _table(layers, name), SECTIONS[name].model_fields["law"]
     law = table.get("law", about.default)
-    if law in list(without) and "spread" in table:
-        message = f'the law "{law}" takes no spread' + ("" if "law" in table else f', and "{law}" is the default')
-        hint = f'write law = "{without[law]}", or leave the spread out'
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-    available = next(each.available for each in about.metadata if isinstance(each, Choice))
-    if law in available and law not in without and "spread" not in table:
-        yield missing(layers, path, f'missing; the law "{law}" needs a spread')
+    entry = LAWS.get("fixed" if law == ONE_STRENGTH else law) if isinstance(law, str) else None
+    if entry is None or not (table or SECTIONS[name] is Diameter):
+        return
+    taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters)]
+    for key in ("spread", *LAW_SAMPLES):
+        path = (name, key)
+        if key in table and key not in taken:
+            message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
+            instead = entry.with_spread if key == "spread" else next(n for n, e in LAWS.items() if _takes(e, key))
+            hint = f'write law = "{instead}", or leave the {key} out' if instead else f"leave the {key} out"
+            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+        if key in taken and key not in table:
+            yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
+    yield from _order_problems(layers, name, entry.ascending)
+
+
+def _takes(entry: Entry, key: str) -> bool:
+    return any(each.name == key for each in entry.parameters)
+
+
+def _order_problems(layers: Layers, name: str, ascending: tuple[str, ...]) -> Iterator[Problem]:
+    """Refuse parameters that have to grow from one to the next and do not."""
+    table = _table(layers, name)
+    for low, high in pairwise(ascending):
+        least, most = table.get(low), table.get(high)
+        if isinstance(least, int | float) and isinstance(most, int | float) and most <= least:
+            message, path = f"must be larger than {name}.{low} = {least}", (name, high)
+            yield Problem(path=path, message=message, place=layers.value_place(path))
 
 
 def _table(layers: Layers, name: str) -> dict[str, Any]:

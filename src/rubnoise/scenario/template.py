@@ -11,7 +11,7 @@ from pydantic_core import PydanticUndefined
 from rubnoise.scenario.axes import GRID
 from rubnoise.scenario.document import Document, Section
 from rubnoise.scenario.fields import Choice
-from rubnoise.scenario.keys import SECTIONS, SWEEP
+from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS, SWEEP
 from rubnoise.scenario.sweep_settings import Sweeping
 
 WIDTH: Final = 100
@@ -25,6 +25,7 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("interface", "mean_real_contact_area"): "200 um^2",
     ("interface", "mean_junction_count"): 20,
     ("diameter", "spread"): "0.2 um",
+    **{(table, key): value for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     ("strength", "mean"): "250 MPa",
     ("strength", "spread"): "20 %",
     ("sliding", "distance"): "40 mm",

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.laws import Fixed
 from rubnoise.contact.pulses import Pulse
-from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation import kernels, kernels_triangle
@@ -73,7 +73,7 @@ def sample(model: Model, rows: LiveRows, panel: Panel, room: Room | None) -> Sam
     distance = grid.position[grid.wanted]
     count = np.empty(distance.size, dtype=np.uint32)
     count_live(distance, rows.birth, rows.departure, count)
-    constant = isinstance(model.strengths, ConstantStrength)
+    constant = isinstance(model.strengths, Fixed)
     square = rows.diameter * rows.diameter
     area, moments = _weighted(model.pulse, grid, rows, square, room if constant else None)
     columns: dict[str, NDArray[Any]] = {"distance": distance, "real_contact_area": area, "junction_count": count}

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from math import ceil
 from typing import Final
 
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.simulation.cells import cells_per_tick, narrow
 from rubnoise.simulation.draws import births_per_block, births_together
@@ -66,7 +66,7 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
     in each cell of its life.
     """
     alive, events = _alive(model), 2 * junctions if engine == "events" else 0
-    summed = 1 if model.strengths is None or isinstance(model.strengths, ConstantStrength) else 2
+    summed = 1 if model.strengths is None or isinstance(model.strengths, Fixed) else 2
     cells = cells_per_tick(model) if model.slider is not None else 0
     pushes = "fine push" if narrow(model, cells) else "push"
     return {

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.deviates import exponential
-from rubnoise.contact.sizes import FixedSizes, SizeLaw
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed, Law
 from rubnoise.model import Model
 from rubnoise.simulation.counted import CountedBirths
 from rubnoise.simulation.state import LiveRows, State
@@ -115,7 +114,7 @@ def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) 
     """Return a stream's uniforms for all births of blocks; zeros where one value is drawn whatever they are."""
     births = births_per_block(model)
     law = {Stream.DIAMETERS: model.sizes, Stream.STRENGTHS: model.strengths}.get(stream, model.births)
-    if law is None or isinstance(law, ConstantStrength | FixedSizes):
+    if law is None or isinstance(law, Fixed):
         return np.zeros(blocks * births)
     return uniforms(seed, stream, block, births, blocks)
 
@@ -224,7 +223,7 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
     return birth, diameter
 
 
-def _largest(sizes: SizeLaw) -> float:
+def _largest(sizes: Law) -> float:
     """Return the largest diameter in um that a law can draw: that of the largest uniform, since laws are inverted."""
     return float(sizes.draw(np.array([LARGEST_UNIFORM]))[0])
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from math import nan, sqrt
 
-from rubnoise.contact.strengths import StrengthLaw
+from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.random_births import are_at_random
@@ -64,7 +64,7 @@ def force_cumulants(model: Model) -> Cumulants:
     return _cumulants(model, tuple(psi.moment(n) for n in range(ORDERS + 1)))
 
 
-def strengths_of(model: Model) -> StrengthLaw:
+def strengths_of(model: Model) -> Law:
     """Return the law of shear strengths; raises Refused without one."""
     if model.strengths is None:
         raise Refused("the friction force needs a shear strength ([strength])")

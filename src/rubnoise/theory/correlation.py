@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
-from rubnoise.contact.strengths import StrengthLaw
 from rubnoise.model import Model
 from rubnoise.theory.lines import line_covariance, spectral_lines
 from rubnoise.theory.mean_life import mean_life_overlap
@@ -30,7 +30,7 @@ def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
     return _covariance(model, lag, 1.0, 1.0)
 
 
-def force_autocovariance(model: Model, strengths: StrengthLaw, lag: ArrayLike) -> Doubles:
+def force_autocovariance(model: Model, strengths: Law, lag: ArrayLike) -> Doubles:
     """Return the autocovariance of friction force in uN^2 for lags in um (any shape), as `autocovariance`.
 
     Strengths psi (MPa) are independent of sizes: E[psi^2] goes with E[A A], E[psi]^2 with E[A] E[A] and the lines.

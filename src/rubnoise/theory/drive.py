@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.strengths import StrengthLaw
+from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 
@@ -17,7 +17,7 @@ class Drive:
     """A slider, the strengths of the junctions that drive it, and the speed (um/s) that turns distance into time."""
 
     slider: Slider
-    strengths: StrengthLaw
+    strengths: Law
     speed: float
 
     @property

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
-from rubnoise.contact.sizes import SizeLaw
 from rubnoise.theory.piecewise import NODES, Piecewise, series
 from rubnoise.theory.quadrature import panels, size_edges
 from rubnoise.theory.unit_area import UnitDensity, unit_density
@@ -72,7 +72,7 @@ def _split(pieces: NDArray[np.int64]) -> Doubles:
     return np.append(places, float(pieces.size))
 
 
-def live_area(sizes: SizeLaw, pulse: Pulse) -> LiveArea:
+def live_area(sizes: Law, pulse: Pulse) -> LiveArea:
     """Return the law of the area of a junction found alive: diameter of density d f(d) / m_1, age uniform on its life.
 
     G'(a) = E[g(a/d^2) / d] / m_1 over diameters whose peak is above a, g the density of the area of a live junction of
@@ -88,7 +88,7 @@ def live_area(sizes: SizeLaw, pulse: Pulse) -> LiveArea:
     return LiveArea(rise=pieces, level=pieces.integral(), breaks=_PEAK * np.square(cuts))
 
 
-def _cuts_and_edges(sizes: SizeLaw) -> tuple[Doubles, Doubles]:
+def _cuts_and_edges(sizes: Law) -> tuple[Doubles, Doubles]:
     """Return diameters in um between which the law is smooth, and edges in t that hold their peak areas.
 
     Both come closer to 0 by sqrt(2) in t, far below the mean diameter.
@@ -108,7 +108,7 @@ def _halved(edges: Doubles, logarithmic: bool) -> Doubles:  # noqa: FBT001  (the
     return np.union1d(edges, middles)
 
 
-def _density(unit: UnitDensity, area: Doubles, sizes: SizeLaw, cuts: Doubles) -> Doubles:
+def _density(unit: UnitDensity, area: Doubles, sizes: Law, cuts: Doubles) -> Doubles:
     """Return m_1 G'(a), each integral over diameters from the one whose peak area is a; G'(a) itself for one size."""
     if cuts.size == 1:
         return unit(area / cuts**2) / cuts**2

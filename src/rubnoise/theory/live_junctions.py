@@ -8,7 +8,7 @@ Source: Feller, An Introduction to Probability Theory and Its Applications, volu
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.sizes import SizeLaw
+from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.quadrature import cut_size_rule, size_range
 
@@ -17,7 +17,7 @@ Doubles = NDArray[np.float64]
 _NODES = 24
 
 
-def live_diameter_density(law: SizeLaw, diameter: ArrayLike) -> Doubles:
+def live_diameter_density(law: Law, diameter: ArrayLike) -> Doubles:
     """Return the density d f(d) / m_1 in 1/um of the diameter d of a live junction, d in um of any shape.
 
     Of one size there is a point mass at it and no density: 0 everywhere.
@@ -26,19 +26,19 @@ def live_diameter_density(law: SizeLaw, diameter: ArrayLike) -> Doubles:
     return np.maximum(d, 0.0) * law.density(d) / law.moment(1)
 
 
-def live_diameter_distribution(law: SizeLaw, diameter: ArrayLike) -> Doubles:
+def live_diameter_distribution(law: Law, diameter: ArrayLike) -> Doubles:
     """Return P(D <= d) for the diameter D of a live junction, int_0^d x f(x) dx / m_1; a step for one size."""
     d = np.asarray(diameter, dtype=np.float64)[..., None]
     diameters, probabilities = cut_size_rule(law, d, _NODES)
     return np.minimum(np.sum(probabilities * diameters * (diameters <= d), axis=-1) / law.moment(1), 1.0)
 
 
-def live_diameter_moment(law: SizeLaw, power: int) -> float:
+def live_diameter_moment(law: Law, power: int) -> float:
     """Return E[D^n] = m_(n+1) / m_1 in um^n for the diameter D of a live junction."""
     return law.moment(power + 1) / law.moment(1)
 
 
-def age_density(law: SizeLaw, age: ArrayLike) -> Doubles:
+def age_density(law: Law, age: ArrayLike) -> Doubles:
     """Return the density P(2d > a) / (2 m_1) in 1/um of the age a of a live junction, a in um of any shape.
 
     Given its diameter the age is uniform on the life, [0, 2d); so is what is left of the life, which therefore has the
@@ -48,14 +48,14 @@ def age_density(law: SizeLaw, age: ArrayLike) -> Doubles:
     return np.where(a < 0.0, 0.0, _longer(law, a)) / (2.0 * law.moment(1))
 
 
-def age_distribution(law: SizeLaw, age: ArrayLike) -> Doubles:
+def age_distribution(law: Law, age: ArrayLike) -> Doubles:
     """Return P(age <= a) = E[min(a, 2d)] / (2 m_1), a in um of any shape; the rest of the life has the same law."""
     a = np.maximum(np.asarray(age, dtype=np.float64), 0.0)[..., None]
     diameters, probabilities = cut_size_rule(law, 0.5 * a, _NODES)
     return np.minimum(np.sum(probabilities * np.minimum(a, 2.0 * diameters), axis=-1) / (2.0 * law.moment(1)), 1.0)
 
 
-def age_moment(law: SizeLaw, power: int) -> float:
+def age_moment(law: Law, power: int) -> float:
     """Return E[age^n] = 2^n m_(n+1) / ((n + 1) m_1) in um^n; the mean age is m_2 / m_1, half the mean live life."""
     return 2.0**power / (power + 1.0) * live_diameter_moment(law, power)
 
@@ -66,7 +66,7 @@ def live_area_moment(model: Model, power: int) -> float:
     return model.pulse.life_integral(power) * law.moment(2 * power + 1) / (2.0 * law.moment(1))
 
 
-def _longer(law: SizeLaw, age: Doubles) -> Doubles:
+def _longer(law: Law, age: Doubles) -> Doubles:
     """Return P(2d > a); what lies below the range of the law counts as shorter than every age there is."""
     a = age[..., None]
     diameters, probabilities = cut_size_rule(law, 0.5 * a, _NODES)

@@ -8,8 +8,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
-from rubnoise.contact.sizes import SizeLaw
 from rubnoise.theory.log_table import LogTable, log_table
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_edges, size_range
 
@@ -24,7 +24,7 @@ _AT_ONCE = 2048
 _LAGS_AT_ONCE = 64
 
 
-def area_by_age(law: SizeLaw, pulse: Pulse, age: Doubles) -> Doubles:
+def area_by_age(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
     """Return E[A(a; d)] in um^2 and the central moments of A(a; d) of order 2 to 6, the first axis, by age a in um.
 
     Ages a >= 0 of any shape; a junction past its life has no area. Lives of one size have no moments but the first.
@@ -36,7 +36,7 @@ def area_by_age(law: SizeLaw, pulse: Pulse, age: Doubles) -> Doubles:
     return age_table(law, pulse)(age)
 
 
-def age_table(law: SizeLaw, pulse: Pulse) -> LogTable:
+def age_table(law: Law, pulse: Pulse) -> LogTable:
     """Return E[A] and central moments by age as a table, for a law of more than one size."""
     return _age_table(cast("Hashable", law), cast("Hashable", pulse))
 
@@ -52,13 +52,13 @@ def _age_table(law: Any, pulse: Any) -> LogTable:
     return log_table(lambda age: _moments(law, pulse, age), turns, noise * scale)
 
 
-def _moments(law: SizeLaw, pulse: Pulse, age: Doubles) -> Doubles:
+def _moments(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
     flat = age.ravel()
     parts = np.array_split(flat, 1 + flat.size // _AT_ONCE)
     return np.concatenate([_central(law, pulse, part) for part in parts], axis=1).reshape(ORDERS, *age.shape)
 
 
-def _central(law: SizeLaw, pulse: Pulse, age: Doubles) -> Doubles:
+def _central(law: Law, pulse: Pulse, age: Doubles) -> Doubles:
     """Average over sizes cut at mid-life and end; what the probabilities miss belongs to sizes near 0, long dead."""
     diameters, probabilities = cut_size_rule(law, np.multiply.outer(age, (0.5, 1.0)), _NODES, rooted=True)
     areas = diameters**2 * pulse.area(age[:, None] / diameters, 1.0)  # of unit diameter, which keeps young digits
@@ -73,7 +73,7 @@ def _central(law: SizeLaw, pulse: Pulse, age: Doubles) -> Doubles:
     return np.array(moments)
 
 
-def mean_life_overlap(law: SizeLaw, pulse: Pulse, lag: Doubles) -> Doubles:
+def mean_life_overlap(law: Law, pulse: Pulse, lag: Doubles) -> Doubles:
     """Return int E[A(s)] E[A(s + tau)] ds in um^5 for lags tau >= 0 in um of any shape, for more than one size."""
     table = age_table(law, pulse)
     mean = LogTable(edges=table.edges, coefficients=table.coefficients[:1])

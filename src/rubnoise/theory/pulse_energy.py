@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
-from rubnoise.contact.sizes import SizeLaw
 from rubnoise.theory.quadrature import cut_size_rule, size_range
 from rubnoise.theory.transform import STEP_END, life_from_birth, mean_life_from_birth, transform_of
 
@@ -25,7 +25,7 @@ _AT_ONCE = 256
 _ROUNDING = 1e-12  # by which probabilities may miss 1 without any size being left out
 
 
-def mean_energy(law: SizeLaw, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
     """Return E[|A^(k)|^2] in um^6 for k >= 0 in rad/um of any shape; not ``exact``, without the swing of its tail."""
     transform = transform_of(pulse)
     square = transform.square if exact else transform.mean_square
@@ -33,20 +33,20 @@ def mean_energy(law: SizeLaw, pulse: Pulse, wavenumber: Doubles, *, exact: bool 
     return _over_sizes(law, wavenumber, followed, damped).real
 
 
-def mean_transform(law: SizeLaw, pulse: Pulse, wavenumber: Doubles) -> Complexes:
+def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
     """Return E[A^(k)] in um^3, about the birth, for k >= 0 in rad/um of any shape: the transform of the mean life."""
     transform = transform_of(pulse)
     followed, damped = (partial(_mean, 3, function) for function in (transform.from_birth, transform.mean_from_birth))
     return _over_sizes(law, wavenumber, followed, damped)
 
 
-def mean_life_transform(law: SizeLaw, wavenumber: Doubles) -> Complexes:
+def mean_life_transform(law: Law, wavenumber: Doubles) -> Complexes:
     """Return E[(exp(2ikd) - 1)/(ik)] in um for k >= 0 in rad/um of any shape: the count of a life."""
     followed, damped = (partial(_mean, 1, function) for function in (life_from_birth, mean_life_from_birth))
     return _over_sizes(law, wavenumber, followed, damped)
 
 
-def energy_spread(law: SizeLaw, pulse: Pulse, wavenumber: Doubles) -> Doubles:
+def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
     """Return E[|A^(k)|^2] - |E[A^(k)]|^2 in um^6, about the birth, for k >= 0 in rad/um; 0 for one size.
 
     It is added up from deviations, so that a narrow law keeps its digits.
@@ -64,7 +64,7 @@ def energy_spread(law: SizeLaw, pulse: Pulse, wavenumber: Doubles) -> Doubles:
     return _over_sizes(law, wavenumber, followed, damped).real
 
 
-def largest_swinging_wavenumber(law: SizeLaw) -> float:
+def largest_swinging_wavenumber(law: Law) -> float:
     """Return the wavenumber in rad/um beyond which sizes are averaged over the swing; inf for one size.
 
     At k (d_high - d_low) = 480 a normal law of standard deviation sigma has k sigma > 25, and its spread leaves a
@@ -75,7 +75,7 @@ def largest_swinging_wavenumber(law: SizeLaw) -> float:
     return np.inf if low == high else _LARGEST_PHASE / (high - low)
 
 
-def _over_sizes(law: SizeLaw, wavenumber: Doubles, followed: Measure, damped: Measure) -> Complexes:
+def _over_sizes(law: Law, wavenumber: Doubles, followed: Measure, damped: Measure) -> Complexes:
     """Average where nodes follow the swing through the sizes, and where it averages out.
 
     Small diameters are followed everywhere: they matter where a wide law has an edge at d = 0.
@@ -99,7 +99,7 @@ def _chunks(wavenumbers: Doubles, rows: NDArray[np.intp]) -> list[NDArray[np.int
     return [ordered[first : first + _AT_ONCE] for first in range(0, ordered.size, _AT_ONCE)]
 
 
-def _followed_cuts(law: SizeLaw, fastest: float) -> Doubles:
+def _followed_cuts(law: Law, fastest: float) -> Doubles:
     low, high = size_range(law)
     phases = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, fastest * (high - low), _PANEL_PHASE))
     return low + phases / max(fastest, 1.0 / high)

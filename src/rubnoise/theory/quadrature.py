@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.sizes import SizeLaw
+from rubnoise.contact.laws import Law
 
 Doubles = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def panels(edges: ArrayLike, count: int, *, rooted: bool = False) -> tuple[Doubl
     return (middle + half * x).reshape(shape), np.broadcast_to(half * w, (middle + half * x).shape).reshape(shape)
 
 
-def size_range(law: SizeLaw) -> tuple[float, float]:
+def size_range(law: Law) -> tuple[float, float]:
     """Return the diameters in um between which averages of d g(d) are taken, g growing no faster than d^12.
 
     It is the law's support, longer where d^13 still has weight beyond it, and cut where d is too small to have any. A
@@ -73,7 +73,7 @@ def _size_range(law: Any) -> tuple[float, float]:
     return low, high
 
 
-def size_rule(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
+def size_rule(law: Law, count: int) -> tuple[Doubles, Doubles]:
     """Return diameters in um and their probabilities, so that E[g(d)] = sum of probability times g(diameter).
 
     For g that is smooth and vanishes with d as fast as d does. A single size needs one diameter; a narrow law has
@@ -82,7 +82,7 @@ def size_rule(law: SizeLaw, count: int) -> tuple[Doubles, Doubles]:
     return cut_size_rule(law, np.empty(0), count // 4)
 
 
-def cut_size_rule(law: SizeLaw, cuts: Doubles, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
+def cut_size_rule(law: Law, cuts: Doubles, count: int, *, rooted: bool = False) -> tuple[Doubles, Doubles]:
     """Return diameters in um and their probabilities as `size_rule`, for g that is smooth between cuts only.
 
     Cuts (um) lie along the last axis, in any order; leading axes have a rule each. There are ``count`` diameters on
@@ -105,7 +105,7 @@ def cut_size_rule(law: SizeLaw, cuts: Doubles, count: int, *, rooted: bool = Fal
     return diameters, shares * (law.moment(1) / np.sum(shares * diameters, axis=-1, keepdims=True))
 
 
-def size_edges(law: SizeLaw) -> tuple[Doubles, bool]:
+def size_edges(law: Law) -> tuple[Doubles, bool]:
     """Return the edges in um of panels that resolve a law, and whether to take them in log d; one edge for one size.
 
     Panels in log d are halved until the averages of d, d^7 and d^13 of each agree with those of its halves.
@@ -130,7 +130,7 @@ def _size_edges(law: Any) -> tuple[Doubles, bool]:
         edges = np.sort(np.concatenate([edges, middles[rough]]))
 
 
-def _shares(law: SizeLaw, edges: Doubles, parts: int) -> Doubles:
+def _shares(law: Law, edges: Doubles, parts: int) -> Doubles:
     """Return the shares that panels in log d, cut into equal parts, have in E[d], E[d^7], E[d^13]: a row each."""
     steps = np.arange(parts) / parts
     ends = np.append((edges[:-1, None] + np.diff(edges)[:, None] * steps).ravel(), edges[-1])
@@ -141,11 +141,11 @@ def _shares(law: SizeLaw, edges: Doubles, parts: int) -> Doubles:
     return np.sum(np.reshape(rows, (len(rows), edges.size - 1, -1)), axis=-1)
 
 
-def _density(law: SizeLaw, diameter: float) -> float:
+def _density(law: Law, diameter: float) -> float:
     return float(law.density(np.array([diameter]))[0])
 
 
-def _weight(law: SizeLaw, diameter: float) -> float:
+def _weight(law: Law, diameter: float) -> float:
     """Return the density of d^13 in 1/um over its average; by logarithms, since d^13 alone may overflow."""
     density = _density(law, diameter)
     if density == 0.0:

@@ -8,7 +8,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.sizes import SizeLaw
+from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.lines import count_lines, line_covariance
 from rubnoise.theory.log_table import LogTable, log_table
@@ -72,7 +72,7 @@ def _fraction(lives: float) -> float:
     return 0.0 if abs(lives - nearest) <= _WHOLE * lives else lives - floor(lives)
 
 
-def _shared(law: SizeLaw, lag: Doubles) -> Doubles:
+def _shared(law: Law, lag: Doubles) -> Doubles:
     """Return int G(a) G(a + tau) da = E[min(2d, (2d' - tau)+)] in um, d and d' independent."""
     table = _shared_table(cast("Hashable", law))
     return np.asarray(table(np.maximum(lag, np.exp(table.edges[0])))[0])
@@ -93,7 +93,7 @@ def _shared_table(law: Any) -> LogTable:
     return log_table(shared, turns, _SHARED_TOLERANCE * mean)
 
 
-def _shorter(law: SizeLaw, distance: Doubles) -> Doubles:
+def _shorter(law: Law, distance: Doubles) -> Doubles:
     """Return E[min(2d, x)]."""
     diameters, probabilities = cut_size_rule(law, 0.5 * distance[..., None], _NODES)
     return np.sum(probabilities * np.minimum(2.0 * diameters, distance[..., None]), axis=-1)

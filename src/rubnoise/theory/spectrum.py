@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.strengths import StrengthLaw
+from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.pulse_energy import energy_spread, mean_energy
 from rubnoise.theory.random_births import are_at_random
@@ -34,9 +34,7 @@ def mean_spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     return _density(model, wavenumber, 1.0, 1.0, exact=False)
 
 
-def force_spectral_density(
-    model: Model, strengths: StrengthLaw, wavenumber: ArrayLike, *, exact: bool = True
-) -> Doubles:
+def force_spectral_density(model: Model, strengths: Law, wavenumber: ArrayLike, *, exact: bool = True) -> Doubles:
     """Return the two-sided spectral density of friction force in uN^2 per rad/um, strengths psi independent of sizes.
 
     lam E[psi^2] E[|A^|^2], less lam E[psi]^2 |E[A^]|^2 for regular births, whose lines carry that. Not ``exact``, it is

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.sizes import FixedSizes
+from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.estimated_spectrum import checked_window, segment_wavenumbers
@@ -124,7 +124,7 @@ def _energies(model: Model, segments: Segments, bins: NDArray[np.int64]) -> tupl
     """Return |A^(k)|^2 over its mean, a row a bin and a column a size, and the probabilities of the sizes."""
     diameters, probabilities = size_rule(model.sizes, _SIZES)
     k = segment_wavenumbers(segments.tick, segments.window.size)[bins]
-    alone = (replace(model, sizes=FixedSizes(diameter=float(d))) for d in diameters)
+    alone = (replace(model, sizes=Fixed(value=float(d))) for d in diameters)
     energies = np.stack([spectral_density(one, k) for one in alone], axis=-1)
     return energies / (energies @ probabilities)[:, None], probabilities
 

@@ -7,7 +7,7 @@ from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.moments import needed_for_mean, over_ticks
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.correlation import joint_cumulants
@@ -90,7 +90,7 @@ def force_findings(model: Model, trace: TraceSums) -> list[Finding]:
     """
     if model.strengths is None:
         return []
-    if isinstance(model.strengths, ConstantStrength):
+    if isinstance(model.strengths, Fixed):
         largest = model.strengths.mean * (trace.area.mean + 12.0 * trace.area.std)
         away, allowed = trace.force_deviation, _ROUNDING * largest
         return [Identity(name="friction_force", deviation=away, allowed=allowed, units="uN")]

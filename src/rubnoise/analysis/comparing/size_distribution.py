@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.sizes import SizeLaw
+from rubnoise.contact.laws import Law
 from rubnoise.theory.quadrature import panels
 
 Doubles = NDArray[np.float64]
@@ -16,7 +16,7 @@ _NARROW = 4.0
 _FINE, _DEEP = 20.0, 400.0
 
 
-def size_distribution(law: SizeLaw, *, alive: bool = False) -> Callable[[Doubles], Doubles]:
+def size_distribution(law: Law, *, alive: bool = False) -> Callable[[Doubles], Doubles]:
     """Return P(diameter <= d) as a function of d in um, for a law that has a density; error below 1e-5.
 
     With ``alive`` it is that of junctions found alive, whose density is proportional to d f(d). The density is

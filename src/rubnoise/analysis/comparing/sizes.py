@@ -14,7 +14,7 @@ from rubnoise.analysis.comparing.size_distribution import size_distribution
 from rubnoise.analysis.comparing.tails import Drawn, tail_of_squares
 from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure
 from rubnoise.analysis.records import longer
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments
 from rubnoise.theory.quadrature import size_range
@@ -80,7 +80,7 @@ def mark_findings(model: Model, marks: Marks) -> list[Finding]:
 def _strength_findings(model: Model, marks: Marks) -> list[Finding]:
     if model.strengths is None:
         return []
-    if isinstance(model.strengths, ConstantStrength):
+    if isinstance(model.strengths, Fixed):
         return [_alike("shear_strength", marks, model.strengths.mean, "MPa")]
     return _spread("shear_strength", marks.moments["shear_strength"], model.strengths, model)
 

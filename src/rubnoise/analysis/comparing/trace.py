@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.comparing.rows import Rows, panels, settled_tick
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.spectra import WelchSum
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments
 from rubnoise.theory.campbell import area_cumulants
@@ -139,4 +139,4 @@ def read_trace(model: Model, rows: Rows) -> TraceSums:
 
 
 def _constant_strength(model: Model) -> float | None:
-    return model.strengths.mean if isinstance(model.strengths, ConstantStrength) else None
+    return model.strengths.mean if isinstance(model.strengths, Fixed) else None

@@ -9,7 +9,7 @@ from rubnoise.analysis.verifying.areas import add_areas
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import Junctions, Panel, Rows, Window, panels
-from rubnoise.contact.strengths import ConstantStrength
+from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 
 Doubles = NDArray[np.float64]
@@ -85,7 +85,7 @@ def contact_checks(model: Model, rows: Rows) -> list[Check]:
 def _check_force(notes: Notes, model: Model, panel: Panel, rebuilt: Rebuilt) -> None:
     """Compare with psi A_r bit for bit where strengths are equal, else with the sum over junctions."""
     place: tuple[str, int, NDArray[Any]] = ("/trace/friction_force", panel.first, panel["friction_force"])
-    if isinstance(model.strengths, ConstantStrength):
+    if isinstance(model.strengths, Fixed):
         notes.equal(*place, model.strengths.mean * panel["real_contact_area"])
     else:
         notes.near(*place, rebuilt.force, rebuilt.force_rounding)

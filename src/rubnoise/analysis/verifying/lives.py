@@ -9,9 +9,8 @@ from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import Panel, Rows, panels
 from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.laws import Fixed
 from rubnoise.contact.overlap import max_area
-from rubnoise.contact.sizes import FixedSizes
-from rubnoise.contact.strengths import ConstantStrength
 from rubnoise.model import Model
 
 Mask = NDArray[np.bool_]
@@ -115,8 +114,8 @@ def _check_lives(notes: Notes, _model: Model, panel: Panel) -> None:
 
 def _check_diameters(notes: Notes, model: Model, panel: Panel) -> None:
     diameter = panel["diameter"]
-    if isinstance(model.sizes, FixedSizes):
-        notes.equal("/junctions/diameter", panel.first, diameter, model.sizes.diameter)
+    if isinstance(model.sizes, Fixed):
+        notes.equal("/junctions/diameter", panel.first, diameter, model.sizes.value)
     else:
         right = np.isfinite(diameter) & (diameter > 0.0)
         notes.holds("/junctions/diameter", panel.first, diameter, right, "positive and finite")
@@ -125,7 +124,7 @@ def _check_diameters(notes: Notes, model: Model, panel: Panel) -> None:
 
 def _check_strengths(notes: Notes, model: Model, panel: Panel) -> None:
     strength = panel["shear_strength"]
-    if isinstance(model.strengths, ConstantStrength):
+    if isinstance(model.strengths, Fixed):
         notes.equal("/junctions/shear_strength", panel.first, strength, model.strengths.mean)
     else:
         right = np.isfinite(strength) & (strength > 0.0)
