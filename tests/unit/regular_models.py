@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.contact.laws import Fixed, Law, Normal
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.model import Model, Slider
 from tests.unit.theory_models import model_of
 

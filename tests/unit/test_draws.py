@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.laws import Spread
 from rubnoise.contact.deviates import exponential
+from rubnoise.contact.laws import Spread
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import (
     birth_distances,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Weibull
+from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Spread, Weibull, law_for
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import build, loads
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
@@ -24,7 +24,8 @@ def test_a_size_law_has_the_calibrated_diameter_and_its_spread(
 ) -> None:
     model = loads(whole(law=f'"{law}"', spread=spread)).model()
     diameter = model.calibrated_diameter
-    assert model.sizes == SPREADING[law](mean=diameter, std=absolute + relative * diameter)
+    assert model.sizes == law_for(diameter, Spread(absolute=absolute + relative * diameter, law=law))
+    assert isinstance(model.sizes, SPREADING[law])
 
 
 def test_exponential_sizes_need_no_spread() -> None:
@@ -123,3 +124,58 @@ def test_the_least_matched_area_of_a_law_is_named() -> None:
     text = whole(law='"lognormal"', spread='"3 um"', calibration='"matched"')
     with pytest.raises(ScenarioRefused, match=r"2\.25 mean_junction_count \* spread\^2 = 405 um\^2"):
         loads(text)
+
+
+POWER = "exponent = 2.5\nsmallest = 0.5\nlargest = 4.0\n"
+
+
+def powered(own: str = POWER, table: str = "diameter") -> str:
+    """Return the whole scenario with power laws, which stand where a law has keys of its own."""
+    if table == "strength":
+        return WHOLE.replace(STRENGTH, f'{STRENGTH}law = "power"\n{own}')
+    return whole(law='"power"').replace('spread = "0.2 um"\n', own)
+
+
+def test_a_power_law_takes_keys_of_its_own_as_ratios_to_the_centre() -> None:
+    scenario = loads(powered())
+    model = scenario.model()
+    d = model.calibrated_diameter
+    assert model.sizes == Power(exponent=2.5, smallest=0.5 * d, largest=4.0 * d)
+    assert build(scenario.resolved()).model().sizes == model.sizes
+    assert loads(powered(table="strength")).model().strengths == Power(exponent=2.5, smallest=125.0, largest=1000.0)
+
+
+@pytest.mark.parametrize("table", ["diameter", "strength"])
+@pytest.mark.parametrize("key", ["exponent", "smallest", "largest"])
+def test_a_law_needs_every_key_of_its_own(table: str, key: str) -> None:
+    lines = [line for line in POWER.splitlines() if not line.startswith(key)]
+    report = refusal(powered("\n".join(lines) + "\n", table))
+    assert f'error: {table}.{key}: missing; the law "power" needs a {key}' in report
+
+
+def test_keys_of_another_law_are_refused_with_the_law_that_takes_them() -> None:
+    report = refusal(whole(law='"normal"').replace('spread = "0.2 um"\n', f'spread = "0.2 um"\n{POWER}'))
+    assert report.splitlines()[0] == 'run.toml:12: error: diameter.exponent: the law "normal" takes no exponent'
+    assert 'write law = "power", or leave the exponent out' in report
+    assert 'diameter.spread: the law "power" takes no spread' in refusal(powered(f'{POWER}spread = "1 um"\n'))
+
+
+@pytest.mark.parametrize("largest", ["0.5", "0.2"])
+def test_the_ends_of_a_range_have_an_order(largest: str) -> None:
+    report = refusal(powered(POWER.replace("4.0", largest)))
+    assert report.splitlines()[0] == (
+        "run.toml:13: error: diameter.largest: must be larger than diameter.smallest = 0.5"
+    )
+
+
+@pytest.mark.parametrize(("key", "value"), [("exponent", "11"), ("smallest", "0"), ("largest", '"4"')])
+def test_numbers_of_a_law_have_bounds(key: str, value: str) -> None:
+    lines = [f"{key} = {value}" if line.startswith(key) else line for line in POWER.splitlines()]
+    assert f"diameter.{key}: " in refusal(powered("\n".join(lines) + "\n"))
+
+
+def test_matched_power_sizes_have_the_mean_area_asked_for() -> None:
+    text = powered().replace('calibration = "paper"', 'calibration = "matched"')
+    model = loads(text).model()
+    assert model.calibration == "matched"
+    assert model.stationary_mean_area == pytest.approx(model.mean_real_contact_area, rel=1e-13)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import json_schema, load
 from rubnoise.scenario.checks import junction_bytes, tick_bytes
 from rubnoise.scenario.document import Document
@@ -31,7 +32,7 @@ def test_every_key_is_described() -> None:
 
 def test_the_schema_offers_what_is_available_and_no_more() -> None:
     sections = json_schema()["$defs"]
-    assert sections["Diameter"]["properties"]["law"]["enum"] == ["fixed", "normal", "lognormal", "exponential", "gamma"]
+    assert sections["Diameter"]["properties"]["law"]["enum"] == list(LAWS)
     assert sections["Run"]["properties"]["engine"]["enum"] == ["events", "batch"]
 
 

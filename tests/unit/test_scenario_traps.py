@@ -119,7 +119,7 @@ def test_a_title_that_is_none(value: str, message: str) -> None:
 def test_a_choice_that_is_no_word() -> None:
     head = "run.toml:10: error: diameter.law: needs a word in quotation marks, not a number"
     assert refusal(whole(law="1")) == shown(
-        head, "law = 1", "1", "available: fixed, normal, lognormal, exponential, gamma"
+        head, "law = 1", "1", "available: fixed, normal, lognormal, exponential, gamma, weibull, power"
     )
 
 
@@ -251,7 +251,7 @@ def test_matched_without_a_solution() -> None:
 @pytest.mark.parametrize(
     ("section", "key", "value", "available"),
     [
-        ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma"),
+        ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma, weibull, power"),
         ("birth", "law", "jittered", "poisson, regular"),
         ("slider", "coupling", "two-way", "one-way"),
     ],

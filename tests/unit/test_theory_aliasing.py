@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.laws import Normal
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.aliasing import sampled_spectral_density
 from rubnoise.theory.campbell import area_cumulants

@@ -3,8 +3,8 @@ from math import log
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import LENS
 from rubnoise.contact.laws import Fixed, Law, Lognormal, Normal
+from rubnoise.contact.pulses import LENS
 from rubnoise.theory.area_tails import area_tails
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.live_area import live_area

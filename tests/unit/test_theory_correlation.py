@@ -2,8 +2,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.laws import Normal
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import Powers, autocovariance, joint_cumulants, life_overlaps
 from rubnoise.theory.spectrum import density_at_zero, spectral_density

@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.laws import Fixed, Normal
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
@@ -46,7 +46,7 @@ def test_second_cumulants_are_those_of_the_response_spectrum(damping_ratio: floa
 
 @pytest.mark.parametrize("law", [Normal(centre=5.53, std=0.2), Normal(centre=2.0, std=3.0)], ids=["narrow", "wide"])
 def test_spread_sizes_and_slow_sliding_too(law: Normal) -> None:
-    model = model_of(law, law.mean, slider=slider_of(0.02), speed=60.0)
+    model = model_of(law, law.centre, slider=slider_of(0.02), speed=60.0)
     found, expected = motion_cumulants(model), response(model)
     assert found.displacement_std == pytest.approx(expected.displacement_std, rel=1e-8)
     assert found.velocity_std == pytest.approx(expected.velocity_std, rel=1e-8)

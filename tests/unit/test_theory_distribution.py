@@ -197,7 +197,7 @@ def test_many_lenses_by_davies_sum(count: float, spread: str, sizes: int) -> Non
 def alive(law: Law, count: int) -> tuple[Doubles, Doubles]:
     """Return diameters found alive and their shares, by one Gauss-Legendre rule over the support."""
     if isinstance(law, Fixed):
-        return np.array([law.diameter]), np.ones(1)
+        return np.array([law.value]), np.ones(1)
     low, high = law.support
     x, w = np.polynomial.legendre.leggauss(count)
     diameters = low + 0.5 * (high - low) * (1.0 + x)

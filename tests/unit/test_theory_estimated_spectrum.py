@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.laws import Exponential, Normal
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.laws import Fixed, Normal
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.live_junctions import (
     age_density,
@@ -47,9 +47,9 @@ def test_density_of_live_diameters_has_their_mass_and_moments(name: str) -> None
 def test_distributions_by_thirty_digit_quadrature(name: str, at: float) -> None:
     """The law written again from its definition, a normal one given d > 0, and both integrals taken plainly."""
     law = LAWS[name]
-    place = at * law.mean
+    place = at * law.centre
     with mpmath.workdps(30):
-        mean, std = mpmath.mpf(law.mean), mpmath.mpf(law.std)
+        mean, std = mpmath.mpf(law.centre), mpmath.mpf(law.std)
 
         def density(d: mpmath.mpf) -> mpmath.mpf:
             return mpmath.npdf(d, mean, std) / mpmath.ncdf(mean / std)

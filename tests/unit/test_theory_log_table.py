@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.laws import Normal
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.mean_life import age_table
 from rubnoise.theory.quadrature import panels

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.births import RegularBirths
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.laws import Normal
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.one_sided import half_power_wavenumber, one_sided_density, one_sided_density_per_cycle, tail

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal
+from rubnoise.contact import laws
+from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal, Power, Weibull
 from rubnoise.theory.quadrature import cut_size_rule, size_edges, size_range, size_rule
 from tests.unit.size_laws import Gamma, LogNormal
 
@@ -17,9 +18,14 @@ LAWS: dict[str, Law] = {
     "exponential": Gamma(2.0, 1.0),
     "gamma 300 %, singular at 0": Gamma(2.0, 3.0),
     "lognormal as drawn": Lognormal(mean=2.0, std=3.0),
-    "gamma as drawn": Gamma(mean=2.0, std=0.5),
-    "gamma as drawn, singular at 0": Gamma(mean=2.0, std=5.0),
+    "gamma as drawn": laws.Gamma(mean=2.0, std=0.5),
+    "gamma as drawn, singular at 0": laws.Gamma(mean=2.0, std=5.0),
     "exponential as drawn": Exponential(mean=2.0),
+    "weibull as drawn, singular at 0": Weibull(mean=2.0, std=4.0),
+    "power over a decade": Power(exponent=2.5, smallest=1.0, largest=10.0),
+    "power, narrow": Power(exponent=1.0, smallest=1.9, largest=2.1),
+    "power over six decades": Power(exponent=3.5, smallest=1e-4, largest=1e2),
+    "power, rising": Power(exponent=-8.0, smallest=0.01, largest=4.0),
 }
 
 

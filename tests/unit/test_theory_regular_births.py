@@ -6,8 +6,8 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import phases

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.theory import regular_count
 from rubnoise.theory.campbell import area_cumulants, force_cumulants

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.laws import Fixed, Law, Lognormal
+from rubnoise.contact.overlap import junction_area
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 from scipy.special import struve
 
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.contact.laws import Normal
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of

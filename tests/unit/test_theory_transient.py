@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.contact.laws import Normal
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.occupancy import mean_count

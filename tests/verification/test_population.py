@@ -46,8 +46,8 @@ def exponential(mean: float) -> Distribution:
 
 def redrawn_normal(law: Normal) -> Distribution:
     """Return the distribution function of the normal law conditioned on d > 0."""
-    below = ndtr(-law.mean / law.std)
-    return lambda d: (ndtr((d - law.mean) / law.std) - below) / (1.0 - below)
+    below = ndtr(-law.centre / law.std)
+    return lambda d: (ndtr((d - law.centre) / law.std) - below) / (1.0 - below)
 
 
 def length_biased(law: Normal) -> Distribution:
@@ -57,9 +57,9 @@ def length_biased(law: Normal) -> Distribution:
     """
 
     def so_far(d: Doubles) -> Doubles:
-        z, z0 = (d - law.mean) / law.std, -law.mean / law.std
+        z, z0 = (d - law.centre) / law.std, -law.centre / law.std
         height = (np.exp(-0.5 * z**2) - np.exp(-0.5 * z0**2)) / np.sqrt(2.0 * np.pi)
-        return law.mean * (ndtr(z) - ndtr(z0)) - law.std * height
+        return law.centre * (ndtr(z) - ndtr(z0)) - law.std * height
 
     return lambda d: so_far(d) / so_far(np.array(np.inf))
 
@@ -106,7 +106,7 @@ def test_diameters_are_those_of_the_redrawn_normal() -> None:
     born = columns["diameter"][columns["birth_distance"] >= 0.0]
     law = law_of(WIDE)
     assert ks(born, redrawn_normal(law)) < KS_BOUND
-    assert ks(born, lambda d: ndtr((d - law.mean) / law.std)) > KS_BOUND
+    assert ks(born, lambda d: ndtr((d - law.centre) / law.std)) > KS_BOUND
     assert ks(born, length_biased(law)) > KS_BOUND
 
 

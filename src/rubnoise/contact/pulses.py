@@ -1,4 +1,9 @@
-"""How the area of one junction rises and falls over its life: the pulse shapes."""
+"""How the area of one junction rises and falls over its life: the pulse shapes.
+
+What is known of a shape by itself stands here. Its compiled kernel (`simulation`), its Fourier transform and the law of
+its live area (`theory`), and the formulas that check it (`analysis.verifying`) are tables by shape that have an entry
+for each of `PULSES`; a test asks every one of them.
+"""
 
 from dataclasses import dataclass
 from math import pi
@@ -24,12 +29,30 @@ class Pulse(Protocol):
         """The name of the shape in a scenario."""
         ...
 
+    @property
+    def formula(self) -> str:
+        """The area in words, with x = |d - s|, as every result file says it."""
+        ...
+
+    @property
+    def squared_kinks(self) -> float:
+        """The sum over a life of unit diameter of the squares of the jumps of slope, which is the spectrum's tail."""
+        ...
+
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return A(s; d) in um^2 for s and d in um (they broadcast), and 0 outside 0 <= s <= 2d."""
         ...
 
     def life_integral(self, power: int) -> float:
         """Return c_n, where the integral of A^n over a life is c_n d^(2n+1)."""
+        ...
+
+    def rising_area(self, half_life: Any) -> Any:
+        """Return a(u) for 0 <= u = s/d <= 1, an mpmath number at its working precision."""
+        ...
+
+    def area_so_far(self, half_life: Doubles) -> Doubles:
+        """Return the integral of a(u') from 0 to u, for 0 <= u = s/d <= 1."""
         ...
 
     def life_mean(self) -> Any:
@@ -46,6 +69,16 @@ class LensPulse:
         """The name of the shape in a scenario."""
         return "lens"
 
+    @property
+    def formula(self) -> str:
+        """The area in words (paper Eq. 2)."""
+        return "d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2)"
+
+    @property
+    def squared_kinks(self) -> float:
+        """4: the slope jumps by -2 at mid-life."""
+        return 4.0
+
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return the area of the lens in um^2, as `rubnoise.contact.overlap.junction_area` has it."""
         return overlap.junction_area(distance_since_birth, diameter)
@@ -53,6 +86,19 @@ class LensPulse:
     def life_integral(self, power: int) -> float:
         """Return c_n of the lens: c_1 = 2/3, c_2 = pi/3 - 32/45."""
         return overlap.life_integral(power)
+
+    def rising_area(self, half_life: Any) -> Any:
+        """Return (acos x - x sqrt(1 - x^2))/2, x = 1 - u (paper Eq. 2, area over d^2)."""
+        import mpmath
+
+        x = 1 - half_life
+        return (mpmath.acos(x) - x * mpmath.sqrt((1 - x) * (1 + x))) / 2
+
+    def area_so_far(self, half_life: Doubles) -> Doubles:
+        """Return J1 = (y - x acos x - y^3/3)/2, x = 1 - u, y = sqrt(1 - x^2)."""
+        x = 1.0 - half_life
+        y = np.sqrt((1.0 - x) * (1.0 + x))
+        return np.asarray(0.5 * (y - x * np.arccos(x) - y**3 / 3.0), dtype=np.float64)
 
     def life_mean(self) -> Any:
         """Return 1/3."""
@@ -73,6 +119,16 @@ class TrianglePulse:
         """The name of the shape in a scenario."""
         return "triangle"
 
+    @property
+    def formula(self) -> str:
+        """The area in words."""
+        return "pi/4 d (d - x)"
+
+    @property
+    def squared_kinks(self) -> float:
+        """3 pi^2 / 8: the slope jumps by pi/4 at both ends and by -pi/2 at mid-life."""
+        return 0.375 * pi**2
+
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return (pi/4) d (d - |d - s|) in um^2, and 0 outside 0 <= s <= 2d."""
         d = np.asarray(diameter, dtype=np.float64)
@@ -82,6 +138,16 @@ class TrianglePulse:
     def life_integral(self, power: int) -> float:
         """Return c_n = 2 (pi/4)^n / (n + 1)."""
         return 2.0 * (0.25 * pi) ** power / (power + 1.0)
+
+    def rising_area(self, half_life: Any) -> Any:
+        """Return (pi/4) u."""
+        import mpmath
+
+        return mpmath.pi / 4 * half_life
+
+    def area_so_far(self, half_life: Doubles) -> Doubles:
+        """Return (pi/8) u^2."""
+        return 0.125 * np.pi * np.square(half_life)
 
     def life_mean(self) -> Any:
         """Return pi/8."""

@@ -68,7 +68,7 @@ class Diameter(Section):
     law: Annotated[
         str,
         Choice(tuple(LAWS), later=("mixture", "empirical")),
-        About(description=f"{_listed('fixed').capitalize()}."),
+        About(description=f"{_listed('fixed')}."),
     ] = "fixed"
     spread: Annotated[
         Quantity | None,
@@ -103,7 +103,7 @@ class Strength(Section):
     law: Annotated[
         str,
         Choice((ONE_STRENGTH, *(name for name in LAWS if name != "fixed"))),
-        About(description=f"{_listed(ONE_STRENGTH).capitalize()}."),
+        About(description=f"{_listed(ONE_STRENGTH)}."),
     ] = ONE_STRENGTH
     mean: Annotated[
         Quantity,

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from rubnoise.contact.pulses import PULSES
+
 Feature = Literal["speed", "strength", "slider"]
 """What a scenario may add to the bare contact: times, forces, the motion of a slider."""
 
@@ -19,10 +21,7 @@ HASH_DIGITS: Final = 32
 _WHERE: Final = (
     " with d = diameter, x = |d - (s - birth_distance)|, for birth_distance <= s < death_distance, and 0 elsewhere"
 )
-JUNCTION_AREA_FORMULAS: Final = {
-    "lens": f"A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2){_WHERE}",
-    "triangle": f"A(s) = pi/4 d (d - x){_WHERE}",
-}
+JUNCTION_AREA_FORMULAS: Final = {shape: f"A(s) = {pulse.formula}{_WHERE}" for shape, pulse in PULSES.items()}
 """The area of a junction in words, by the shape of its pulse."""
 
 

@@ -1,10 +1,12 @@
 """Lags and weights with which a covariance becomes the variance of a mean over a finite record."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.theory.quadrature import panels, size_range
+from rubnoise.theory.quadrature import hard_ends, panels, size_range
 
 Doubles = NDArray[np.float64]
 
@@ -52,12 +54,18 @@ def _continuous(model: Model, start: float, distance: float) -> tuple[Doubles, D
 
 
 def lag_edges(model: Model, end: float) -> Doubles:
-    """Return edges in um of panels from 0 to an end: equal, or, for a wide law, in octaves beyond two typical lives."""
+    """Return edges in um of panels from 0 to an end: equal, or, for a wide law, in octaves beyond two typical lives.
+
+    The shortest life of a law whose density jumps there is an edge too: covariances turn at it.
+    """
     typical = _typical_life(model)
-    if end <= _WIDE * typical:
-        return np.linspace(0.0, end, _PANELS + 1)
-    octaves = typical * 2.0 ** np.arange(np.log2(_FINEST), np.log2(end / typical))
-    return np.unique(np.concatenate([octaves, np.linspace(0.0, _WIDE * typical, _PANELS + 1), [end]]))
+    parts: list[NDArray[Any]] = [np.linspace(0.0, min(end, _WIDE * typical), _PANELS + 1)]
+    if end > _WIDE * typical:
+        parts += [typical * 2.0 ** np.arange(np.log2(_FINEST), np.log2(end / typical)), np.array([end])]
+    shortest = hard_ends(model.sizes)[0]
+    if shortest is not None and 2.0 * shortest < end:
+        parts.append(np.array([2.0 * shortest]))
+    return np.unique(np.concatenate(parts))
 
 
 def _typical_life(model: Model) -> float:

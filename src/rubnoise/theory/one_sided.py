@@ -5,16 +5,12 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.pulses import Shape
 from rubnoise.model import Model
 from rubnoise.theory.random_births import need_random_births
 from rubnoise.theory.spectrum import spectral_density
 
 Doubles = NDArray[np.float64]
 
-# The sum of the squares of the slope's jumps over a life of unit diameter: -2 at mid-life of the lens; pi/4, -pi/2 and
-# pi/4 at birth, mid-life and death of the triangle. Each jump J leaves |J|^2 / k^4 of the spectrum, swings apart.
-_JUMPS: dict[Shape, float] = {"lens": 4.0, "triangle": 0.375 * pi * pi}
 _HALVINGS = 60
 
 
@@ -45,7 +41,7 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
     """
     need_random_births(model, "the tail of the spectrum")
     k = np.asarray(wavenumber, dtype=np.float64)
-    return model.birth_rate * _JUMPS[model.pulse.shape] * model.sizes.moment(2) / np.square(np.square(k))
+    return model.birth_rate * model.pulse.squared_kinks * model.sizes.moment(2) / np.square(np.square(k))
 
 
 def half_power_wavenumber(model: Model) -> float:

@@ -1,7 +1,7 @@
 """What the life of one junction holds at each wavenumber, averaged over the sizes."""
 
 from collections.abc import Callable
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
-from rubnoise.theory.quadrature import cut_size_rule, size_range
-from rubnoise.theory.transform import STEP_END, life_from_birth, mean_life_from_birth, transform_of
+from rubnoise.theory.quadrature import cut_size_rule, hard_ends, size_range
+from rubnoise.theory.transform import STEP_END, life_from_birth, mean_life_from_birth, swing_left, transform_of
 
 Doubles = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
-Measure = Callable[[Doubles, Doubles, Doubles], NDArray[Any]]
-"""An average over sizes, the last axis, from phases k d, diameters and probabilities."""
 
 _LARGEST_PHASE = 480.0  # k (d_high - d_low) up to which the swing of the transform is followed through the sizes
 _PANEL_PHASE = 20.0
@@ -25,25 +23,42 @@ _AT_ONCE = 256
 _ROUNDING = 1e-12  # by which probabilities may miss 1 without any size being left out
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Life:
+    """What a life of unit diameter brings at phases k d, to be multiplied by d^power.
+
+    ``followed`` is it itself; ``damped`` has its swing averaged out for large phases, and ``scatter`` is the mean
+    square of the swing that is then missing, where a mean square is asked for.
+    """
+
+    power: int
+    followed: Callable[[Doubles], NDArray[Any]]
+    damped: Callable[[Doubles], NDArray[Any]]
+    scatter: Callable[[Doubles], Doubles] = np.zeros_like
+
+
+Average = Callable[[NDArray[Any], Doubles, Doubles], NDArray[Any]]
+"""An average over sizes, the last axis, from values, scatter about them, and probabilities."""
+
+
 def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
     """Return E[|A^(k)|^2] in um^6 for k >= 0 in rad/um of any shape; not ``exact``, without the swing of its tail."""
     transform = transform_of(pulse)
     square = transform.square if exact else transform.mean_square
-    followed, damped = (partial(_mean, 6, function) for function in (square, transform.mean_square))
-    return _over_sizes(law, wavenumber, followed, damped).real
+    return _over_sizes(law, wavenumber, _Life(power=6, followed=square, damped=transform.mean_square), _mean).real
 
 
 def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
     """Return E[A^(k)] in um^3, about the birth, for k >= 0 in rad/um of any shape: the transform of the mean life."""
     transform = transform_of(pulse)
-    followed, damped = (partial(_mean, 3, function) for function in (transform.from_birth, transform.mean_from_birth))
-    return _over_sizes(law, wavenumber, followed, damped)
+    life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth)
+    return _over_sizes(law, wavenumber, life, _mean)
 
 
 def mean_life_transform(law: Law, wavenumber: Doubles) -> Complexes:
     """Return E[(exp(2ikd) - 1)/(ik)] in um for k >= 0 in rad/um of any shape: the count of a life."""
-    followed, damped = (partial(_mean, 1, function) for function in (life_from_birth, mean_life_from_birth))
-    return _over_sizes(law, wavenumber, followed, damped)
+    life = _Life(power=1, followed=life_from_birth, damped=mean_life_from_birth)
+    return _over_sizes(law, wavenumber, life, _mean)
 
 
 def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
@@ -53,19 +68,20 @@ def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
     """
     transform = transform_of(pulse)
 
-    def followed(phases: Doubles, diameters: Doubles, probabilities: Doubles) -> Doubles:
-        return _spread(transform.from_birth(phases) * diameters**3, probabilities)
+    def scatter(phases: Doubles) -> Doubles:
+        return transform.mean_square(phases) - np.square(np.abs(transform.mean_from_birth(phases)))
 
-    def damped(phases: Doubles, diameters: Doubles, probabilities: Doubles) -> Doubles:
-        level = transform.mean_from_birth(phases)
-        within = transform.mean_square(phases) - np.square(np.abs(level))
-        return _spread(level * diameters**3, probabilities) + np.sum(within * probabilities * diameters**6, axis=-1)
-
-    return _over_sizes(law, wavenumber, followed, damped).real
+    life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth, scatter=scatter)
+    return _over_sizes(law, wavenumber, life, _spread).real
 
 
 def largest_swinging_wavenumber(law: Law) -> float:
-    """Return the wavenumber in rad/um beyond which sizes are averaged over the swing; inf for one size.
+    """Return the wavenumber in rad/um beyond which no swing is left; inf for one size and for a law with a hard end."""
+    return np.inf if hard_ends(law) != (None, None) else _largest_followed(law)
+
+
+def _largest_followed(law: Law) -> float:
+    """Return the wavenumber in rad/um up to which nodes follow the swing through all sizes; inf for one size.
 
     At k (d_high - d_low) = 480 a normal law of standard deviation sigma has k sigma > 25, and its spread leaves a
     factor exp(-320) of the swing; a gamma law with sigma = mean/10 has k sigma = 11. A law so wide that it has phases
@@ -75,21 +91,37 @@ def largest_swinging_wavenumber(law: Law) -> float:
     return np.inf if low == high else _LARGEST_PHASE / (high - low)
 
 
-def _over_sizes(law: Law, wavenumber: Doubles, followed: Measure, damped: Measure) -> Complexes:
+def _over_sizes(law: Law, wavenumber: Doubles, life: _Life, average: Average) -> Complexes:
     """Average where nodes follow the swing through the sizes, and where it averages out.
 
-    Small diameters are followed everywhere: they matter where a wide law has an edge at d = 0.
+    Small diameters are followed everywhere: they matter where a wide law has an edge at d = 0. So are those near an
+    end at which the density jumps, with a weight that fades away from it as smoothly as `swing_left` does.
     """
     k = wavenumber.ravel()
     result = np.empty(k.size, dtype=np.complex128)
-    swinging = k <= largest_swinging_wavenumber(law)
-    for rows in _chunks(k, np.flatnonzero(swinging)):
+    followed = k <= _largest_followed(law)
+    for rows in _chunks(k, np.flatnonzero(followed)):
         diameters, probabilities = cut_size_rule(law, _followed_cuts(law, float(k[rows].max())), _NODES)
-        result[rows] = followed(np.multiply.outer(k[rows], diameters), diameters, probabilities)
-    phases = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, STEP_END + 1.0, _PANEL_PHASE))
-    for rows in _chunks(k, np.flatnonzero(~swinging)):
-        diameters, probabilities = cut_size_rule(law, phases / k[rows, None], _NODES)
-        result[rows] = damped(k[rows, None] * diameters, diameters, probabilities)
+        phases = np.multiply.outer(k[rows], diameters)
+        result[rows] = average(life.followed(phases) * diameters**life.power, np.zeros(1), probabilities)
+    steps = np.append(_FIRST_PHASES, np.arange(_PANEL_PHASE, STEP_END + 1.0, _PANEL_PHASE))
+    ends = [(end, sign) for end, sign in zip(hard_ends(law), (1.0, -1.0), strict=True) if end is not None]
+    for rows in _chunks(k, np.flatnonzero(~followed)):
+        near = k[rows, None]
+        cuts = np.concatenate([steps / near, *(end + sign * steps / near for end, sign in ends)], axis=-1)
+        diameters, probabilities = cut_size_rule(law, cuts, _NODES)
+        phases, powers = near * diameters, diameters**life.power
+        values, scatter, shares = life.damped(phases) * powers, life.scatter(phases) * powers**2, probabilities
+        for end, sign in ends:
+            swinging = probabilities * swing_left(sign * (phases - near * end))
+            kept = swinging > 0.0
+            each = np.zeros_like(values[:, : diameters.shape[-1]])
+            each[kept] = life.followed(phases[kept]) * powers[kept]
+            values = np.concatenate([values, each], axis=-1)
+            scatter = np.concatenate([scatter, np.zeros_like(swinging)], axis=-1)
+            shares = np.concatenate([shares, swinging], axis=-1)
+            shares[:, : diameters.shape[-1]] -= swinging
+        result[rows] = average(values, scatter, shares)
     return result.reshape(wavenumber.shape)
 
 
@@ -105,19 +137,15 @@ def _followed_cuts(law: Law, fastest: float) -> Doubles:
     return low + phases / max(fastest, 1.0 / high)
 
 
-def _mean(
-    power: int, function: Callable[[Doubles], NDArray[Any]], phases: Doubles, diameters: Doubles, probabilities: Doubles
-) -> NDArray[Any]:
-    """Return E[d^n function(k d)]; one set of diameters serves all wavenumbers, or each has its own."""
-    weights = probabilities * diameters**power
-    values = function(phases)
-    return values @ weights if weights.ndim == 1 else np.sum(values * weights, axis=-1)
+def _mean(values: NDArray[Any], _scatter: Doubles, probabilities: Doubles) -> NDArray[Any]:
+    """Return E[X]; one set of probabilities serves all wavenumbers, or each has its own."""
+    return values @ probabilities if probabilities.ndim == 1 else np.sum(values * probabilities, axis=-1)
 
 
-def _spread(values: Complexes, probabilities: Doubles) -> Doubles:
+def _spread(values: Complexes, scatter: Doubles, probabilities: Doubles) -> Doubles:
     """Return E[|X|^2] - |E[X]|^2; what the probabilities miss belongs to diameters near 0, where X = 0."""
     mean = np.sum(values * probabilities, axis=-1)
     missing = 1.0 - np.sum(probabilities, axis=-1)
     missing = np.where(missing > _ROUNDING, missing, 0.0)
-    deviations = np.square(np.abs(values - mean[..., None]))
+    deviations = np.square(np.abs(values - mean[..., None])) + scatter
     return np.sum(deviations * probabilities, axis=-1) + missing * np.square(np.abs(mean))

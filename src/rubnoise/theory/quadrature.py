@@ -65,12 +65,28 @@ def _size_range(law: Any) -> tuple[float, float]:
     if high - low <= _NARROWEST * high:
         return (0.5 * (low + high),) * 2
     step = (high - low) / 16.0
-    while _weight(law, high) * step > _LEFT_OUT or _weight(law, 2.0 * high) > _weight(law, high):
+    ends_hard = hard_ends(law)
+    while ends_hard[1] is None and (
+        _weight(law, high) * step > _LEFT_OUT or _weight(law, 2.0 * high) > _weight(law, high)
+    ):
         high, step = high + step, 1.25 * step
     low = max(low, high * 2.0**-200)
     while _density(law, 2.0 * low) * 4.0 * low * low <= _LEFT_OUT * law.moment(1) and 4.0 * low < high:
         low *= 2.0
     return low, high
+
+
+def hard_ends(law: Law) -> tuple[float | None, float | None]:
+    """Return the smallest and the largest diameter in um at which the density of a law jumps to 0; None where it fades.
+
+    Averages of what swings with the diameter do not fade at such an end.
+    """
+    low, high = law.support
+    if low == high:
+        return None, None
+    below, above = (float(np.nextafter(end, far)) for end, far in ((low, -np.inf), (high, np.inf)))
+    jumps = low > 0.0 and _density(law, below) == 0.0 < _density(law, low)
+    return low if jumps else None, high if _density(law, above) == 0.0 < _density(law, high) else None
 
 
 def size_rule(law: Law, count: int) -> tuple[Doubles, Doubles]:

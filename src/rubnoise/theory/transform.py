@@ -68,7 +68,7 @@ class PulseTransform:
         """Return z, a^(min(z, 160)), where z is beyond the beginning of the step, and what it leaves of a^ there."""
         z = np.asarray(phase, dtype=np.float64)
         upper = z > _STEP_FROM
-        return z, self.amplitude(np.minimum(z, STEP_END)), upper, _step(z[upper])
+        return z, self.amplitude(np.minimum(z, STEP_END)), upper, swing_left(z[upper])
 
 
 _TRANSFORMS: dict[Shape, PulseTransform] = {
@@ -104,11 +104,13 @@ def mean_life_from_birth(phase: ArrayLike) -> Complexes:
     result = life_from_birth(np.minimum(z, STEP_END))
     upper = z > _STEP_FROM
     beyond = z[upper]
-    result[upper] = (_step(beyond) * np.exp(2j * beyond) - 1.0) / (1j * beyond)
+    result[upper] = (swing_left(beyond) * np.exp(2j * beyond) - 1.0) / (1j * beyond)
     return result
 
 
-def _step(phase: Doubles) -> Doubles:
-    return np.asarray(
-        0.5 * complementary_error((phase - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH)), dtype=np.float64
-    )
+def swing_left(phase: Doubles) -> Doubles:
+    """Return what the step leaves of the swing at phases: 1 below 20, 0 above 160, and smooth between."""
+    left = (phase < STEP_END).astype(np.float64)
+    blended = (phase > 2.0 * _STEP_CENTRE - STEP_END) & (phase < STEP_END)
+    left[blended] = 0.5 * complementary_error((phase[blended] - _STEP_CENTRE) / (np.sqrt(2.0) * _STEP_WIDTH))
+    return left

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.contact.pulses import Pulse, Shape
+from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.lags import lag_edges, longest_life
@@ -53,19 +53,5 @@ def _mean_from_start(
 
 def _area_so_far(pulse: Pulse, age: Doubles) -> Doubles:
     """Return the integral of a life of unit diameter up to an age, which grows after mid-life as it grew before."""
-    rising = _RISING[pulse.shape](np.minimum(np.abs(1.0 - age), 1.0))
+    rising = pulse.area_so_far(1.0 - np.minimum(np.abs(1.0 - age), 1.0))
     return np.where(age < 1.0, rising, pulse.life_integral(1) - rising)
-
-
-def _rising_lens(x: Doubles) -> Doubles:
-    """Return J1 = (y - x acos x - y^3/3)/2, y = sqrt(1 - x^2), the integral up to the age 1 - x."""
-    y = np.sqrt((1.0 - x) * (1.0 + x))
-    return 0.5 * (y - x * np.arccos(x) - y**3 / 3.0)
-
-
-def _rising_triangle(x: Doubles) -> Doubles:
-    """Return (pi/8) (1 - x)^2, the integral up to the age 1 - x."""
-    return 0.125 * np.pi * np.square(1.0 - x)
-
-
-_RISING: dict[Shape, Callable[[Doubles], Doubles]] = {"lens": _rising_lens, "triangle": _rising_triangle}

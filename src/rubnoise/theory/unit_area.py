@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, Shape
 
 Doubles = NDArray[np.float64]
 UnitDensity = Callable[[Doubles], Doubles]
@@ -21,7 +21,7 @@ def unit_density(pulse: Pulse) -> UnitDensity:
 
     u in [0, 1] is the half-life so far, as likely at every place; the falling half is the mirror image.
     """
-    return {"lens": _lens, "triangle": _triangle}[pulse.shape]
+    return _DENSITIES[pulse.shape]
 
 
 def _lens(area: Doubles) -> Doubles:
@@ -34,6 +34,9 @@ def _lens(area: Doubles) -> Doubles:
 def _triangle(area: Doubles) -> Doubles:
     """Return 4/pi, the rise being straight."""
     return np.full_like(area, 1.0 / _PEAK)
+
+
+_DENSITIES: dict[Shape, UnitDensity] = {"lens": _lens, "triangle": _triangle}
 
 
 @cache

@@ -1,10 +1,12 @@
 """Real contact area and friction force summed anew from rows, not by the simulation's formulas; compiled."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, Shape
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -23,8 +25,7 @@ def add_areas(
     ``lives`` holds the first position of each junction and the one after its last, ``shapes`` birth, diameter (um) and
     strength (MPa).
     """
-    add = _add_triangles if pulse.shape == "triangle" else _add_lenses
-    add(positions, *lives, *shapes, area, force)
+    _ADDED[pulse.shape](positions, *lives, *shapes, area, force)
 
 
 @compiled
@@ -75,3 +76,6 @@ def _add_triangles(
             each = 0.25 * np.pi * d * max(min(age, 2.0 * d - age), 0.0)
             area[tick] += each
             force[tick] += psi * each
+
+
+_ADDED: dict[Shape, Callable[..., None]] = {"lens": _add_lenses, "triangle": _add_triangles}

@@ -8,6 +8,7 @@ w = sin t the area over d^2 and its successive integrals over u from the nearer 
     J1 = (w - x t - w^3/3)/2                         J3 = (5/4 J1 + x t/2 - x^3 t/6 - w/3 - w^3/18 + w^5/60)/2.
 """
 
+from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import lens_fraction
 from rubnoise.compiling import compiled
-from rubnoise.contact.pulses import Pulse
+from rubnoise.contact.pulses import Pulse, Shape
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -38,13 +39,21 @@ def force_moments(pulse: Pulse, positions: Doubles, width: float, shapes: tuple[
     as large as over a life; where cells are a very small part of a diameter, quadrature takes their place.
     """
     moments = np.zeros((3, positions.size - 1))
-    if pulse.shape == "triangle":
-        _add(_add_triangles, positions, width, shapes, moments)
-        return moments
+    _ADDED[pulse.shape](positions, width, shapes, moments)
+    return moments
+
+
+def _add_all_triangles(positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
+    _add(_add_triangles, positions, width, shapes, moments)
+
+
+def _add_all_lenses(positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
     fine = shapes[1] > NARROW * width
     _add(_add_lenses, positions, width, tuple(each[~fine] for each in shapes), moments)
     _add(_add_fine_lenses, positions, width, tuple(each[fine] for each in shapes), moments)
-    return moments
+
+
+_ADDED: dict[Shape, Callable[..., None]] = {"lens": _add_all_lenses, "triangle": _add_all_triangles}
 
 
 def _add(add: Any, positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
