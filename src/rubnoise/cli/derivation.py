@@ -127,7 +127,8 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     notes = []
     if abs(mean / asked - 1.0) > WORTH_A_NOTE:
         notes.append(
-            f"redrawing diameters <= 0 puts the mean count {mean / asked - 1.0:+.1%} off the {asked:g} asked for"
+            f"the mean diameter of the law {scenario.diameter.law} puts the mean count"
+            f" {mean / asked - 1.0:+.1%} off the {asked:g} asked for"
         )
     wanted, area = model.mean_real_contact_area, answer["real_contact_area"]["mean"]
     if abs(area / wanted - 1.0) > WORTH_A_NOTE:
@@ -136,8 +137,10 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
             " calibration matched meets it"
         )
     if scenario.strength is not None and model.strengths is not None:
-        excess = model.strengths.mean / float(scenario.strength.mean) - 1.0
-        if excess > WORTH_A_NOTE:
-            given = number(float(scenario.strength.mean))
-            notes.append(f"redrawing strengths <= 0 puts the mean strength {excess:+.1%} off the {given} MPa asked for")
+        given = float(scenario.strength.mean)
+        off = model.strengths.mean / given - 1.0
+        if abs(off) > WORTH_A_NOTE:
+            notes.append(
+                f"the law {scenario.strength.law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for"
+            )
     return notes
