@@ -243,6 +243,28 @@ def test_damaged_rows_are_refused(column: str) -> None:
         compare(RIGHT["figure 5"], Held(dict(run("figure 5").groups) | {group: columns}))
 
 
+def test_right_runs_of_sparse_contact_are_accepted() -> None:
+    """Most ticks are without contact: the distribution has an atom, whose share is not judged by a distance."""
+    sparse = bare(count=0.05, distance=6_000_000.0, tick=10.0)
+    for seed in range(seed_of("comparison/sparse"), seed_of("comparison/sparse") + 4):
+        found = compare(sparse, held(recorded(sparse, seed, engine="batch")))
+        assert found.outside == []
+        shares = {figure.name: figure for figure in found.figures}
+        assert shares["junction_count_zero_share"].expected == pytest.approx(np.exp(-0.05), rel=1e-4)
+        assert abs(shares["real_contact_area_kolmogorov"].z or 0.0) <= 4.0
+
+
+def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> None:
+    rare = bare(count=4.0, distance=8000.0, tick=0.5)
+    found = compare(rare, held(recorded(rare, seed_of("comparison/rare"))))
+    needed = float(reason(found, "junction_count_zero_share").split("about ")[1].removesuffix(" um"))
+    longer = bare(count=4.0, distance=1.05 * needed, tick=1.0)
+    assert "junction_count_zero_share" in names(compare(longer, held(recorded(longer, engine="batch"))))
+    assert "real_contact_area_kolmogorov" in names(found)
+    # Of a denser contact nothing is said: the share is below a thousandth.
+    assert "junction_count_zero_share" not in {each.name for each in compared("figure 5").left_out}
+
+
 def test_scores_of_many_right_runs_are_unit_normals() -> None:
     short = bare(distance=1500.0, tick=0.2)
     seeds = range(seed_of("comparison/many"), seed_of("comparison/many") + 50)

@@ -89,12 +89,13 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
 def zero_share(model: Model) -> ZeroShare:
     """Return the law of the share of ticks at which N = 0, over the model's ticks as a stationary record.
 
-    N is 0 with p = exp(-2 lam m_1), and again a lag tau later with r(tau) = p exp(C), C = lam E[(2d - tau)+]: nobody was
-    born in the union of two windows of 2d. So Cov[1{N(0) = 0}, 1{N(tau) = 0}] = p (r(tau) - p), exact for every length.
-    A contact that is empty has forgotten what came before, and three ticks are empty with p r(tau_1) r(tau_2): with n
-    ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and B = S_0 - p/2 the sum over ticks has a third cumulant of
-    6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)) for long records. Raises Refused unless births are a Poisson process.
-    Source: the cumulants of a discrete renewal process, from the root of its generating function.
+    N is 0 with p = exp(-2 lam m_1), and again a lag tau later with r(tau) = p exp(C), C = lam E[(2d - tau)+]: no birth
+    fell into the union of two windows of 2d. So Cov[1{N(0) = 0}, 1{N(tau) = 0}] = p (r(tau) - p), exact for every
+    length. An empty contact does not remember what came before: three ticks are empty with p r(tau_1) r(tau_2). With n
+    ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and B = S_0 - p/2, the number of empty ticks has the third
+    cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for long records. Raises Refused unless births are Poisson.
+    Source: the M/G/infinity queue; its empty ticks are a renewal process, whose cumulants follow from its generating
+    function (Cox, Renewal Theory (1962), chapter 4).
     """
     need_random_births(model, "the share of ticks without a junction")
     ticks, alive = model.tick_count + 1, mean_count(model)

@@ -63,7 +63,7 @@ class TraceSums:
     """What one pass over /trace leaves.
 
     Moments, ``zero_ticks`` (those without a live junction), lagged products and spectrum are of the stationary part;
-    totals (um^3, um) and the distances, areas and counts sampled ``apart`` ticks from each other are of the whole trace.
+    totals (um^3, um) and the distances, areas and counts sampled at ``apart`` ticks' distance are of the whole trace.
     """
 
     layout: Layout
