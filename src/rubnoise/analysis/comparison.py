@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from rubnoise.analysis.comparing.asked import Cubes, asked_findings
 from rubnoise.analysis.comparing.births import Births, birth_findings
 from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
 from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, LeftOut, comparison
@@ -30,14 +31,17 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     if missing is not None:
         length = trace.ticks * model.tick
         raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
-    births, start, marks, lives = Births(model), Start(), Marks(model), Lives(model, trace)
+    births, start, marks, lives, cubes = Births(model), Start(), Marks(model), Lives(model, trace), Cubes()
     for columns in panels(rows, "junctions", COLUMNS):
-        for gathered in (births, start, marks, lives):
+        for gathered in (births, start, marks, lives, cubes):
             gathered.add(columns)
     parts = (
         _part("births", birth=lambda: birth_findings(model, births), start=lambda: start_findings(model, start)),
         _part(
-            "junctions", diameter=lambda: mark_findings(model, marks), life=lambda: life_findings(model, lives, trace)
+            "junctions",
+            diameter=lambda: mark_findings(model, marks),
+            asked=lambda: asked_findings(model, cubes),
+            life=lambda: life_findings(model, lives, trace),
         ),
         _trace_part(model, trace),
         _part("slider", displacement=lambda: motion_findings(model, rows)),

@@ -9,6 +9,8 @@ from rubnoise.cli.layout import number, printable, remark
 
 UNITS = {
     "birth_gap": "um",
+    "asked_mean_area": "um^2",
+    "asked_area_from_rows": "um^2",
     "start_": "",
     "diameter": "um",
     "shear_strength": "MPa",

@@ -94,8 +94,8 @@ def zero_share(model: Model) -> ZeroShare:
     length. An empty contact does not remember what came before: three ticks are empty with p r(tau_1) r(tau_2). With n
     ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and B = S_0 - p/2, the number of empty ticks has the third
     cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for long records. Raises Refused unless births are Poisson.
-    Source: the M/G/infinity queue; its empty ticks are a renewal process, whose cumulants follow from its generating
-    function (Cox, Renewal Theory (1962), chapter 4).
+    Source: empty ticks are recurrent events, whose number has its cumulants from their generating function (Feller, An
+    Introduction to Probability Theory and Its Applications I, chapter XIII).
     """
     need_random_births(model, "the share of ticks without a junction")
     ticks, alive = model.tick_count + 1, mean_count(model)
