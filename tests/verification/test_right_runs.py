@@ -8,11 +8,8 @@ import pytest
 from rubnoise.analysis.comparing.findings import Comparison
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
-from tests.architecture.sources import ROOT
 from tests.verification.seeds import seed_of
-
-sys.path.append(str(ROOT / "tools"))
-import right_runs
+from tools import right_runs
 
 EVERY = {f"{kind}, {name}": changes for kind, cases in right_runs.KINDS.items() for name, changes in cases.items()}
 

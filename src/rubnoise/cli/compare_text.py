@@ -43,7 +43,8 @@ def described(found: Comparison, file: Path) -> Iterator[str]:
     yield f"{printable(str(file))}: beside the theory of its scenario"
     for part in found.parts:
         if part.figures:
-            yield f"\n{part.heading:<34}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
+            heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading
+            yield f"\n{heading:<34}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
             yield from (_figure(figure, found) for figure in part.figures)
     if found.identities:
         yield f"\n{'exact but for rounding':<34}{'off by':>13}{'allowed':>14}"
