@@ -29,6 +29,7 @@ PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
 """Ends of names of figures without a unit."""
 
 SHORTER = {
+    "junction_count_zero_share": "share without contact",
     "real_contact_area_autocovariance_": "area autocovariance ",
     "real_contact_area": "area",
     "junction_count": "count",
