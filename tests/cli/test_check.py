@@ -39,11 +39,29 @@ def test_figure_5_says_what_follows_from_it(here: Path) -> None:
 
 
 def test_a_stiff_slider_gets_no_warning(here: Path) -> None:
-    answer = call("check", SLIDER, "--set", "strength.mean=0.1 MPa", "--set", "interface.calibration=matched")
+    longer = ("--set", "sliding.distance=2 mm")
+    answer = call("check", SLIDER, *longer, "--set", "strength.mean=0.1 MPa", "--set", "interface.calibration=matched")
     assert answer.code == 0
     assert "one-way validity" in answer.out
     assert "warning" not in answer.out
     assert "note" not in answer.out
+
+
+FAST = ("--set", "sliding.speed=100 mm/s")
+
+
+def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
+    """20 mm at 100 mm/s are one decay time of the slider of Figure 5."""
+    said = " ".join(call("check", PAPER / "fig5.toml", *FAST).out.split())
+    assert "note: the run is too short for standard errors of the slider's motion: " in said
+    assert "it lasts 1 of its decay times; it needs about 500 mm" in said
+    told = call("check", PAPER / "fig5.toml", *FAST, "--json").json()["scenarios"][str(PAPER / "fig5.toml")]
+    assert told["slider"]["needed_distance"] == pytest.approx(500_852.0, rel=1e-3)
+    assert "too short" in told["notes"][-1]
+    enough = call("check", PAPER / "fig5.toml", *FAST, "--set", "sliding.distance=500 mm", "--json")
+    told = enough.json()["scenarios"][str(PAPER / "fig5.toml")]
+    assert "needed_distance" not in told["slider"]
+    assert len(told["notes"]) == 1
 
 
 def test_redrawn_diameters_are_noted(here: Path) -> None:

@@ -42,10 +42,38 @@ def test_a_right_run_agrees(result: Path) -> None:
         assert sum(line.startswith(heading) for line in lines) == 1
     assert any(line.startswith("  area mean (um^2)  ") for line in lines)
     assert any(line.startswith("  power, k ") for line in lines)
-    assert "  6 of 6 identities hold" in lines
+    assert "  8 of 8 identities hold" in lines
+    assert any(line.startswith("  asked area from rows (um^2)  ") for line in lines)
     assert "which all keep in 99.9% of right runs" in answer.out
     assert max(map(len, lines)) <= 80
     assert "*" not in answer.out
+
+
+def test_a_part_says_where_its_record_begins(here: Path) -> None:
+    """Displacement is taken from where its start is forgotten, and by `info` from the start."""
+    quick = ("--set", "slider.damping=0.5 N*s/m", "--set", "output.tick=0.5 um")
+    assert call("run", SLIDER, *quick, "--set", "sliding.distance=6 mm", "-q", "-o", "x.h5").code == 0
+    told = call("compare", "x.h5", "--json").json()
+    begins = told["begins"]
+    assert begins.keys() == {"births", "junctions", "contact", "slider"}
+    assert begins["births"] == begins["junctions"] == begins["contact"] == 0.0
+    assert begins["slider"] == pytest.approx(20.0 * np.log(1e3), abs=0.5)  # decay time 2m/c = 20 ms, at 1 mm/s
+    lines = call("compare", "x.h5").out.splitlines()
+    assert any(line.startswith(f"slider, from {begins['slider']:.4g} um on ") for line in lines)
+    whole = call("info", "x.h5", "--json").json()["summary"]["displacement_std"]
+    assert told["figures"]["displacement_std"]["observed"] != pytest.approx(whole["observed"], rel=1e-9)
+    with h5py.File("x.h5") as file:
+        values = file["slider/displacement"][:]
+    assert whole["observed"] == pytest.approx(values.std())
+    assert told["figures"]["displacement_std"]["observed"] == pytest.approx(values[int(begins["slider"] / 0.5) :].std())
+
+
+def test_an_empty_start_is_left_out_of_the_contact(here: Path) -> None:
+    empty = ("--set", "sliding.start=empty", "--set", "sliding.distance=1 mm")
+    assert call("run", "../given/contact.toml", *empty, "-q", "-o", "x.h5").code == 0
+    begins = call("compare", "x.h5", "--json").json()["begins"]
+    assert begins["contact"] == pytest.approx(2.0 * 30.0**0.5, abs=0.1)
+    assert begins["births"] == 0.0
 
 
 def test_what_is_left_out_says_how_long_a_run_it_needs(result: Path) -> None:

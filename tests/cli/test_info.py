@@ -28,7 +28,8 @@ def test_a_result_tells_what_is_in_it(result: Path) -> None:
     assert f"  {'seed':<30}4" in lines
     assert any(line.startswith(f"  {'/trace':<30}3,001 rows: distance, real_contact_area") for line in lines)
     assert "38.98484 Hz" in answer.out
-    assert "measured beside exact" in lines
+    assert "measured over the whole run, beside exact" in lines
+    assert "too short for standard errors of the slider's motion" in " ".join(answer.out.split())
     assert sum(line.startswith("  friction force mean (uN) ") for line in lines) == 1
 
 
@@ -41,6 +42,16 @@ def test_json_is_one_object_and_nothing_else(result: Path) -> None:
     assert told["bytes"] == result.stat().st_size
     area = told["summary"]["real_contact_area_mean"]
     assert area["z"] == pytest.approx((area["observed"] - area["expected"]) / area["standard_error"])
+
+
+def test_a_finished_run_has_nothing_to_forecast(result: Path) -> None:
+    """Memory and time are what a run will take; rows and bytes of this one are told as they are."""
+    labels = [line.strip().split("  ")[0] for line in call("info", "x.h5").out.splitlines()]
+    assert not {"memory", "time", "events", "rows", "file size"} & set(labels)
+    assert labels.count("size") == labels.count("births") == 1
+    assert "cost" not in call("info", "x.h5", "--json").json()["derived"]
+    checked = [line.strip().split("  ")[0] for line in call("check", SLIDER).out.splitlines()]
+    assert {"memory", "time", "events", "rows", "file size", "births"} <= set(checked)
 
 
 def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) -> None:

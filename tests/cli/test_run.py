@@ -141,8 +141,20 @@ def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
     assert told.code == 0
     assert "warning: the velocity of the slider spreads by" in told.err
     assert call("run", SLIDER, "-q", "--force").err == ""
-    slow = call("run", SLIDER, "--force", "--set", "strength.mean=0.1 MPa")
+    weak = ("--set", "strength.mean=0.1 MPa", "--set", "output.tick=1 um")
+    slow = call("run", SLIDER, "--force", *weak, "--set", "sliding.distance=2 mm")
     assert (slow.code, slow.err) == (0, "")
+
+
+def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
+    weak = ("--set", "strength.mean=0.1 MPa", "-o", "x.h5", "--force")
+    told = call("run", SLIDER, *weak)
+    said = "the run is too short for standard errors of the slider's motion: it lasts 1.5 of its decay times;"
+    assert f"warning: {said} it needs about 5.2 mm" in " ".join(told.err.split())
+    row = next(line for line in told.out.splitlines() if line.startswith("  displacement std (um)"))
+    assert len(row.split()) == 5  # measured and exact, and neither error nor z
+    assert call("run", SLIDER, *weak, "--json").json()["warnings"] == [f"{said} it needs about 5.2 mm"]
+    assert call("run", SLIDER, *weak, "-q").err == ""
 
 
 @pytest.mark.parametrize(

@@ -6,21 +6,22 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis import comparing
 from rubnoise.analysis.comparing import rows, trace
-from rubnoise.analysis.comparing.findings import Comparison
+from rubnoise.analysis.comparing.asked import Cubes, asked_findings
+from rubnoise.analysis.comparing.findings import Comparison, LeftOut
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.records import RecordTooShort
-from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Lognormal, Spread
-from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.contact.pulses import TRIANGLE, LensPulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants
 from tests.models import bare, model, recorded
-from tests.verification.fabricated import Held, held
+from tests.verification.fabricated import Held, Made, held, made
 from tests.verification.seeds import seed_of
 
 QUICK = Slider(mass=0.005, stiffness=300.0, damping=0.5)
@@ -77,6 +78,7 @@ def test_an_ordinary_run_is_held_against_everything() -> None:
         "diameter_mean",
         "diameter_std",
         "diameter_kolmogorov",
+        "asked_area_from_rows",
         "life_mean_area",
         "life_over_diameter",
         "real_contact_area_mean",
@@ -91,7 +93,10 @@ def test_an_ordinary_run_is_held_against_everything() -> None:
     }
     assert sum(figure.name.startswith("spectrum") for figure in found.figures) >= 7
     held_to = {identity.name for identity in found.identities}
-    assert held_to == {"shear_strength", "life", "death", "area_from_rows", "count_from_rows", "friction_force"}
+    assert held_to == {
+        "shear_strength", "asked_mean_count", "asked_mean_area", "life", "death", "area_from_rows", "count_from_rows",
+        "friction_force",
+    }  # fmt: skip
 
 
 def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
@@ -240,6 +245,106 @@ def test_damaged_rows_are_refused(column: str) -> None:
     columns[name][-3] = np.nan
     with pytest.raises(RunFileRefused, match=f"/{group} is damaged: row .* has the {name} nan"):
         compare(RIGHT["figure 5"], Held(dict(run("figure 5").groups) | {group: columns}))
+
+
+ASKED = ("asked_mean_area", "asked_area_from_rows")
+
+
+@pytest.mark.parametrize("calibration", ["exact", "matched"])
+@pytest.mark.parametrize("spread", [0.0, 0.2])
+def test_a_wrong_constant_of_the_calibration_is_seen(calibration: str, spread: float) -> None:
+    """The run is made with 0.327 in place of 1/3, and so is its theory: all agrees but with what was asked for."""
+    contact = bare(calibration="paper", spread=Spread(absolute=spread), distance=1500.0, tick=0.5)
+    wrong = replace(contact, calibration=calibration)
+    record = held(recorded(wrong, seed_of("comparison/asked")))
+    assert sorted(compare(wrong, record).outside) == sorted(ASKED)
+    assert compare(contact, record).outside == []
+
+
+@pytest.mark.parametrize("calibration", ["paper", "exact", "matched"])
+@pytest.mark.parametrize("spread", [Spread(absolute=0.0), Spread(relative=1.0), Spread(relative=0.3, law="lognormal")])
+def test_what_is_asked_for_is_met_by_every_calibration(calibration: str, spread: Spread) -> None:
+    right = bare(calibration=calibration, spread=spread, distance=6000.0, tick=1.0)
+    found = compare(right, held(recorded(right, seed_of("comparison/asked"), engine="batch")))
+    assert "asked_mean_area" in {identity.name for identity in found.identities}
+    assert not set(found.outside) & {"asked_mean_count", *ASKED}
+
+
+def test_what_a_triangle_is_asked_for_is_met() -> None:
+    right = bare(pulse=TRIANGLE, distance=1500.0, tick=0.5)
+    record = held(recorded(right, seed_of("comparison/asked")))
+    assert not set(compare(right, record).outside) & set(ASKED)
+    assert set(ASKED) <= set(compare(replace(right, mean_real_contact_area=202.0), record).outside)
+
+
+def test_a_pulse_that_is_wrong_everywhere_is_seen_by_what_was_asked_for() -> None:
+    """A lens of 0.981 times the area, in the sums, in the theory and in the calibration."""
+    right = bare(calibration="paper", spread=Spread(absolute=0.0), distance=1500.0, tick=0.5)
+    wrong = replace(right, calibration="exact", pulse=SmallLens())
+    record = made(wrong, seed_of("comparison/small"), Made(area=SmallLens().area))
+    found = compare(wrong, record)
+    assert {"asked_area_from_rows", "asked_mean_area"} <= set(found.outside)
+    silent = {figure.name: figure.z or 0.0 for figure in found.figures}
+    assert abs(silent["life_mean_area"]) <= found.bound
+    assert abs(silent["real_contact_area_mean"]) <= found.bound
+
+
+class SmallLens(LensPulse):
+    """The lens with a mean area over its life of 0.327 d^2."""
+
+    def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> NDArray[np.float64]:
+        """Return 0.981 times the area."""
+        return 0.981 * super().area(distance_since_birth, diameter)
+
+    def life_integral(self, power: int) -> float:
+        """Return c_n of that."""
+        return 0.981**power * super().life_integral(power)
+
+
+def test_births_at_another_rate_than_asked_for_are_seen() -> None:
+    contact = bare(distance=1500.0, tick=0.5)
+    wrong = replace(contact, births=PoissonBirths(mean_spacing=0.99 * contact.mean_birth_spacing))
+    found = compare(wrong, held(recorded(wrong, seed_of("comparison/asked"))))
+    assert found.outside == ["asked_mean_count", "asked_mean_area"]
+
+
+def test_a_pulse_that_is_not_known_twice_is_left_out() -> None:
+    cubes = Cubes()
+    found = asked_findings(replace(bare(), pulse=OtherPulse()), cubes)
+    assert [each.name for each in found] == ["asked_mean_count", "asked_mean_area"]
+    assert isinstance(found[1], LeftOut)
+    assert isinstance(asked_findings(bare(), cubes)[-1], LeftOut)
+
+
+class OtherPulse(LensPulse):
+    """A pulse with a name of its own."""
+
+    @property
+    def shape(self) -> Any:
+        """Some name."""
+        return "other"
+
+
+def test_right_runs_of_sparse_contact_are_accepted() -> None:
+    """Most ticks are without contact: the distribution has an atom, whose share is not judged by a distance."""
+    sparse = bare(count=0.05, distance=6_000_000.0, tick=10.0)
+    for seed in range(seed_of("comparison/sparse"), seed_of("comparison/sparse") + 4):
+        found = compare(sparse, held(recorded(sparse, seed, engine="batch")))
+        assert found.outside == []
+        shares = {figure.name: figure for figure in found.figures}
+        assert shares["junction_count_zero_share"].expected == pytest.approx(np.exp(-0.05), rel=1e-4)
+        assert abs(shares["real_contact_area_kolmogorov"].z or 0.0) <= 4.0
+
+
+def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> None:
+    rare = bare(count=4.0, distance=8000.0, tick=0.5)
+    found = compare(rare, held(recorded(rare, seed_of("comparison/rare"))))
+    needed = float(reason(found, "junction_count_zero_share").split("about ")[1].removesuffix(" um"))
+    longer = bare(count=4.0, distance=1.05 * needed, tick=1.0)
+    assert "junction_count_zero_share" in names(compare(longer, held(recorded(longer, engine="batch"))))
+    assert "real_contact_area_kolmogorov" in names(found)
+    # Of a denser contact nothing is said: the share is below a thousandth.
+    assert "junction_count_zero_share" not in {each.name for each in compared("figure 5").left_out}
 
 
 def test_scores_of_many_right_runs_are_unit_normals() -> None:

@@ -56,6 +56,15 @@ def test_few_values_are_never_called_too_good() -> None:
     assert kolmogorov_figure("x", sample_distance(even, even), 20).z == 0.0
 
 
+def test_small_distances_of_a_law_with_an_atom_are_never_called_too_good() -> None:
+    """Of mostly one value the distance is that of a few: it says nothing, and a large one still does."""
+    values = np.maximum(uniform(20_000, "atom") - 0.9, 0.0)
+    distance = sample_distance(values, values + 0.9, atom=0.9)
+    assert (kolmogorov_figure("x", distance, 20_000).z or 0.0) < -2.0
+    assert kolmogorov_figure("x", distance, 20_000, 0.9).z == 0.0
+    assert (kolmogorov_figure("x", 0.02, 20_000, 0.9).z or 0.0) > 5.0
+
+
 @pytest.mark.parametrize("pieces", [1, 9])
 def test_counts_in_bins_give_the_distance(pieces: int) -> None:
     values = uniform(30_000, "bins")

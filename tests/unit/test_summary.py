@@ -6,12 +6,14 @@ from typing import Any
 import pytest
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.summary import FEWEST_LIVES, summarise
-from rubnoise.contact.laws import Fixed, Spread
+from rubnoise.analysis.summary import FEWEST_LIVES, missing_for_motion, summarise
+from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
+from rubnoise.theory.motion_errors import motion_errors
+from rubnoise.theory.response import response
 from tests.models import FIG5_SLIDER, bare, model
 from tests.verification.seeds import seed_of
 
@@ -131,6 +133,43 @@ def test_short_runs_promise_their_mean_alone() -> None:
 def test_motion_is_promised_after_ten_decay_times(changes: dict[str, Any], *, promised: bool) -> None:
     figures = _figures(model(**changes))
     assert {figures[name].standard_error is not None for name in MOTION} == {promised}
+
+
+def test_a_run_too_short_for_its_motion_says_what_it_needs() -> None:
+    """Over that length theory knows the standard deviation of the motion to a tenth."""
+    short = model(distance=500.0)
+    missing = missing_for_motion(short)
+    assert missing is not None
+    assert missing.decays == pytest.approx(2.5)
+    errors, exact = motion_errors(short, missing.needed), response(short)
+    relative = errors.displacement_std / exact.displacement_std, errors.velocity_std / exact.velocity_std
+    assert max(relative) == pytest.approx(0.1)
+    assert missing_for_motion(model(distance=missing.needed)) is None
+
+
+def test_ten_decay_times_are_needed_at_least() -> None:
+    """The motion of a stiff slider is known to a tenth before the first-order errors hold."""
+    stiff = replace(FIG5_SLIDER, stiffness=3e5, damping=500.0)
+    missing = missing_for_motion(model(distance=0.5, tick=0.1, slider=stiff, speed=30_000.0))
+    assert missing is not None
+    assert missing.needed >= 10.0 * 0.5 / missing.decays
+    regular = missing_for_motion(model(distance=500.0, births="regular"))
+    assert regular is not None
+    assert regular.needed == pytest.approx(2000.0)  # of the mean alone
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"distance": 2000.0},
+        {"start": "empty"},
+        {"slider": replace(FIG5_SLIDER, damping=0.0)},
+        {"slider": None},
+    ],
+    ids=["long", "empty", "undamped", "no slider"],
+)
+def test_nothing_is_missing_where_there_is_enough_or_no_length_would_do(changes: dict[str, Any]) -> None:
+    assert missing_for_motion(model(**{"distance": 500.0} | changes)) is None
 
 
 def test_a_run_agrees_with_its_theory_and_not_with_another() -> None:

@@ -5,8 +5,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.laws import Normal
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.laws import Fixed, Normal
+from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.distribution import distribution
 from rubnoise.theory.occupancy import (
     count_covariance,
     count_from_empty,
@@ -15,8 +18,10 @@ from rubnoise.theory.occupancy import (
     length_biased_mean_diameter,
     mean_count,
     mean_count_error,
+    zero_share,
 )
-from tests.unit.theory_models import model_of, one_size, paper_model
+from tests.unit.theory_models import excess, model_of, one_size, paper_model
+from tests.verification.seeds import seed_of
 
 Doubles = NDArray[np.float64]
 
@@ -74,3 +79,82 @@ def test_error_of_the_mean_count_in_closed_form(distance: float) -> None:
     integral = distance * life * reach - (distance + life) * reach**2 / 2.0 + reach**3 / 3.0
     variance = 2.0 * one_size().birth_rate * integral / distance**2
     assert mean_count_error(one_size(), distance) == pytest.approx(np.sqrt(variance), rel=1e-12)
+
+
+def of_one_size(count: float, tick: float, ticks: int) -> Model:
+    """Return a contact of lives of 10 um."""
+    contact = model_of(Fixed(value=5.0), 5.0, count, distance=tick * (ticks - 1), tick=tick)
+    assert contact.tick_count == ticks - 1
+    return contact
+
+
+def empty_ticks(model: Model, runs: int, name: str) -> Doubles:
+    """Return the share of ticks without a junction, run by run, from births and deaths alone."""
+    generator = np.random.default_rng(seed_of(f"occupancy/{name}"))
+    life, ticks = 2.0 * model.sizes.support[1], model.tick * np.arange(model.tick_count + 1)
+    shares = []
+    for count in generator.poisson(model.birth_rate * (ticks[-1] + life), runs):
+        birth = generator.uniform(-life, ticks[-1], count)
+        death = birth + life
+        alive = np.searchsorted(np.sort(birth), ticks, "right") - np.searchsorted(np.sort(death), ticks, "right")
+        shares.append(np.mean(alive == 0))
+    return np.array(shares)
+
+
+@pytest.mark.parametrize(("count", "tick"), [(0.1, 3.0), (0.7, 0.1), (3.0, 0.5)])
+def test_the_share_without_contact_has_the_law_that_is_said(count: float, tick: float) -> None:
+    run, runs = of_one_size(count, tick, 401), 2000
+    law, shares = zero_share(run), empty_ticks(of_one_size(count, tick, 401), runs, f"zero/{count}")
+    assert abs(shares.mean() - law.expected) <= 4.0 * law.standard_error / runs**0.5
+    assert abs(excess(shares, law.standard_error)) <= 4.0
+    independent = (law.expected * (1.0 - law.expected) / 401) ** 0.5
+    assert excess(shares, independent) > 5.0
+
+
+def test_the_share_without_contact_is_the_atom_of_the_area() -> None:
+    assert zero_share(WIDE).expected == distribution(WIDE).atom_at_zero
+
+
+def test_ticks_beyond_a_life_are_empty_one_by_one() -> None:
+    p, ticks = np.exp(-0.5), 1000
+    law = zero_share(of_one_size(0.5, 11.0, ticks))
+    assert law.standard_error == pytest.approx((p * (1.0 - p) / ticks) ** 0.5, rel=1e-12)
+    assert law.skewness == pytest.approx((1.0 - 2.0 * p) / (p * (1.0 - p) * ticks) ** 0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [0.05, 1.0, 4.0])
+def test_the_skewness_of_the_share_without_contact_is_that_of_all_triples_of_ticks(count: float) -> None:
+    """The third cumulant of the sum grows by as much from tick to tick, once the first ticks are forgotten."""
+    tick, ticks = 1.0, 10**6
+    law = zero_share(of_one_size(count, tick, ticks))
+    third = third_cumulant(count, 61) - third_cumulant(count, 60)
+    assert law.skewness * (law.standard_error * ticks) ** 3 / ticks == pytest.approx(third, rel=1e-4)
+
+
+def third_cumulant(count: float, ticks: int) -> float:
+    """Return that of the number of empty ticks 1 um apart, lives of 10 um: summed over all triples."""
+    p = np.exp(-count)
+    again = p * np.exp(count * np.maximum(1.0 - 0.1 * np.arange(ticks), 0.0))
+    i, j, k = np.sort(np.indices((ticks,) * 3).reshape(3, -1), axis=0)
+    one, two = ticks * p, p * again[np.abs(np.subtract.outer(np.arange(ticks), np.arange(ticks)))].sum()
+    three = p * float(again[j - i] @ again[k - j])
+    return three - 3.0 * two * one + 2.0 * one**3
+
+
+def test_fine_ticks_have_the_skewness_of_coarser_ones() -> None:
+    fine, coarse = zero_share(of_one_size(2.0, 0.01, 10**6)), zero_share(of_one_size(2.0, 0.2, 50_000))
+    assert fine.standard_error == pytest.approx(coarse.standard_error, rel=0.01)
+    assert fine.skewness == pytest.approx(coarse.skewness, rel=0.02)
+    assert fine.skewness > 0.0 > zero_share(of_one_size(0.05, 0.01, 10**6)).skewness
+
+
+def test_a_dense_contact_is_never_without_contact() -> None:
+    crowded = zero_share(of_one_size(2000.0, 0.5, 1000))
+    assert (crowded.expected, crowded.standard_error, crowded.skewness) == (0.0, 0.0, 0.0)
+    dense = zero_share(of_one_size(40.0, 0.01, 1000))
+    assert np.isfinite([dense.standard_error, dense.skewness]).all()
+
+
+def test_the_share_without_contact_needs_births_at_random() -> None:
+    with pytest.raises(Refused, match="share of ticks without a junction is known for Poisson births alone"):
+        zero_share(replace(one_size(), births=RegularBirths(mean_spacing=0.5)))

@@ -43,7 +43,8 @@ class Made:
     """How a record is made: everything but what is changed is as in the model.
 
     ``area`` is that of a life, of the distance since birth and the diameter; ``lives`` its length in diameters, and
-    ``told`` what its row says of it; ``births`` the factor on the birth rate; ``always`` a count that never changes.
+    ``told`` what its row says of it; ``births`` the factor on the birth rate; ``together`` how many are born at a
+    time, as many in all; ``always`` a count that never changes.
     """
 
     area: Callable[[Doubles, Doubles], Doubles] = junction_area
@@ -51,6 +52,7 @@ class Made:
     told: float = 2.0
     births: float = 1.0
     empty: bool = False
+    together: int = 1
     always: int | None = None
 
 
@@ -63,10 +65,12 @@ def made(model: Model, seed: int, how: Made | None = None) -> Held:
         birth = _relay(generator, model.distance, life, how.always)
     else:
         first = 0.0 if how.empty else -life
-        count = generator.poisson(how.births * model.birth_rate * (model.distance - first))
-        birth = np.sort(generator.uniform(first, model.distance, count))
+        count = generator.poisson(how.births * model.birth_rate * (model.distance - first) / how.together)
+        birth = np.repeat(np.sort(generator.uniform(first, model.distance, count)), how.together)
     columns = _rows(birth, diameter, how.told)
-    return Held({"junctions": columns, "trace": _trace(model, birth, life, lambda age: how.area(age, diameter))})
+    return Held(
+        {"junctions": columns, "trace": _trace(model, birth, life, lambda age: how.area(age, np.full(1, diameter)))}
+    )
 
 
 def _relay(generator: np.random.Generator, distance: float, life: float, count: int) -> Doubles:

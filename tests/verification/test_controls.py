@@ -28,6 +28,10 @@ LONG = bare(spread=ONE_SIZE, calibration="exact", distance=450_000.0, tick=1.25)
 """Long enough that one per cent of the births is nine standard errors."""
 
 
+SPARSE = bare(count=0.1, spread=ONE_SIZE, calibration="exact", distance=4_000_000.0, tick=10.0)
+"""Nine tenths of the ticks are without contact."""
+
+
 def square(age: Doubles, diameter: Doubles) -> Doubles:
     """Return the mean area of a life, as long as it lasts."""
     return np.broadcast_to(np.square(diameter) / 3.0, age.shape)
@@ -63,7 +67,7 @@ def broken(found: Comparison) -> set[str]:
     return {identity.name for identity in found.identities if not identity.holds}
 
 
-@pytest.mark.parametrize("run", [ORDINARY, LONG], ids=["ordinary", "long"])
+@pytest.mark.parametrize("run", [ORDINARY, LONG, SPARSE], ids=["ordinary", "long", "sparse"])
 def test_a_right_record_is_accepted(run: Model) -> None:
     found = compared("right", run)
     assert found.outside == []
@@ -126,3 +130,43 @@ def test_a_count_that_never_changes_is_rejected() -> None:
     found = compared("fixed", ORDINARY, Made(always=20))
     assert score(found, "junction_count_variance") < -REJECTED
     assert score(found, "birth_place_kolmogorov") < -2.0
+
+
+def test_sparse_contact_of_another_pulse_is_rejected_by_the_areas_in_contact() -> None:
+    """As many ticks are without contact, and the mean is right."""
+    found = compared("sparse/square", SPARSE, Made(area=square))
+    assert score(found, "real_contact_area_kolmogorov") > REJECTED
+    assert abs(score(found, "junction_count_zero_share")) <= found.bound
+    assert abs(score(found, "real_contact_area_mean")) <= found.bound
+
+
+def test_sparse_contact_of_another_rate_is_rejected_by_the_share_without_it() -> None:
+    """Where few junctions meet, one area says next to nothing of how often there is one."""
+    found = compared("sparse/births", SPARSE, Made(births=1.2))
+    assert score(found, "junction_count_zero_share") < -REJECTED
+    assert score(found, "birth_count") > REJECTED
+    assert abs(score(found, "real_contact_area_kolmogorov")) <= found.bound
+
+
+def test_sparse_contact_of_twins_is_rejected_by_the_share_without_it() -> None:
+    """Births two by two: as many junctions, as many births, as large a mean, and half as often contact."""
+    found = compared("sparse/twins", SPARSE, Made(together=2))
+    assert score(found, "junction_count_zero_share") > REJECTED
+    assert score(found, "real_contact_area_kolmogorov") > REJECTED
+    assert abs(score(found, "real_contact_area_mean")) <= REJECTED
+
+
+def test_sparse_contact_of_another_size_law_is_rejected_by_the_areas_in_contact() -> None:
+    """Junctions of one size, said to spread by a third: the areas alone know, without a look at a diameter."""
+    spread = Spread(relative=1.0 / 3.0)
+    said = bare(count=0.1, spread=spread, calibration="exact", distance=SPARSE.distance, tick=10.0)
+    assert said.mean_birth_spacing == SPARSE.mean_birth_spacing
+    found = compare(said, made(SPARSE, seed_of("controls/sparse/sizes")))
+    assert score(found, "real_contact_area_kolmogorov") > REJECTED
+    assert abs(score(found, "birth_count")) <= found.bound
+
+
+def test_sparse_contact_that_is_cut_off_early_is_rejected_by_the_share_without_it() -> None:
+    found = compared("sparse/1.7", SPARSE, Made(area=lambda s, d: junction_area(s / 0.85, d), lives=1.7, told=1.7))
+    assert score(found, "junction_count_zero_share") > REJECTED
+    assert abs(score(found, "birth_count")) <= found.bound

@@ -1,12 +1,14 @@
 """A run held against the theory of its own scenario: from its stored rows alone, never from what it says of itself."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
+from rubnoise.analysis.comparing.asked import Cubes, asked_findings
 from rubnoise.analysis.comparing.births import Births, birth_findings
 from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
 from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, LeftOut, comparison
 from rubnoise.analysis.comparing.lives import Lives, life_findings
-from rubnoise.analysis.comparing.motion import motion_findings
+from rubnoise.analysis.comparing.motion import first_tick, motion_findings
 from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
 from rubnoise.analysis.comparing.rows import Rows, panels
 from rubnoise.analysis.comparing.sizes import Marks, mark_findings
@@ -15,6 +17,7 @@ from rubnoise.analysis.comparing.trace import TraceSums, read_trace
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
+from rubnoise.theory.response import response
 
 COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "shear_strength", "state")
 
@@ -30,23 +33,31 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     if missing is not None:
         length = trace.ticks * model.tick
         raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
-    births, start, marks, lives = Births(model), Start(), Marks(model), Lives(model, trace)
+    births, start, marks, lives, cubes = Births(model), Start(), Marks(model), Lives(model, trace), Cubes()
     for columns in panels(rows, "junctions", COLUMNS):
-        for gathered in (births, start, marks, lives):
+        for gathered in (births, start, marks, lives, cubes):
             gathered.add(columns)
     parts = (
         _part("births", birth=lambda: birth_findings(model, births), start=lambda: start_findings(model, start)),
         _part(
-            "junctions", diameter=lambda: mark_findings(model, marks), life=lambda: life_findings(model, lives, trace)
+            "junctions",
+            diameter=lambda: mark_findings(model, marks),
+            asked=lambda: asked_findings(model, cubes),
+            life=lambda: life_findings(model, lives, trace),
         ),
         _trace_part(model, trace),
-        _part("slider", displacement=lambda: motion_findings(model, rows)),
+        _slider_part(model, rows),
     )
     return comparison(parts, bound)
 
 
+def _slider_part(model: Model, rows: Rows) -> Findings:
+    part = _part("slider", displacement=lambda: motion_findings(model, rows))
+    return replace(part, begins=first_tick(model, response(model)) * model.tick) if part.figures else part
+
+
 def _trace_part(model: Model, trace: TraceSums) -> Findings:
-    return _part(
+    part = _part(
         "contact",
         real_contact_area=lambda: area_findings(model, trace),
         real_contact_area_kolmogorov=lambda: distribution_findings(model, trace),
@@ -55,6 +66,7 @@ def _trace_part(model: Model, trace: TraceSums) -> Findings:
         real_contact_area_autocovariance=lambda: covariance_findings(model, trace),
         spectrum=lambda: spectrum_findings(model, trace),
     )
+    return replace(part, begins=trace.layout.settled * model.tick)
 
 
 def _part(heading: str, **parts: Callable[[], list[Finding]]) -> Findings:

@@ -14,19 +14,21 @@ FEWEST = 10
 
 _BINS = 1 << 18
 _EXACT_UP_TO = 1000  # the limit's own error is some tenth of 1/sqrt(n)
+_CONTINUOUS = 1e-3  # atom up to which small distances are as improbable as those of a continuous law
 # Mean and standard deviation of D sqrt(n) for many values: sqrt(pi/2) ln 2, and sqrt(pi^2/12 - mean^2).
 _MEAN, _STD = 0.868731, 0.260333
 
 
-def kolmogorov_figure(name: str, distance: float, count: int) -> Agreement:
+def kolmogorov_figure(name: str, distance: float, count: int, atom: float = 0.0) -> Agreement:
     """Return the largest distance between the distribution functions of ``count`` independent values and of their law.
 
     Beside it stand its mean and standard deviation for a right law; the score is that of its tail probability, 0 for
-    the smaller ones of few values, of which only a bound is known. A law that is not continuous gives smaller
-    distances, so that the score is safe. Source: Feller (1948), doi:10.1214/aoms/1177730243.
+    the smaller ones of few values, of which only a bound is known. A law with an ``atom`` gives smaller distances than
+    a continuous one: the score of a large distance is safe, and a small one has the score 0.
+    Source: Feller (1948), doi:10.1214/aoms/1177730243.
     """
     tail = distance_tail(distance, count)
-    below = 1.0 - tail if count > _EXACT_UP_TO else 0.5
+    below = 1.0 - tail if count > _EXACT_UP_TO and atom <= _CONTINUOUS else 0.5
     return Agreement(
         name=name,
         observed=distance,

@@ -6,6 +6,8 @@ from functools import lru_cache
 from math import isnan
 
 from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.moments import LARGEST_ERRORS
+from rubnoise.analysis.records import longer
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.theory.campbell import Cumulants
@@ -18,6 +20,7 @@ from rubnoise.theory.motion_errors import (
 )
 from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.response import response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
 
 Errors = tuple[float | None, ...]
@@ -41,6 +44,18 @@ class Theory:
     count_error: float | None
     mean_displacement: float | None
     motion_errors: Errors
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissingMotion:
+    """What a run lacks for standard errors of its slider's motion.
+
+    It lasts ``decays`` decay times of FEWEST_DECAYS; over ``needed`` um of sliding the standard deviations of
+    displacement and velocity would be known to a tenth.
+    """
+
+    decays: float
+    needed: float
 
 
 @lru_cache(maxsize=8)
@@ -146,9 +161,32 @@ def _many_lives(model: Model) -> bool:
     return model.distance >= FEWEST_LIVES * model.mean_life_distance
 
 
+def missing_for_motion(model: Model) -> MissingMotion | None:
+    """Return what a run lacks for standard errors of its slider's motion; None where it has them or no length would do.
+
+    No length would do without slider or damping, or from an empty start. The errors fall as one over the root of the
+    distance; for births that are not random there is none but that of the mean, which needs the decay times alone.
+    """
+    decays = _decays(model)
+    if decays is None or decays >= FEWEST_DECAYS or model.start != "stationary":
+        return None
+    shortest = model.distance * FEWEST_DECAYS / decays
+    if not are_at_random(model):
+        return MissingMotion(decays=decays, needed=shortest)
+    errors, exact = motion_errors(model, shortest), response(model)
+    relative = max(errors.displacement_std / exact.displacement_std, errors.velocity_std / exact.velocity_std)
+    return MissingMotion(decays=decays, needed=max(shortest, longer(shortest, relative, LARGEST_ERRORS["std"])))
+
+
 def _many_decays(model: Model) -> bool:
+    decays = _decays(model)
+    return decays is not None and decays >= FEWEST_DECAYS
+
+
+def _decays(model: Model) -> float | None:
+    """Return how many of the slowest decay times of its slider a run lasts; None where nothing decays."""
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or slider.damping == 0.0:
-        return False
+        return None
     slowest = max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
-    return model.distance / speed >= FEWEST_DECAYS * slowest
+    return model.distance / speed / slowest

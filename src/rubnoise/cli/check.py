@@ -51,7 +51,7 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, d
 
     found = scenario_or_sweep(file, changes, quiet=quiet)
     if isinstance(found, Scenario):
-        answer = derivation.derived(found)
+        answer = derivation.derived(found) | {"cost": derivation.cost(found)}
         answer["notes"] += derivation.shortages(found, file)
         return "scenarios", answer, derivation.described(found, answer)
     answer = sweep_table.contents(found)

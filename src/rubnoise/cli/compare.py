@@ -63,6 +63,7 @@ def contents(found: "Comparison", file: Path) -> dict[str, Any]:
         "outside": found.outside,
         "bound": found.bound,
         "family_wise_error": FAMILY_WISE_ERROR if found.by_family else None,
+        "begins": {part.heading: part.begins for part in found.parts if part.figures},
         "figures": as_json(found.figures),
         "identities": identities,
         "left_out": {each.name: each.reason for each in found.left_out},

@@ -9,6 +9,8 @@ from rubnoise.cli.layout import number, printable, remark
 
 UNITS = {
     "birth_gap": "um",
+    "asked_mean_area": "um^2",
+    "asked_area_from_rows": "um^2",
     "start_": "",
     "diameter": "um",
     "shear_strength": "MPa",
@@ -27,6 +29,7 @@ PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
 """Ends of names of figures without a unit."""
 
 SHORTER = {
+    "junction_count_zero_share": "share without contact",
     "real_contact_area_autocovariance_": "area autocovariance ",
     "real_contact_area": "area",
     "junction_count": "count",
@@ -41,7 +44,8 @@ def described(found: Comparison, file: Path) -> Iterator[str]:
     yield f"{printable(str(file))}: beside the theory of its scenario"
     for part in found.parts:
         if part.figures:
-            yield f"\n{part.heading:<34}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
+            heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading
+            yield f"\n{heading:<34}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
             yield from (_figure(figure, found) for figure in part.figures)
     if found.identities:
         yield f"\n{'exact but for rounding':<34}{'off by':>13}{'allowed':>14}"

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.foresight import told
 from rubnoise.cli.layout import (
     WORTH_A_WARNING,
@@ -14,19 +15,20 @@ from rubnoise.cli.layout import (
     one_way_warning,
     remark,
     size,
+    too_short_for_motion,
 )
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cells import cells_per_tick
-from rubnoise.storage.budget import Budget, check_room, counted, expected
+from rubnoise.storage.budget import check_room, counted, expected
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
 
 
 def derived(scenario: Scenario) -> dict[str, Any]:
-    """Return what follows from a scenario, by name, in working units."""
+    """Return what follows from a scenario, by name, in working units; what a run would cost is `cost`."""
     model = scenario.model()
     theory = exact(model)
     answer = {
@@ -39,7 +41,7 @@ def derived(scenario: Scenario) -> dict[str, Any]:
         "expected_births": theory.expected_births,
         "expected_junctions": theory.expected_junction_rows,
     }
-    answer |= _dynamics(model, theory) | {"cost": _cost(counted(scenario))}
+    answer |= _dynamics(model, theory)
     return answer | {"warnings": list(scenario.warnings), "notes": _notes(scenario, answer)}
 
 
@@ -48,6 +50,7 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
     if theory.force is not None:
         answer["friction_force"] = {"mean": theory.force.mean, "std": theory.force.std}
     if model.slider is not None and theory.slider is not None:
+        missing = missing_for_motion(model)
         answer["slider"] = {
             "natural_frequency": model.slider.natural_frequency,
             "damping_ratio": model.slider.damping_ratio,
@@ -56,11 +59,13 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
             "velocity_std": theory.slider.velocity_std,
             "one_way_validity": theory.slider.one_way_validity,
             "cells_per_tick": cells_per_tick(model),
-        }
+        } | ({} if missing is None else {"needed_distance": missing.needed})
     return answer
 
 
-def _cost(budget: Budget) -> dict[str, float]:
+def cost(scenario: Scenario) -> dict[str, float]:
+    """Return what a run of a scenario would take, by name; its births are counted from its seed."""
+    budget = counted(scenario)
     return told(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
 
 
@@ -79,7 +84,7 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     def spread(name: str, unit: str) -> str:
         return f"mean {number(answer[name]['mean'])}, std {number(answer[name]['std'])}{unit}"
 
-    model, cost = scenario.model(), answer["cost"]
+    model = scenario.model()
     lines = [
         *([line("title", scenario.title)] if scenario.title else []),
         line("mean diameter d_m", f"{number(answer['calibrated_diameter'])} um (calibration {model.calibration})"),
@@ -91,8 +96,13 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     if "friction_force" in answer:
         lines.append(line("friction force", spread("friction_force", " uN")))
     lines += _slider_lines(answer.get("slider"))
-    lines += [
-        line("births", f"{grouped(answer['expected_births'])} expected"),
+    lines.append(line("births", f"{grouped(answer['expected_births'])} expected"))
+    lines += _cost_lines(scenario, answer["cost"]) if "cost" in answer else []
+    return lines + [remark(f"note: {note}") for note in answer["notes"]]
+
+
+def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
+    return [
         line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks (this seed)"),
         line("events", about(cost["events"])),
         line(
@@ -101,7 +111,6 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
         line("memory", f"about {size(cost['peak_memory'])}, {size(cost['working_memory'])} beside the program's own"),
         line("time", f"{duration(cost['seconds'])} on this machine, engine {scenario.run.engine}"),
     ]
-    return lines + [remark(f"note: {note}") for note in answer["notes"]]
 
 
 def _slider_lines(slider: dict[str, float] | None) -> list[str]:
@@ -143,4 +152,5 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
             notes.append(
                 f"the law {scenario.strength.law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for"
             )
-    return notes
+    missing = missing_for_motion(model)
+    return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]

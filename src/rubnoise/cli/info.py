@@ -101,4 +101,4 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
         for name, group in answer["groups"].items()
     ]
     lines += ["", "from its scenario", *derivation.described(run.scenario, answer["derived"])]
-    return [*lines, "", "measured beside exact", *agreement_table(run.summary)]
+    return [*lines, "", "measured over the whole run, beside exact", *agreement_table(run.summary)]

@@ -67,6 +67,14 @@ def size(count: float) -> str:
     return f"{count:.3g} TB"
 
 
+def distance(um: float) -> str:
+    """Return a sliding distance that is an estimate, to two digits, in the unit that suits it."""
+    for unit, length in (("m", 1e6), ("mm", 1e3)):
+        if um >= length:
+            return f"{_two_digits(um / length)} {unit}"
+    return f"{_two_digits(um)} um"
+
+
 def duration(seconds: float) -> str:
     """Return a time that is an estimate, to two digits, in the unit that suits it."""
     for unit, length in (("h", 3600.0), ("min", 60.0)):
@@ -84,6 +92,14 @@ def one_way_warning(validity: float) -> str:
     return (
         f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
         " which one-way coupling takes for constant"
+    )
+
+
+def too_short_for_motion(decays: float, needed: float) -> str:
+    """Return what a run lacks for standard errors of its slider's motion, and what sliding distance it needs."""
+    return (
+        f"the run is too short for standard errors of the slider's motion: it lasts {decays:.2g} of its decay times;"
+        f" it needs about {distance(needed)}"
     )
 
 

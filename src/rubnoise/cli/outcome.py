@@ -30,11 +30,14 @@ def _print_result(result: "Run", path: Path, seconds: float) -> None:
 
 
 def _doubts(result: "Run") -> list[str]:
-    """Return what makes the result doubtful."""
+    """Return what makes the result doubtful, or what it is too short for."""
+    from rubnoise.analysis.summary import missing_for_motion
     from rubnoise.cli import layout
 
     spread = [figure.observed for figure in result.summary if figure.name == "one_way_validity"]
-    return [layout.one_way_warning(validity) for validity in spread if validity > layout.WORTH_A_WARNING]
+    doubts = [layout.one_way_warning(validity) for validity in spread if validity > layout.WORTH_A_WARNING]
+    missing = missing_for_motion(result.scenario.model())
+    return doubts if missing is None else [*doubts, layout.too_short_for_motion(missing.decays, missing.needed)]
 
 
 def _print_json(result: "Run", path: Path, warnings: Sequence[str]) -> None:

@@ -1,6 +1,7 @@
 """How many junctions are alive: a queue with infinitely many servers in sliding distance."""
 
-from math import sqrt
+from dataclasses import dataclass
+from math import exp, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,12 +10,21 @@ from rubnoise.model import Model
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.lines import count_lines, resolved_error, variance_of_line_mean
 from rubnoise.theory.quadrature import cut_size_rule
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.random_births import are_at_random, need_random_births
 from rubnoise.theory.regular_count import phased_count_covariance, unphased_count_covariance
 
 Doubles = NDArray[np.float64]
 
 _NODES = 24
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ZeroShare:
+    """The share of a record's ticks at which no junction is alive: expected value, standard error and skewness."""
+
+    expected: float
+    standard_error: float
+    skewness: float
 
 
 def mean_count(model: Model) -> float:
@@ -74,6 +84,33 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
     variance = float(weights @ unphased_count_covariance(model, lags))
     variance += variance_of_line_mean(model, count_lines(model), distance)
     return resolved_error(variance, mean_count(model))
+
+
+def zero_share(model: Model) -> ZeroShare:
+    """Return the law of the share of ticks at which N = 0, over the model's ticks as a stationary record.
+
+    N is 0 with p = exp(-2 lam m_1), and again a lag tau later with r(tau) = p exp(C), C = lam E[(2d - tau)+]: no birth
+    fell into the union of two windows of 2d. So Cov[1{N(0) = 0}, 1{N(tau) = 0}] = p (r(tau) - p), exact for every
+    length. An empty contact does not remember what came before: three ticks are empty with p r(tau_1) r(tau_2). With n
+    ticks h apart, S_i = sum over k >= 1 of k^i (r(k h) - p) and B = S_0 - p/2, the number of empty ticks has the third
+    cumulant 6 n (p/6 + p B + p B^2 + p^2 (p/12 - S_1)), for long records. Raises Refused unless births are Poisson.
+    Source: empty ticks are recurrent events, whose number has its cumulants from their generating function (Feller, An
+    Introduction to Probability Theory and Its Applications I, chapter XIII).
+    """
+    need_random_births(model, "the share of ticks without a junction")
+    ticks, alive = model.tick_count + 1, mean_count(model)
+    lags, weights = lag_rule(model)
+    empty = exp(-alive)
+    excess = np.exp(_lives_left(model, lags) - alive) - empty
+    variance = empty * float(weights @ excess)
+    if variance <= 0.0:
+        return ZeroShare(expected=empty, standard_error=0.0, skewness=0.0)
+    pairs = 0.5 * (ticks * float(weights @ excess) - 1.0)
+    first = 0.5 * ticks * float(weights @ (excess * lags)) / model.tick
+    third = 6.0 * empty * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
+    return ZeroShare(
+        expected=empty, standard_error=sqrt(variance), skewness=third / (ticks**2 * variance * sqrt(variance))
+    )
 
 
 def _lives_left(model: Model, lag: Doubles) -> Doubles:

@@ -37,10 +37,11 @@ Finding = Agreement | Identity | LeftOut
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
-    """What was found about one part of a run, under a heading."""
+    """What was found about one part of a run, under a heading; its record ``begins`` at a distance in um."""
 
     heading: str
     found: tuple[Finding, ...]
+    begins: float = 0.0
 
     @property
     def figures(self) -> list[Agreement]:

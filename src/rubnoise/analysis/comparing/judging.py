@@ -52,12 +52,13 @@ def judged(
 def judged_mean(name: str, observed: float, expected: float, error: float, *, length: float, tail: Tail) -> Finding:
     """Return a figure with its score, or, where its ``tail`` is too heavy for one, what length it needs.
 
-    Above the expected value the score is (3/g) log(1 + g z/3), that of a lognormal law of the tail's skewness g.
+    On the side of the longer tail, above the expected value for a skewness g > 0 and below it for g < 0, the score is
+    (3/g) log(1 + g z/3), that of a lognormal law of the tail's skewness g.
     """
     if tail.needed > length:
         return too_short(name, tail.needed)
     z = (observed - expected) / error if error else None
-    if z is not None and z > 0.0 and tail.skewness:
+    if z is not None and z * tail.skewness > 0.0:
         third = tail.skewness / 3.0
         z = log1p(third * z) / third
     return Agreement(name=name, observed=observed, expected=expected, standard_error=error, deviate=z)

@@ -42,15 +42,20 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     if model.slider is None:
         return []
     need_random_births(model, "the standard error of a slider's motion")
-    drive, exact = drive_of(model), response(model)
+    speed, exact = drive_of(model).speed, response(model)
     if model.slider.damping == 0.0:
         return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
-    first = settled_tick(model) + int(_forgetting(model, exact) * drive.speed / model.tick)
-    decays = FEWEST_DECAYS * slowest_decay(model.slider) * drive.speed
+    first = first_tick(model, exact)
+    decays = FEWEST_DECAYS * slowest_decay(model.slider) * speed
     needed = first * model.tick + max(decays, needed_for_mean(model))
     if model.distance < needed:
         return [too_short("displacement", needed)]
     return _figures(model, exact, *_read(rows, first))
+
+
+def first_tick(model: Model, exact: Response) -> int:
+    """Return the first tick at which the contact is stationary and the slider's start forgotten."""
+    return settled_tick(model) + int(_forgetting(model, exact) * drive_of(model).speed / model.tick)
 
 
 def _forgetting(model: Model, exact: Response) -> float:

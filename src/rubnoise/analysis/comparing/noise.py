@@ -1,21 +1,25 @@
 """The trace as noise: its autocovariance, its spectrum in bands, and its whole distribution."""
 
+from math import inf
+
 import numpy as np
 
 from rubnoise.analysis.bands import band_powers
 from rubnoise.analysis.comparing.contact import settled_length
 from rubnoise.analysis.comparing.findings import Finding, LeftOut
-from rubnoise.analysis.comparing.judging import judged, too_short
-from rubnoise.analysis.comparing.tails import tail_of
+from rubnoise.analysis.comparing.judging import LARGEST_ERROR, judged, judged_mean, too_short
+from rubnoise.analysis.comparing.tails import LARGEST_SKEWNESS, Tail, tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.covariance_errors import covariance_errors
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.moments import over_ticks
+from rubnoise.analysis.records import longer
 from rubnoise.analysis.spectra import half_of, hann
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.distribution import distribution
+from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.occupancy import zero_share
 from rubnoise.theory.random_births import need_random_births
 from rubnoise.theory.sampling import variance_of_time_mean
 
@@ -23,6 +27,9 @@ BANDS = 8
 FEWEST_SEGMENTS = 8
 FEWEST_TICKS_A_LIFE = 8
 """Ticks to a mean life below which errors of autocovariance and spectrum, made for a continuous record, do not hold."""
+
+SMALLEST_ATOM = 1e-3
+"""Probability of no contact up to which it is but a step in the distribution that nothing is said of."""
 
 
 def covariance_findings(model: Model, trace: TraceSums) -> list[Finding]:
@@ -74,19 +81,52 @@ def spectrum_findings(model: Model, trace: TraceSums) -> list[Finding]:
 
 
 def distribution_findings(model: Model, trace: TraceSums) -> list[Finding]:
-    """Return the distance of the whole distribution from the exact one; raises Refused where theory has none.
+    """Return the share of ticks without contact, and the distance of the areas' distribution from the exact one.
+
+    Where the share has a score, the distribution is that of the areas in contact: one law for the atom, and one for
+    what is continuous. Else it is the whole one, atom included. Raises Refused where theory has none.
+    """
+    exact = distribution(model)
+    share = _zero_share(model, trace)
+    if isinstance(share, LeftOut):
+        told = [share] if exact.atom_at_zero > SMALLEST_ATOM else []
+        return [_distance(model, trace, exact, in_contact=False), *told]
+    return [share, _distance(model, trace, exact, in_contact=True)]
+
+
+def _zero_share(model: Model, trace: TraceSums) -> Finding:
+    """Return the share of ticks at which no junction is alive, all ticks of the stationary part."""
+    law = zero_share(over_ticks(model, trace.settled_ticks, model.tick))
+    length, rarer = settled_length(model, trace), min(law.expected, 1.0 - law.expected)
+    relative = law.standard_error / rarer if law.standard_error else inf
+    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(law.skewness), LARGEST_SKEWNESS))
+    return judged_mean(
+        "junction_count_zero_share",
+        trace.zero_ticks / trace.settled_ticks,
+        law.expected,
+        law.standard_error,
+        length=length,
+        tail=Tail(skewness=law.skewness, needed=needed if needed > length else 0.0),
+    )
+
+
+def _distance(model: Model, trace: TraceSums, exact: Distribution, *, in_contact: bool) -> Finding:
+    """Return the distance from the law of all areas, or from that of the areas where a junction is alive.
 
     Ticks farther apart than the longest life share no junction: their areas are independent.
     """
-    settled = trace.column("distance") >= (trace.layout.settled - 0.5) * model.tick
-    areas = trace.column("real_contact_area")[settled]
+    name = "real_contact_area_kolmogorov"
+    chosen = trace.column("distance") >= (trace.layout.settled - 0.5) * model.tick
+    if in_contact:
+        chosen &= trace.column("junction_count") > 0
+    areas, atom = trace.column("real_contact_area")[chosen], exact.atom_at_zero
+    share = 1.0 - atom if in_contact else 1.0
     if areas.size < FEWEST:
-        return [too_short("real_contact_area_kolmogorov", trace.layout.apart * FEWEST * model.tick)]
-    exact = distribution(model)
-    # Sums of areas that all have ended may leave a rounding instead of 0.
+        return too_short(name, (trace.layout.settled + trace.layout.apart * FEWEST / share) * model.tick)
     heights = np.asarray(exact.cdf(areas), dtype=np.float64)
-    distance = sample_distance(areas, heights, atom=exact.atom_at_zero)
-    return [kolmogorov_figure("real_contact_area_kolmogorov", distance, areas.size)]
+    if in_contact:
+        return kolmogorov_figure(name, sample_distance(areas, (heights - atom) / share), areas.size)
+    return kolmogorov_figure(name, sample_distance(areas, heights, atom=atom), areas.size, atom)
 
 
 def _coarse(model: Model) -> bool:

@@ -62,8 +62,8 @@ class Layout:
 class TraceSums:
     """What one pass over /trace leaves.
 
-    Moments, lagged products, spectrum and the areas and counts at ``apart`` ticks' distance are of the stationary part;
-    totals (um^3, um) and the sampled distances, areas and counts are of the whole trace.
+    Moments, ``zero_ticks`` (those without a live junction), lagged products and spectrum are of the stationary part;
+    totals (um^3, um) and the distances, areas and counts sampled at ``apart`` ticks' distance are of the whole trace.
     """
 
     layout: Layout
@@ -73,6 +73,7 @@ class TraceSums:
     products: LaggedProducts
     spectrum: WelchSum
     ticks: int = 0
+    zero_ticks: int = 0
     area_total: float = 0.0
     count_total: float = 0.0
     force_deviation: float = 0.0
@@ -95,6 +96,7 @@ class TraceSums:
         area = columns["real_contact_area"]
         self.area.add(area[first:])
         self.count.add(columns["junction_count"][first:].astype(np.float64))
+        self.zero_ticks += int((columns["junction_count"][first:] == 0).sum())
         self._add_totals(area, columns["junction_count"])
         if "friction_force" in columns:
             self.force.add(columns["friction_force"][first:])

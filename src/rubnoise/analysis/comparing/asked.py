@@ -1,0 +1,92 @@
+"""What a scenario asks for beside what the run and its theory have, by constants that stand here a second time.
+
+Everything else in a comparison takes d_m and the birth rate as the program works them out. A wrong constant in the
+calibration would change the run and its theory alike, and no other figure would show it.
+"""
+
+from collections.abc import Iterable
+from math import pi, sqrt
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
+from rubnoise.analysis.comparing.judging import judged_mean, too_short
+from rubnoise.analysis.comparing.tails import tail_of
+from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.quadrature import size_range
+
+LIFE_INTEGRALS: Final = {"lens": 2.0 / 3.0, "triangle": pi / 4.0}
+"""Integral of the area over a life of 2 d, in d^3. Not taken from the pulse, on purpose."""
+
+PAPER_LIFE_MEAN: Final = 0.327
+"""Mean area over a life in d^2, as the paper rounds it (Eq. 6): calibration paper asks for this in place of 1/3."""
+
+_ROUNDING = 1e-9
+_FLOOR = 1e-15  # square of what rounding leaves of the spread of a law that is as good as one size
+
+
+class Cubes:
+    """Gathers d^3 of the junctions that are born along the run."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.total = 0.0
+
+    def add(self, columns: dict[str, NDArray[Any]]) -> None:
+        """Take in a panel of /junctions."""
+        born = columns["diameter"][~np.signbit(columns["birth_distance"])]
+        self.count += born.size
+        self.total += float((born**3).sum())
+
+
+def asked_findings(model: Model, cubes: Cubes) -> list[Finding]:
+    """Return the mean count and mean area that a scenario asks for, beside the exact ones and those of its rows.
+
+    N_jm junctions that live for 2 d_m are born at a rate of N_jm/(2 d_m), and with diameters d they have the mean area
+    N_jm/(2 d_m) C E[d^3], where C d^3 is the integral over a life. That has to be what `asked_area` says, with E[d^3]
+    as the law has it, and with the mean over those that were born.
+    """
+    rate = model.mean_junction_count / (2.0 * model.calibrated_diameter)
+    found: list[Finding] = [_identity("asked_mean_count", (model.birth_rate / rate,), model.mean_junction_count, "")]
+    integral = LIFE_INTEGRALS.get(model.pulse.shape)
+    if integral is None:
+        return [*found, LeftOut(name="asked_mean_area", reason="of this pulse only the program knows the mean area")]
+    asked = asked_area(model, integral)
+    means = area_cumulants(model).mean, rate * integral * model.sizes.moment(3)
+    found.append(_identity("asked_mean_area", (mean / asked for mean in means), asked, "um^2"))
+    if not cubes.count:
+        return [*found, too_short("asked_area_from_rows", model.mean_birth_spacing)]
+    return [*found, _from_rows(model, cubes, rate * integral, asked)]
+
+
+def asked_area(model: Model, integral: float) -> float:
+    """Return the mean area in um^2 that a calibration has to lead to, for lives of the area ``integral`` times d^3.
+
+    Of ``matched`` it is A_rm. ``exact`` takes all diameters for d_m, which makes it A_rm E[d^3]/d_m^3; ``paper`` does
+    so, too, with a mean area of 0.327 d^2 over a life in place of C/2.
+    """
+    if model.calibration == "matched":
+        return model.mean_real_contact_area
+    larger = model.sizes.moment(3) / model.calibrated_diameter**3
+    life_mean = PAPER_LIFE_MEAN if model.calibration == "paper" else 0.5 * integral
+    return model.mean_real_contact_area * larger * 0.5 * integral / life_mean
+
+
+def _from_rows(model: Model, cubes: Cubes, factor: float, asked: float) -> Finding:
+    """Return the mean area of the diameters that were born; its error is that of a mean of so many d^3."""
+    name, seen = "asked_area_from_rows", factor * cubes.total / cubes.count
+    low, high = size_range(model.sizes)
+    if low == high:
+        return _identity(name, (seen / asked,), asked, "um^2")
+    spread = max(model.sizes.moment(6) / model.sizes.moment(3) ** 2 - 1.0, 0.0)
+    length = cubes.count * model.mean_birth_spacing
+    error = asked * sqrt(spread / cubes.count + _FLOOR)
+    return judged_mean(name, seen, asked, error, length=length, tail=tail_of(model, length, 3))
+
+
+def _identity(name: str, ratios: Iterable[float], asked: float, units: str) -> Identity:
+    away = max(abs(ratio - 1.0) for ratio in ratios)
+    return Identity(name=name, deviation=away * asked, allowed=_ROUNDING * asked, units=units)
