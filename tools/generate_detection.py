@@ -26,8 +26,11 @@ from rubnoise.analysis.comparing.tails import NORMAL  # noqa: E402
 from rubnoise.analysis.comparison import compare  # noqa: E402
 from rubnoise.analysis.moments import needed_for_mean  # noqa: E402
 from rubnoise.contact.births import PoissonBirths, RegularBirths  # noqa: E402
-from rubnoise.contact.calibration import law_for  # noqa: E402
-from rubnoise.contact.laws import Fixed  # noqa: E402, Spread
+from rubnoise.contact.laws import (  # noqa: E402
+    Fixed,
+    Spread,
+    law_for,
+)
 from rubnoise.model import Model  # noqa: E402
 from rubnoise.record.memory import MemoryRecord  # noqa: E402
 from rubnoise.scenario import load  # noqa: E402

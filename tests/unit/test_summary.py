@@ -7,7 +7,7 @@ import pytest
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.summary import FEWEST_LIVES, missing_for_motion, summarise
-from rubnoise.contact.laws import Spread
+from rubnoise.contact.laws import Fixed, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally

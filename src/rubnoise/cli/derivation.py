@@ -149,8 +149,7 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
         given = float(scenario.strength.mean)
         off = model.strengths.mean / given - 1.0
         if abs(off) > WORTH_A_NOTE:
-            notes.append(
-                f"the law {scenario.strength.law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for"
-            )
+            law = scenario.strength.law
+            notes.append(f"the law {law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for")
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]
