@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 from rubnoise.scenario.points import run_id
+from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_problems import in_words
 from rubnoise.streams import STREAM_VERSION
@@ -54,19 +55,12 @@ def _changes(kept: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:
     """Yield the keys outside of the swept ones in which the scenarios differ."""
     values = kept["points"][0]["values"]
     same = next((case for case in sweep.cases if dict(case.values) == values), sweep.cases[0])
-    before, now = _flat(kept["first"]), _flat(json.loads(json.dumps(same.scenario.resolved())))
+    before, now = flattened(kept["first"]), flattened(json.loads(json.dumps(same.scenario.resolved())))
     swept = {*kept["keys"], *sweep.keys, *_FREE}
     # The tick comes last, since without one in the file it follows from the others.
     for key in sorted(before.keys() | now.keys(), key=lambda key: (key == "output.tick", key)):
         if key not in swept and before.get(key) != now.get(key):
             yield f"{key} is {_shown(before.get(key))} there, and {_shown(now.get(key))} here"
-
-
-def _flat(scenario: Mapping[str, Any]) -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in scenario.items():
-        flat |= {f"{name}.{key}": item for key, item in value.items()} if isinstance(value, dict) else {name: value}
-    return flat
 
 
 def _shown(value: Any) -> str:
