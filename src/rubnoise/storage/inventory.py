@@ -200,4 +200,6 @@ def _referred(owner: h5py.HLObject, value: Any) -> Any:
         return [_referred(owner, each) for each in value.item()]
     if isinstance(value, np.ndarray):
         return [_referred(owner, each) for each in value]
-    return value.item() if isinstance(value, np.generic) else None
+    if isinstance(value, np.generic):
+        return value.item()
+    return value if isinstance(value, int | float | str) else None
