@@ -1,9 +1,9 @@
 """Single changes of right results, put to `verify`: `python tools/fuzz_verify.py --count 1100 --jobs 2`.
 
-Every change is one of an attribute, a unit, a hash, a value, a column or a group, with the hashes put right where values
-changed; in half of the files the hash of the attributes is put right, too. Each has to be named with exit code 3, or
-refused by name with 2. A change that nothing in the file can tell, as docs/verifying.md lists them, counts apart, and
-only where the hash of the attributes was put right. Exit code 1 where anything else goes unnoticed.
+Every change is one of an attribute, a unit, a hash, a value, a column or a group, with the hashes put right where
+values changed; in half of the files the hash of the attributes is put right, too. Each has to be named with exit code
+3, or refused by name with 2. A change that nothing in the file can tell, as docs/verifying.md lists them, counts apart,
+and only where the hash of the attributes was put right. Exit code 1 where anything else goes unnoticed.
 """
 
 import argparse
@@ -153,11 +153,16 @@ class Judge:
 
 
 def _names(told: str, place: Place) -> bool:
-    """Whether an answer says where a file differs: the attribute, its object, or the hash of all attributes."""
+    """Whether an answer says where a file differs: the attribute, the hash of all of them, or the group of a column.
+
+    A value that does not agree with others of its row may be named as any of these.
+    """
     told = " ".join(told.replace(" attribute ", " ").split())
-    sealed = place.path in {"/", "/summary", "/provenance"} and SEAL in told
-    otherwise = OTHERWISE.get(place.attribute, str(place))
-    return str(place) in told or (place.path != "/" and f"{place.path} " in told) or sealed or otherwise in told
+    if place.attribute:
+        sealed = place.path in {"/", "/summary", "/provenance"} and SEAL in told
+        return sealed or f" {place.attribute} " in told or OTHERWISE.get(place.attribute, str(place)) in told
+    group = "/".join(place.path.split("/")[:2])
+    return f"{place.path} " in told or f"{group}/" in told
 
 
 def judged(seed: int, numbers: Sequence[int]) -> Tally:

@@ -5,6 +5,7 @@ These are the ones that docs/verifying.md lists: what only the machine and the m
 
 import json
 import re
+import tomllib
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -17,6 +18,7 @@ from fuzz.changing import Places
 from rubnoise import build
 from rubnoise.errors import RubnoiseError
 from rubnoise.scenario.load import loads
+from rubnoise.scenario.scenario import flattened
 
 TIME: Final = "%Y-%m-%dT%H:%M:%SZ"
 VERSION: Final = re.compile(r"[0-9][0-9A-Za-z.+!_-]*|not installed")
@@ -80,22 +82,36 @@ def _moment(_before: str, _after: str, file: h5py.File) -> bool:
 
 
 def _text(before: str, after: str, _file: h5py.File) -> bool:
-    """A comment, or another way to write the same: the text means what it meant."""
-    return _meant(before) is not None and _meant(before) == _meant(after)
+    """A comment, or another way to write the same; what a text lacks may stand in the file that it extends."""
+    one, two = _meant(before), _meant(after)
+    if one is None or two is None:
+        return False
+    return one == two or ("extends" in two and two.items() <= one.items())
 
 
-def _meant(text: str) -> Any:
-    """Return the scenario of a text; of one that extends another what it says itself."""
-    extends = text.startswith("extends")
+def _meant(text: str) -> dict[str, Any] | None:
+    """Return the keys of a scenario, each as it is resolved; of one that extends another those that it gives itself."""
     try:
-        return loads(text.partition("\n")[2] + BASE if extends else text).resolved()
-    except RubnoiseError:
+        given = flattened(tomllib.loads(text))
+        if "extends" not in given:
+            return flattened(loads(text).resolved())
+        whole = flattened(
+            loads(BASE + "\n".join(line for line in text.split("\n") if not line.startswith(TOP))).resolved()
+        )
+    except (RubnoiseError, ValueError):
         return None
+    return {key: "another file" if key == "extends" else whole[key] for key in given}
 
 
-BASE: Final = (
-    '[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 5\n[sliding]\ndistance = "1 mm"\n'
-)
+TOP: Final = ("extends", "format")
+BASE: Final = """\
+format = 1
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 5
+[sliding]
+distance = "1 mm"
+"""
 
 
 def _resolved(before: str, after: str, _file: h5py.File) -> bool:

@@ -57,7 +57,10 @@ def _add_object(digest: "hashlib._Hash", path: str, owner: h5py.Group | h5py.Dat
 def _read(owner: h5py.HLObject, value: Any) -> str:
     """Return a value as text, references by what they refer to."""
     if isinstance(value, h5py.Reference):
-        return str(owner.file[value].name)
+        try:
+            return str(owner.file[value].name)
+        except (OSError, RuntimeError, KeyError, ValueError):
+            return "nothing that is there"
     if isinstance(value, np.ndarray | np.void | tuple):
         return str([_read(owner, each) for each in (value.item() if isinstance(value, np.void) else value)])
     return repr(value)

@@ -65,9 +65,9 @@ ATTENDANT: Final = Attendant()
 
 def attend() -> None:
     """Be that process: answer until the program that asks is gone."""
-    from rubnoise.storage.looks import LOOKS
+    from rubnoise.storage.looks import look_of
 
-    looks = {word: LOOKS[name] for name, word in WORDS.items()}
+    looks = {word: look_of(name) for name, word in WORDS.items()}
     signal(SIGINT, SIG_IGN)
     with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits
         while True:

@@ -9,8 +9,11 @@ from typing import Any, Final
 
 import h5py
 import numpy as np
+import xxhash
+from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.rows import REMEDY
@@ -46,6 +49,14 @@ def expected_inventory(description: RunDescription) -> dict[str, dict[str, Any]]
     with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
         compose(file, description, compressed=description.compression == "gzip")
         return inventory_of(file)
+
+
+def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, NDArray[Any]]]:
+    """Return what the file of an index holds, and the values of its columns by paths such as /runs/seed."""
+    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+        compose_index(file, index)
+        owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
+        return inventory_of(file), {dataset.name: dataset[()] for owner in owners for dataset in owner.values()}
 
 
 def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:
@@ -105,7 +116,7 @@ def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
         "type": _type(dataset.id.get_type()),
         "shape": list(shape),
         "storage": _storage(creation, layout),
-        "sources": _sources(creation) if layout == h5py.h5d.VIRTUAL else [],
+        "sources": _sources(creation) if layout == h5py.h5d.VIRTUAL else "none",
         "attributes": _attributes(dataset),
     }
 
@@ -122,16 +133,21 @@ def _storage(creation: h5py.h5p.PropDCID, layout: int) -> str:
     return f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
 
 
-def _sources(creation: h5py.h5p.PropDCID) -> list[list[Any]]:
-    """Return which rows of a virtual dataset lie in which dataset of which file."""
-    return [
-        [
-            str(creation.get_virtual_vspace(number).get_regular_hyperslab()),
-            creation.get_virtual_filename(number),
-            creation.get_virtual_dsetname(number),
-        ]
-        for number in range(creation.get_virtual_count())
-    ]
+def _sources(creation: h5py.h5p.PropDCID) -> str:
+    """Return which rows of a virtual dataset lie in which dataset of which file: how many pieces, and their hash."""
+    digest, count = xxhash.xxh3_128(), creation.get_virtual_count()
+    for number in range(count):
+        place = (creation.get_virtual_filename(number), creation.get_virtual_dsetname(number))
+        digest.update(json.dumps([_selection(creation.get_virtual_vspace(number)), *place]).encode())
+    return f"{count} pieces with the hash {digest.hexdigest()}"
+
+
+def _selection(space: h5py.h5s.SpaceID) -> str:
+    """Return which values are selected, by the corners of what holds them all, and their number."""
+    if space.get_select_type() == h5py.h5s.SEL_ALL:
+        return "all"
+    first, last = (tuple(map(int, corner)) for corner in space.get_select_bounds())
+    return f"{space.get_select_npoints()} from {first} to {last}"
 
 
 def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
@@ -194,7 +210,10 @@ def _decoded(texts: Any) -> Any:
 def _referred(owner: h5py.HLObject, value: Any) -> Any:
     """Return lists and rows with paths in place of references."""
     if isinstance(value, h5py.Reference):
-        name = h5py.h5r.get_name(value, owner.file.id) if value else None
+        try:
+            name = h5py.h5r.get_name(value, owner.file.id) if value else None
+        except (OSError, RuntimeError, KeyError, ValueError):
+            return None  # what it referred to is gone
         return None if name is None else name.decode("utf-8", "backslashreplace")
     if isinstance(value, np.void):
         return [_referred(owner, each) for each in value.item()]

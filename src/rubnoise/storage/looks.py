@@ -1,11 +1,13 @@
 """What a child process may be asked about a file, by name."""
 
-from typing import Final, Literal
+from typing import Literal
 
-from rubnoise.storage.inventory import inventory
-from rubnoise.storage.survey import survey
+from rubnoise.storage import inventory, survey
 from rubnoise.storage.vetting import Look
 
 LookName = Literal["survey", "inventory"]
 
-LOOKS: Final[dict[LookName, Look]] = {"survey": survey, "inventory": inventory}
+
+def look_of(name: LookName) -> Look:
+    """Return the look of a name."""
+    return survey.survey if name == "survey" else inventory.inventory

@@ -128,7 +128,7 @@ class RunFile:
     def inventory(self) -> "Inventory":
         """Return everything that there is in the file, ours or not; raises RunFileRefused where that cannot be told."""
         with self._reading():
-            return _looked_at(self._descriptor, "inventory")["objects"]
+            return looked_at(self._descriptor, "inventory")["objects"]
 
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that are unreadable or do not have the hash written beside them; reads the whole file."""
@@ -238,7 +238,7 @@ def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
     known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
     if known is not None and known.found is not None:
         return dict(known.found)
-    found = _looked_at(descriptor, "survey", own=known is not None)
+    found = looked_at(descriptor, "survey", own=known is not None)
     if "too_new" in found:
         version, source = found["too_new"], found["source"]
         raise TooNew(
@@ -248,7 +248,7 @@ def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
     return found
 
 
-def _looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
+def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
     """Return what a look at an open file finds; raises RunFileRefused where the file is not sound."""
     try:
         found: dict[str, Any] = json.loads(_answer(descriptor, look, own=own))
@@ -264,10 +264,10 @@ def _answer(descriptor: int, look: "LookName", *, own: bool) -> bytes:
         from rubnoise.storage.attendant import ATTENDANT
 
         return ATTENDANT.ask(descriptor, look)
-    from rubnoise.storage.looks import LOOKS
+    from rubnoise.storage.looks import look_of
     from rubnoise.storage.vetting import vetted
 
-    return LOOKS[look](descriptor) if own else vetted(descriptor, LOOKS[look])
+    return look_of(look)(descriptor) if own else vetted(descriptor, look_of(look))
 
 
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:
