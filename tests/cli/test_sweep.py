@@ -90,7 +90,7 @@ def test_a_run_that_fails_is_told_and_the_others_are_made(file: Path) -> None:
     heading, where, why = answer.err.splitlines()
     assert heading == "1 run failed; the same command tries again:"
     assert where == f"  {spoilt.run_id}  interface.mean_junction_count = 10, replicate 0"
-    assert "exists already" in why
+    assert why.endswith(f"{place}: is not the result of this run; move it away, and the same command makes it")
     assert place.read_bytes() == b"mine"
     with rubnoise.open_sweep("d") as sweep:
         assert [failure.run_id for failure in sweep.failures] == [spoilt.run_id]

@@ -23,8 +23,8 @@ def test_a_right_result_is_verified(result: Path) -> None:
     assert (answer.code, answer.err) == (0, "")
     lines = answer.out.splitlines()
     assert lines[0] == "x.h5: held against its hashes, its rows and its scenario"
-    assert [line.split()[-1] for line in lines[3:-2]] == ["0"] * 19
-    assert lines[-1].startswith("  19 of 19 checks hold; ")
+    assert [line.split()[-1] for line in lines[3:-2]] == ["0"] * 22
+    assert lines[-1].startswith("  22 of 22 checks hold; ")
     assert lines[-1].endswith(" values were looked at")
     assert "left out" not in answer.out
 
@@ -73,7 +73,7 @@ def test_a_difference_has_its_own_exit_code_and_its_place(result: Path) -> None:
     assert answer.err.count("\n") == 1
     assert answer.err.strip().removeprefix("x.h5: differs: ") in answer.out
     assert "summary: the columns that it sums up differ" in answer.out
-    assert "17 of 18 checks hold" in answer.out
+    assert "20 of 21 checks hold" in answer.out
 
 
 def test_the_place_is_that_of_a_row_where_one_is_known(result: Path) -> None:
@@ -110,7 +110,8 @@ def test_what_a_file_says_cannot_steer_a_terminal(result: Path) -> None:
 
 def test_random_numbers_of_another_version_are_refused(result: Path) -> None:
     tell(result, "provenance", "stream_version", 7)
-    assert call("verify", "x.h5").code == 0
+    answer = call("verify", "x.h5")
+    assert (answer.code, answer.err) == (3, "x.h5: differs: /provenance stream_version is 7, should be 1\n")
     answer = call("verify", "x.h5", "--regenerate")
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith("x.h5: has random streams of version 7, which can't be drawn again: ")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import rubnoise
 from rubnoise.scenario import build
 from rubnoise.storage.schema import HASH
+from rubnoise.storage.seal import read_provenance, read_root, read_summary, seal_of
 
 EVERYTHING: dict[str, dict[str, Any]] = {
     "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
@@ -40,7 +41,7 @@ def change(path: Path, column: str, by: Callable[[NDArray[Any]], NDArray[Any]], 
         values = by(dataset[:]).astype(dataset.dtype)
         dataset[...] = values
         if seal:
-            dataset.attrs[HASH] = np.bytes_(xxhash.xxh3_128(values.tobytes()).hexdigest())
+            put_text(dataset, HASH, xxhash.xxh3_128(values.tobytes()).hexdigest())
 
 
 def flip(path: Path, column: str, row: int, bit: int = 0, *, seal: bool = True) -> None:
@@ -65,7 +66,33 @@ def put(path: Path, column: str, row: int, value: float, *, seal: bool = True) -
     change(path, column, with_it, seal=seal)
 
 
-def tell(path: Path, group: str, name: str, value: object) -> None:
-    """Set an attribute."""
+def tell(path: Path, group: str, name: str, value: object, *, seal: bool = True) -> None:
+    """Set an attribute as the program writes it; ``seal`` puts the hash of all attributes right."""
     with h5py.File(path, "r+") as file:
-        file[group].attrs[name] = np.bytes_(value) if isinstance(value, str) else value
+        owner = file[group]
+        if isinstance(value, str):
+            put_text(owner, name, value)
+        else:
+            owner.attrs[name] = value
+        if seal:
+            put_seal(file)
+
+
+def forget(path: Path, group: str, name: str, *, seal: bool = True) -> None:
+    """Take an attribute away."""
+    with h5py.File(path, "r+") as file:
+        del file[group].attrs[name]
+        if seal:
+            put_seal(file)
+
+
+def put_seal(file: h5py.File) -> None:
+    """Write the hash of the attributes as they have become."""
+    digest = seal_of(read_root(file), read_summary(file), read_provenance(file))
+    put_text(file["provenance"], HASH, digest)
+
+
+def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
+    """Write a text attribute, in place of an older one, as the program does."""
+    raw = text.encode()
+    owner.attrs.create(name, np.bytes_(raw), dtype=h5py.string_dtype("utf-8", max(2, len(raw))))

@@ -20,7 +20,8 @@ from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import extent, simulate
 from rubnoise.storage.reader import open_run
-from tests.unit.tampering import change, flip, put, run_of, tell
+from rubnoise.storage.schema import HASH
+from tests.unit.tampering import change, flip, forget, put, run_of, tell
 
 ALL_BLOCKS = 99
 SPEED = 1000.0
@@ -136,7 +137,7 @@ def test_every_value_is_looked_at(result: Path) -> None:
     found = {check.name: check for check in asked(result, ALL_BLOCKS).checks}
     with open_run(result) as run:
         rows = {group: run.rows(group) for group in run.columns}
-        assert found["hashes"].values == sum(rows[group] * len(names) for group, names in run.columns.items())
+        assert found["hashes"].values == 1 + sum(rows[group] * len(names) for group, names in run.columns.items())
         compared = sum(rows[group] * len(names) for group, names in run.columns.items() if group != "life_curve")
     assert found["regenerated"].values == compared + 12
     assert found["motion"].values == 2 * rows["slider"]
@@ -361,9 +362,11 @@ def test_a_constant_of_the_slider_that_is_wrong_is_told(result: Path, name: str)
         constants = json.loads(file["provenance"].attrs["propagator_constants"])
     constants[name] *= 1.0 + 1e-9
     tell(result, "provenance", "propagator_constants", json.dumps(constants))
-    (check,) = asked(result).different
-    assert check.first is not None
-    assert check.first.place == f"/provenance propagator_constants {name}"
+    exact, derived = asked(result).different
+    assert exact.first is not None
+    assert derived.first is not None
+    assert exact.first.expected.startswith(f"{name} = ")
+    assert derived.first.place == f"/provenance propagator_constants {name}"
 
 
 @pytest.mark.parametrize("factor", [2.0, 1.5, 1e9, -1.0])
@@ -375,13 +378,13 @@ def test_a_tick_divided_otherwise_than_told_is_told(result: Path, factor: float)
     assert "origin" in failing(result)
 
 
-def test_a_last_digit_of_a_constant_is_told_where_it_is_made_again(result: Path) -> None:
+def test_a_last_digit_of_a_constant_is_told(result: Path) -> None:
     with h5py.File(result) as file:
         constants = json.loads(file["provenance"].attrs["propagator_constants"])
     constants["gain_00"] = float(np.nextafter(constants["gain_00"], 1.0))
     tell(result, "provenance", "propagator_constants", json.dumps(constants))
-    assert failing(result) == []
-    assert failing(result, 1) == ["regenerated"]
+    assert failing(result) == ["attributes"]
+    assert failing(result, 1) == ["attributes", "regenerated"]
 
 
 def resolved(path: Path, table: str, **values: object) -> None:
@@ -446,8 +449,7 @@ def test_a_summary_that_its_columns_do_not_have_is_told(
 
 
 def test_a_summary_that_lacks_a_figure_is_told(result: Path) -> None:
-    with h5py.File(result, "r+") as file:
-        del file["summary"].attrs["friction_force_std"]
+    forget(result, "summary", "friction_force_std")
     (check,) = asked(result).different
     assert check.first is not None
     assert check.first.place == "/summary friction_force_std"
@@ -455,7 +457,7 @@ def test_a_summary_that_lacks_a_figure_is_told(result: Path) -> None:
 
 def test_random_numbers_of_another_version_are_not_drawn(result: Path) -> None:
     tell(result, "provenance", "stream_version", 0)
-    assert failing(result) == []
+    assert failing(result) == ["attributes"]
     with pytest.raises(Refused, match=r"of version 0.*this rubnoise draws version 1.*leave --regenerate away"):
         asked(result, 1)
 
@@ -477,11 +479,24 @@ def without_blocks(path: Path) -> None:
         del file["blocks"]
 
 
-def test_an_older_file_without_blocks_is_made_again_all_the_same(result: Path) -> None:
+def test_a_file_that_lost_its_blocks_is_told(result: Path) -> None:
     without_blocks(result)
+    found = {check.name: check for check in asked(result).different}
+    assert found.keys() == {"layout", "structure"}
+    assert str(found["structure"].first) == "/blocks is missing, should be group"
+
+
+def test_a_file_that_lost_the_hash_of_its_attributes_is_told(result: Path) -> None:
+    forget(result, "provenance", HASH, seal=False)
+    assert failing(result) == ["hashes", "attributes"]
+
+
+def test_an_early_file_with_neither_is_made_again_all_the_same(result: Path) -> None:
+    without_blocks(result)
+    forget(result, "provenance", HASH, seal=False)
     found = asked(result, ALL_BLOCKS)
     assert found.different == []
-    assert [each.name for each in found.left_out] == ["blocks"]
+    assert [each.name for each in found.left_out] == ["hash of the attributes", "blocks"]
     flip(result, "slider/velocity", 900)
     assert failing(result, ALL_BLOCKS) == ["regenerated"]
 

@@ -1,17 +1,25 @@
 """A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
 
-from rubnoise.analysis.stored_model import stored_model
+from collections.abc import Sequence
+from typing import Final
+
+from rubnoise.analysis.stored_model import stored_scenario
+from rubnoise.analysis.verifying.attributes import attribute_checks
 from rubnoise.analysis.verifying.blocks import block_check
 from rubnoise.analysis.verifying.contact import contact_checks
 from rubnoise.analysis.verifying.derived import curve_check, summary_check
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
-from rubnoise.analysis.verifying.hashes import hash_check, unreadable
+from rubnoise.analysis.verifying.hashes import hash_check, is_early, unreadable
 from rubnoise.analysis.verifying.lives import life_checks
 from rubnoise.analysis.verifying.origin import cells_per_tick, layout_check, need_same_streams, origin_check
+from rubnoise.analysis.verifying.scenario_text import scenario_check
 from rubnoise.analysis.verifying.slider import slider_checks
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
+from rubnoise.scenario import Scenario
 from rubnoise.storage.reader import RunFile
+
+EARLY: Final = "the file is of an early development version, which knew neither /blocks nor a hash of attributes"
 
 
 def verify(run: RunFile, regenerate: int = 0) -> Verification:
@@ -26,21 +34,27 @@ def verify(run: RunFile, regenerate: int = 0) -> Verification:
     if not hashes.holds and (lost := unreadable(run)):
         return _stopped([hashes], f"{lost[0]} cannot be read")
     try:
-        model = stored_model(run)
+        scenario = stored_scenario(run)
     except RunFileRefused as refusal:
         place = "/provenance scenario_resolved"
         first = Difference(place=place, row=None, found=str(refusal), expected="the scenario of the run")
         return _stopped([hashes, Check(name="layout", values=1, different=1, first=first)], "there is no scenario")
-    layout = layout_check(model, run)
+    text, left_out = scenario_check(scenario, run.provenance)
+    layout = layout_check(scenario.model(), run)
+    checks = [hashes, layout, *attribute_checks(scenario, run, run.inventory()), text]
     if not layout.holds:
-        return _stopped([hashes, layout], "the columns are not those of the scenario")
-    return _asked(model, run, regenerate, [hashes, layout])
+        return _stopped(checks, "the columns are not those of the scenario", left_out)
+    if is_early(run):
+        left_out.append(LeftOut(name="hash of the attributes", reason=EARLY))
+    return _asked(scenario, run, regenerate, checks, left_out)
 
 
-def _asked(model: Model, run: RunFile, regenerate: int, checks: list[Check]) -> Verification:
-    origin, lives = origin_check(model, run), life_checks(model, run)
+def _asked(
+    scenario: Scenario, run: RunFile, regenerate: int, checks: list[Check], left_out: list[LeftOut]
+) -> Verification:
+    model = scenario.model()
+    origin, lives = origin_check(scenario, run), life_checks(model, run)
     checks = [*checks, origin, curve_check(model, run), *lives]
-    left_out: list[LeftOut] = []
     if all(check.holds for check in lives):
         checks += _of_sums(model, run, left_out)
     else:
@@ -59,10 +73,10 @@ def _of_sums(model: Model, run: RunFile, left_out: list[LeftOut]) -> list[Check]
         checks.append(summary_check(model, run))
     else:
         left_out.append(LeftOut(name="summary", reason="the columns that it sums up differ"))
-    if "blocks" in run.columns:
-        checks.append(block_check(model, run))
+    if is_early(run):
+        left_out.append(LeftOut(name="blocks", reason=EARLY))
     else:
-        left_out.append(LeftOut(name="blocks", reason="the file was written before there were any"))
+        checks.append(block_check(model, run))
     return checks
 
 
@@ -80,5 +94,6 @@ def _made_again(model: Model, run: RunFile, count: int, needed: list[Check], lef
     return [check]
 
 
-def _stopped(checks: list[Check], reason: str) -> Verification:
-    return Verification(checks=tuple(checks), left_out=(LeftOut(name="everything else", reason=reason),))
+def _stopped(checks: list[Check], reason: str, left_out: Sequence[LeftOut] = ()) -> Verification:
+    everything = LeftOut(name="everything else", reason=reason)
+    return Verification(checks=tuple(checks), left_out=(*left_out, everything))

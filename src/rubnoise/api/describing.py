@@ -4,8 +4,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.run import extent, slider_constants
@@ -35,10 +33,4 @@ def describe(scenario: Scenario, path: str | os.PathLike[str], command: Sequence
 def named_constants(model: Model) -> dict[str, float]:
     """Return the rounded constants of the slider's exact step by name; none without a slider."""
     constants = slider_constants(model)
-    if constants is None:
-        return {}
-    named = {"cells_per_tick": float(constants.cells_per_tick)}
-    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
-        for (row, column), value in np.ndenumerate(matrix):
-            named[f"{name}_{row}{column}"] = float(value)
-    return named
+    return {} if constants is None else constants.named()

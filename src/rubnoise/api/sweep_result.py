@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from rubnoise.api.column import Column
 from rubnoise.api.columns import Columns
 from rubnoise.api.result import Run
-from rubnoise.api.result import open as open_result
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_file import IndexFile, open_index
+from rubnoise.storage.named_run import open_named
 from rubnoise.storage.schema import Group
 
 if TYPE_CHECKING:
@@ -132,13 +132,16 @@ class SweepResult:
         return int(np.count_nonzero(self.runs["state"][:] == state))
 
     def run(self, run_id: str) -> Run:
-        """Open the result of a run by its name; raises KeyError for one that is none, RunFileRefused without a file."""
+        """Open the result of a run by its name; raises KeyError for a name that is none.
+
+        Raises RunFileRefused where there is no file, or where it is the result of another run.
+        """
         rows = np.flatnonzero(self.runs["run_id"][:] == run_id)
         if not rows.size:
             raise KeyError(f"{self.path}: no run is named {run_id}")
         if self.runs["file"][int(rows[0])] != (file := f"runs/{run_id}.h5"):
             raise RunFileRefused(f"{self.path}: the run {run_id} has no file")
-        return open_result(self.path / file)
+        return Run(open_named(self.path / file, run_id))
 
     def scenario(self, point: int) -> "Scenario":
         """Return the scenario of a point by its number, with the seed of the file."""

@@ -15,7 +15,7 @@ from typing import Final
 from rubnoise.api.running import run
 from rubnoise.api.summarising import keep_summary
 from rubnoise.api.sweep_result import SweepResult, open_sweep
-from rubnoise.errors import Refused
+from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
 from rubnoise.storage.budget import check_sweep_room, expected, together
@@ -134,6 +134,10 @@ def keep_run(
 
 def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Row:
     path = folder.run(point.run_id)
+    if path.exists():
+        if (row := found_run(point, root=folder.root)) is not None:
+            return row  # somebody else has just made it
+        raise OutputRefused(f"{path}: is not the result of this run; move it away, and the same command makes it")
     with run(point.scenario, path, command=command, watch=ORDERS.check, durable=durable) as result:
         figures: dict[str, float] = {}
         for figure in result.summary:

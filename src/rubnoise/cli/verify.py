@@ -44,6 +44,8 @@ def command(
 ) -> None:
     """Check every value of a result against hashes, rows and scenario; the exit code is 3 where something differs.
 
+    Of the folder of a sweep its journals, names and index are checked, too, and every run.
+
     Example: rubnoise verify fig5.h5 --regenerate
     """
     import json
@@ -55,17 +57,30 @@ def command(
 
     if regenerate is not None and regenerate < 1:
         raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number of blocks; it is 1 or more")
-    with finished_run(file) as run:
-        found = verify(run, regenerate or 0)
+    if file.is_dir():
+        found = _of_folder(file, regenerate or 0, shown=not as_json)
+    else:
+        with finished_run(file) as run:
+            found = verify(run, regenerate or 0)
     print(json.dumps(contents(found, file)) if as_json else "\n".join(described(found, file)))
     if found.different:
         raise RunDiffers(printable(f"{file}: differs: {_place(found)}"))
 
 
+def _of_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
+    """Ask a sweep folder, and say on a terminal how many of its runs have been looked at."""
+    from rubnoise.api.verify_sweep import verify_sweep
+    from rubnoise.cli.progress import on_terminal
+    from rubnoise.cli.status import StatusLine
+
+    with StatusLine(shown=shown and on_terminal()) as line:
+        return verify_sweep(folder, regenerate, lambda done, runs: line.tell(f"{done:,} of {runs:,} runs verified"))
+
+
 def contents(found: "Verification", file: Path) -> dict[str, Any]:
     """Return a verification by name."""
     return {
-        "file": str(file),
+        "folder" if file.is_dir() else "file": str(file),
         "verified": not found.different,
         "different": [check.name for check in found.different],
         "checks": {check.name: _fields(check) for check in found.checks},
@@ -77,7 +92,8 @@ def described(found: "Verification", file: Path) -> Iterator[str]:
     """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
     from rubnoise.cli.layout import grouped, printable, remark
 
-    yield f"{printable(str(file))}: held against its hashes, its rows and its scenario"
+    parts = "its description, its journals and its runs" if file.is_dir() else "its hashes, its rows and its scenario"
+    yield f"{printable(str(file))}: compared with {parts}"
     yield f"\n{'check':<24}{'values':>16}{'different':>14}"
     for check in found.checks:
         yield f"  {check.name.replace('_', ' '):<22}{grouped(check.values):>16}{grouped(check.different):>14}"

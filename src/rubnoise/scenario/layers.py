@@ -137,6 +137,11 @@ def from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
     return _layered([source], refused if "extends" in source.data else [], overrides)
 
 
+def from_text_over(values: Mapping[str, Any], text: str, name: str, overrides: Sequence[str] = ()) -> Layers:
+    """Return the layers of a text on top of values, which stand for the file that it extends."""
+    return _layered([Values(name, "", values=values), Source(name, text)], [], overrides)
+
+
 def from_values(values: Mapping[str, Any], name: str) -> Layers:
     """Return the one layer of values given in Python."""
     source = Values(name, "", values=values)

@@ -1,5 +1,6 @@
 """A scenario that has been checked: its sections in working units, its model, and itself with nothing left implicit."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,6 +46,15 @@ class Scenario:
             if isinstance(section := getattr(self, name, None), sections.Section)
         }
         return {"format": sections.FORMAT, "title": self.title, **tables}
+
+
+def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a resolved scenario by its keys with dots; an empty table is a key of its own."""
+    found: dict[str, Any] = {}
+    for name, value in resolved.items():
+        tables = isinstance(value, Mapping) and value
+        found |= {f"{name}.{key}": each for key, each in value.items()} if tables else {name: value}
+    return found
 
 
 def _explicit(section: sections.Section) -> dict[str, Any]:

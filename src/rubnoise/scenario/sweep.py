@@ -100,6 +100,14 @@ def load_sweep(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> S
     return _checked(given)
 
 
+def loads_sweep(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> Sweep:
+    """Return the sweep of a TOML text, which cannot extend a file; raises ScenarioRefused."""
+    given = layers.from_text(text, name, overrides)
+    if SWEEP not in given.data:
+        _refuse_one(given)
+    return _checked(given)
+
+
 def load_either(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario | Sweep:
     """Return the scenario or the sweep of a TOML file, whichever it is; raises ScenarioRefused as `load` does."""
     given = layers.from_file(path, overrides)

@@ -25,6 +25,14 @@ class Propagator:
     gains: NDArray[np.float64]
     cells_per_tick: int
 
+    def named(self) -> dict[str, float]:
+        """Return every constant by the name that it has in a result: `transition_01` is that in row 0, column 1."""
+        named = {"cells_per_tick": float(self.cells_per_tick)}
+        for name, matrix in (("transition", self.transition), ("gain", self.gains)):
+            for (row, column), value in np.ndenumerate(matrix):
+                named[f"{name}_{row}{column}"] = float(value)
+        return named
+
 
 def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int = 1) -> Propagator:
     """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of so many cells each.

@@ -10,15 +10,20 @@ import sys
 import threading
 from contextlib import suppress
 from signal import SIG_IGN, SIGINT, signal
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from weakref import finalize
 
 from rubnoise.storage.vetting import WALL_SECONDS, vetted
+
+if TYPE_CHECKING:
+    from rubnoise.storage.looks import LookName
 
 START_SECONDS: Final = 60.0
 PROGRAM: Final = "from rubnoise.storage.attendant import attend; attend()"
 CHANNEL: Final = 0
 LENGTH_BYTES: Final = 8
+WORDS: "Final[dict[LookName, bytes]]" = {"survey": b"?", "inventory": b"*"}
+"""What is sent along with a descriptor: which look is wanted."""
 
 
 class Attendant:
@@ -30,22 +35,22 @@ class Attendant:
         self._channel: socket.socket | None = None
         self._owner = 0
 
-    def ask(self, descriptor: int) -> bytes:
-        """Return the survey of an open file (see survey); raises OSError where no process answers."""
+    def ask(self, descriptor: int, look: "LookName" = "survey") -> bytes:
+        """Return what a look at an open file finds (see looks); raises OSError where no process answers."""
         with self._asking:
             if self._owner != os.getpid():  # after a fork the channel is that of the parent
                 self._renew()
             try:
-                return self._asked(descriptor)
+                return self._asked(descriptor, look)
             except ConnectionError:
                 self._renew()  # somebody ended it: once more, with a new one
-                return self._asked(descriptor)
+                return self._asked(descriptor, look)
 
-    def _asked(self, descriptor: int) -> bytes:
+    def _asked(self, descriptor: int, look: "LookName") -> bytes:
         channel = self._channel
         if channel is None:
             raise ConnectionError("no process looks at result files")
-        socket.send_fds(channel, [b"?"], [descriptor])
+        socket.send_fds(channel, [WORDS[look]], [descriptor])
         return _received(channel, int.from_bytes(_received(channel, LENGTH_BYTES), "big"))
 
     def _renew(self) -> None:
@@ -60,15 +65,16 @@ ATTENDANT: Final = Attendant()
 
 def attend() -> None:
     """Be that process: answer until the program that asks is gone."""
-    from rubnoise.storage.survey import survey
+    from rubnoise.storage.looks import look_of
 
+    looks = {word: look_of(name) for name, word in WORDS.items()}
     signal(SIGINT, SIG_IGN)
     with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits
         while True:
-            _, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
+            word, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
             if not descriptors:
                 return
-            answer = vetted(descriptors[0], survey)
+            answer = vetted(descriptors[0], looks[word])
             os.close(descriptors[0])
             channel.sendall(len(answer).to_bytes(LENGTH_BYTES, "big") + answer)
 

@@ -8,12 +8,13 @@ from typing import Any, Final
 
 import h5py
 import numpy as np
+import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.storage.layout import stored_columns
 from rubnoise.storage.provenance import now, package_version
-from rubnoise.storage.schema import CONVENTIONS, SLIDER, TRACE, Column, Feature, Group
-from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text
+from rubnoise.storage.schema import CONVENTIONS, HASH, SLIDER, TRACE, Column, Feature, Group
+from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text, text_bytes
 
 FORMAT: Final = "rubnoise-sweep"
 FORMAT_VERSION: Final = 1
@@ -21,6 +22,19 @@ RUNS: Final = "runs"
 SUMMARIES: Final = "summaries"
 TRACES: Final = "traces"
 POINTS: Final = "points"
+TEXTS: Final = (
+    "title",
+    "source",
+    "written",
+    "command",
+    "scenario_toml",
+    "scenario_resolved",
+    "grid",
+    "side_by_side",
+)
+"""The attributes of an index that are not the same in all of them."""
+
+ROWS_AT_ONCE: Final = 4096
 RUN: Final = Column(name="run", dtype="<i8", units="1", symbol="r", long_name="row number of the run")
 POINT: Final = Column(name="point", dtype="<i8", units="1", symbol="p", long_name="number of the point")
 
@@ -79,10 +93,24 @@ class Index:
 def write_index(path: Path, index: Index) -> None:
     """Write an index under a name of its own; raises OSError where the disk fails."""
     with h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
-        describe(file, index)
-        for number, stack in enumerate(index.stacks):
-            for group in stack.groups:
-                _refer(file.create_group(f"{TRACES}/{number}/{group.name}", track_order=True), group, stack)
+        compose_index(file, index)
+
+
+def compose_index(file: h5py.File, index: Index) -> None:
+    """Write an index into an empty file."""
+    describe(file, index)
+    for number, stack in enumerate(index.stacks):
+        for group in stack.groups:
+            _refer(file.create_group(f"{TRACES}/{number}/{group.name}", track_order=True), group, stack)
+
+
+def seal_of_index(attributes: Mapping[str, str], hashes: Mapping[str, str]) -> str:
+    """Return the xxh3_128 of what an index says: that of a JSON text of its attributes and its columns' hashes.
+
+    ``attributes`` are those in TEXTS, ``hashes`` stand under paths such as /runs/seed; names are sorted.
+    """
+    text = json.dumps([attributes, hashes], sort_keys=True, separators=(",", ":"))
+    return xxhash.xxh3_128_hexdigest(text.encode())
 
 
 def describe(file: h5py.File, index: Index) -> None:
@@ -112,6 +140,14 @@ def describe(file: h5py.File, index: Index) -> None:
         for column in columns:
             attach(described(owner, column.about, column.values), scale)
         _keep_arrays(file, arrays, scale)
+    attributes = {name: _as_read(texts[name]) for name in TEXTS}
+    owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
+    hashes = {dataset.name: str(dataset.attrs[HASH], "ascii") for owner in owners for dataset in owner.values()}
+    put_text(file, HASH, seal_of_index(attributes, hashes))
+
+
+def _as_read(text: str) -> str:
+    return text_bytes(text).decode("utf-8", "replace").rstrip("\0")
 
 
 def create_scale(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py.Dataset:
@@ -122,8 +158,11 @@ def create_scale(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py
 
 
 def described(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py.Dataset:
-    """Create a column with its values and with what they are."""
-    return describe_column(owner.create_dataset(about.name, data=np.asarray(values, dtype=about.dtype)), about)
+    """Create a column with its values, what they are, and their hash."""
+    raw = np.asarray(values, dtype=about.dtype)
+    dataset = describe_column(owner.create_dataset(about.name, data=raw), about)
+    put_text(dataset, HASH, xxhash.xxh3_128_hexdigest(np.ascontiguousarray(raw).data))
+    return dataset
 
 
 def describe_column(dataset: h5py.Dataset, about: Column) -> h5py.Dataset:
@@ -181,3 +220,13 @@ def _keep_arrays(file: h5py.File, arrays: Arrays, scale: h5py.Dataset) -> None:
                 datasets[name] = owner.create_dataset(name, shape, values.dtype, fillvalue=missing)
                 attach(datasets[name], scale)
             datasets[name][row] = values
+    for dataset in datasets.values():
+        _put_hash(dataset)
+
+
+def _put_hash(dataset: h5py.Dataset) -> None:
+    """Write the hash of a column beside it, which is read back for that in pieces."""
+    digest = xxhash.xxh3_128()
+    for first in range(0, dataset.shape[0], ROWS_AT_ONCE):
+        digest.update(np.ascontiguousarray(dataset[first : first + ROWS_AT_ONCE]).data)
+    put_text(dataset, HASH, digest.hexdigest())

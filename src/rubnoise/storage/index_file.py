@@ -5,17 +5,21 @@ from collections.abc import Mapping
 from math import prod
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 from weakref import finalize
 
 import numpy as np
+import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
-from rubnoise.storage.reader import examined, refusing
+from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
+from rubnoise.storage.reader import examined, looked_at, refusing
 from rubnoise.storage.rows import StoredColumn
-from rubnoise.storage.schema import Column
+from rubnoise.storage.schema import HASH, Column
+
+if TYPE_CHECKING:
+    from rubnoise.storage.inventory import Inventory
 
 
 class IndexFile:
@@ -27,6 +31,7 @@ class IndexFile:
         self._descriptor = descriptor
         self.attributes: Mapping[str, str] = found["index"]
         self._places: Mapping[str, Mapping[str, Any]] = {POINTS: {}, RUNS: {}, SUMMARIES: {}} | found["columns"]
+        self._seal: str | None = found["seal"]
         for group in (POINTS, RUNS):
             if len({place["shape"][0] for place in self._places[group].values()}) != 1:
                 raise RunFileRefused(f"/{group} has columns of several lengths")
@@ -49,6 +54,27 @@ class IndexFile:
         """Whether the file was closed."""
         return not self._close.alive
 
+    @property
+    def seal(self) -> str | None:
+        """The hash that the index keeps of all that it says; None in one of an early development version."""
+        return self._seal
+
+    @property
+    def hashes(self) -> dict[str, str | None]:
+        """The hash that is kept beside each column, by paths such as /runs/seed."""
+        return {f"/{group}/{name}": place.get(HASH) for group, of in self._places.items() for name, place in of.items()}
+
+    def damaged(self) -> tuple[str, ...]:
+        """Return the columns that are unreadable or have another hash than is kept beside them, by their paths."""
+        return tuple(path for path, kept in self.hashes.items() if self._hash(*path[1:].split("/", 1)) != kept)
+
+    def inventory(self) -> "Inventory":
+        """Return everything that there is in the file; raises RunFileRefused where that cannot be told."""
+        if self.closed:
+            raise ValueError(f"{self.path}: the index is closed")
+        with refusing(self.path):
+            return looked_at(self._descriptor, "inventory")["objects"]
+
     def columns(self, group: str) -> tuple[Column, ...]:
         """Return what the columns of "points", "runs" or "summaries" are, in their order; texts have a dtype of str."""
         return tuple(_about(name, place) for name, place in self._places[group].items())
@@ -59,6 +85,10 @@ class IndexFile:
 
     def read(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Read rows of a column; raises KeyError for one that is not there, RunFileRefused where it cannot be read."""
+        return _decoded(self.raw(group, name, start, stop))
+
+    def raw(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Read rows of a column as they are stored, texts as bytes; refused as by `read`."""
         if self.closed:
             raise ValueError(f"{self.path}: the index is closed")
         place = self._places[group][name]
@@ -68,7 +98,16 @@ class IndexFile:
         column = StoredColumn(dtype=kind, rows=rows * width, offset=place["offset"])
         with refusing(self.path):
             values = column.read(self._descriptor, first * width, max(first, last) * width)
-        return _decoded(values).reshape(-1, *others)
+        return values.reshape(-1, *others)
+
+    def _hash(self, group: str, name: str) -> str | None:
+        digest = xxhash.xxh3_128()
+        try:
+            for first in range(0, self._places[group][name]["shape"][0], ROWS_AT_ONCE):
+                digest.update(self.raw(group, name, first, first + ROWS_AT_ONCE).data)
+        except RunFileRefused:
+            return None
+        return digest.hexdigest()
 
 
 def open_index(path: str | os.PathLike[str]) -> IndexFile:
@@ -102,4 +141,4 @@ def _about(name: str, place: Mapping[str, Any]) -> Column:
 def _decoded(values: NDArray[Any]) -> NDArray[Any]:
     if values.dtype.kind != "S":
         return values
-    return np.char.decode(values, "utf-8", "replace") if values.size else np.empty(0, dtype=np.str_)
+    return np.char.decode(values, "utf-8", "replace") if values.size else np.empty(values.shape, dtype=np.str_)

@@ -4,25 +4,14 @@ Called by `survey`, in a child process.
 """
 
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Any
 
 import h5py
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.index import FORMAT_VERSION, POINTS, RUNS, SUMMARIES
-from rubnoise.storage.schema import Scalar
+from rubnoise.storage.index import FORMAT_VERSION, POINTS, RUNS, SUMMARIES, TEXTS
+from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.storage.soundness import has_hard_link, read_attribute, read_integer, read_text, sound_group
-
-TEXTS: Final = (
-    "title",
-    "source",
-    "written",
-    "command",
-    "scenario_toml",
-    "scenario_resolved",
-    "grid",
-    "side_by_side",
-)
 
 
 def found_in_index(file: h5py.File, size: int) -> dict[str, Any]:
@@ -34,7 +23,8 @@ def found_in_index(file: h5py.File, size: int) -> dict[str, Any]:
     groups = {name: dict(_columns(sound_group(file, name), size)) for name in (POINTS, RUNS)}
     if has_hard_link(file, SUMMARIES):
         groups[SUMMARIES] = dict(_columns(sound_group(file, SUMMARIES), size))
-    return {"index": attributes, "columns": groups}
+    seal = read_text(file, HASH) if h5py.h5a.exists(file.id, HASH.encode()) else None
+    return {"index": attributes, "columns": groups, "seal": seal}
 
 
 def _columns(owner: h5py.Group, size: int) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -53,7 +43,7 @@ def _column(owner: h5py.Group, name: str, size: int) -> dict[str, Any]:
     offset = dataset.id.get_offset() or 0
     if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= size - offset:
         raise RunFileRefused(f"{path} has rows that are not in the file")
-    told = {about: read_attribute(dataset, about) for about in ("units", "long_name") if about in dataset.attrs}
+    told = {about: read_attribute(dataset, about) for about in ("units", "long_name", HASH) if about in dataset.attrs}
     return {"offset": offset, "shape": list(dataset.shape), "dtype": kind.str} | told
 
 

@@ -28,6 +28,8 @@ from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
 if TYPE_CHECKING:
+    from rubnoise.storage.inventory import Inventory
+    from rubnoise.storage.looks import LookName
     from rubnoise.storage.written import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
@@ -117,6 +119,16 @@ class RunFile:
     def provenance(self) -> dict[str, Scalar]:
         """Scenario, software, seed, command and times; ``finished`` is empty in a part file."""
         return self._value(self._found["provenance"])
+
+    @property
+    def seal(self) -> str | None:
+        """The hash that the file keeps of its attributes; None in a file of an early development version."""
+        return self._value(self._found["seal"])
+
+    def inventory(self) -> "Inventory":
+        """Return everything that there is in the file, ours or not; raises RunFileRefused where that cannot be told."""
+        with self._reading():
+            return looked_at(self._descriptor, "inventory")["objects"]
 
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that are unreadable or do not have the hash written beside them; reads the whole file."""
@@ -226,12 +238,7 @@ def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
     known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
     if known is not None and known.found is not None:
         return dict(known.found)
-    try:
-        found: dict[str, Any] = json.loads(_answer(descriptor, own=known is not None))
-    except (ValueError, RecursionError) as problem:
-        raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
-    if "refused" in found:
-        raise (Unseen if found.get("unseen") else RunFileRefused)(found["refused"])
+    found = looked_at(descriptor, "survey", own=known is not None)
     if "too_new" in found:
         version, source = found["too_new"], found["source"]
         raise TooNew(
@@ -241,19 +248,26 @@ def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
     return found
 
 
-def _answer(descriptor: int, *, own: bool) -> bytes:
-    if own:
-        from rubnoise.storage.survey import survey
+def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
+    """Return what a look at an open file finds; raises RunFileRefused where the file is not sound."""
+    try:
+        found: dict[str, Any] = json.loads(_answer(descriptor, look, own=own))
+    except (ValueError, RecursionError) as problem:
+        raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
+    if "refused" in found:
+        raise (Unseen if found.get("unseen") else RunFileRefused)(found["refused"])
+    return found
 
-        return survey(descriptor)
-    if threading.active_count() > 1:
+
+def _answer(descriptor: int, look: "LookName", *, own: bool) -> bytes:
+    if threading.active_count() > 1 and not own:
         from rubnoise.storage.attendant import ATTENDANT
 
-        return ATTENDANT.ask(descriptor)
-    from rubnoise.storage.survey import survey
+        return ATTENDANT.ask(descriptor, look)
+    from rubnoise.storage.looks import look_of
     from rubnoise.storage.vetting import vetted
 
-    return vetted(descriptor, survey)
+    return look_of(look)(descriptor) if own else vetted(descriptor, look_of(look))
 
 
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:

@@ -28,6 +28,7 @@ from rubnoise.storage.schema import (
     Group,
     Scalar,
 )
+from rubnoise.storage.seal import read_provenance, read_root, seal_of
 
 LIBRARY_VERSIONS = ("v110", "v110")
 GZIP_LEVEL = 4
@@ -69,7 +70,7 @@ def complete(
     summary: Mapping[str, Scalar],
     finished: str,
 ) -> None:
-    """Fill in what is known only when the last row is written: hashes, summary and the time of the end."""
+    """Fill in what is known only when the last row is written: hashes, summary, the time of the end and the seal."""
     owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
     for (group, column), digest in digests.items():
         h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
@@ -77,6 +78,8 @@ def complete(
         group = h5py.h5g.open(file.id, owner.encode())
         for name, value in values.items():
             _replace(group, name, value)
+    seal = seal_of(read_root(file), dict(summary), read_provenance(file))
+    _replace(h5py.h5g.open(file.id, b"provenance"), HASH, seal)
 
 
 def places(file: h5py.File) -> dict[Name, Place]:
@@ -196,6 +199,7 @@ def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
         "command": origin.command,
         "started": origin.started,
         "finished": "",
+        HASH: "0" * HASH_DIGITS,
     }
 
 

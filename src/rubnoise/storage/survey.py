@@ -7,8 +7,8 @@ looked into.
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Final
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import h5py
 
@@ -19,8 +19,8 @@ from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.rows import REMEDY
 from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
+from rubnoise.storage.seal import read_provenance, read_root, read_seal, read_summary
 from rubnoise.storage.soundness import (
-    ATTRIBUTES_LIMIT,
     has_hard_link,
     read_attribute,
     read_integer,
@@ -28,19 +28,6 @@ from rubnoise.storage.soundness import (
     sound_dataset,
     sound_group,
 )
-
-ROOT_ATTRIBUTES: Final = ("Conventions", "format", "format_version", "title", "source", "junction_area_formula")
-PROVENANCE_TEXTS: Final = (
-    "scenario_toml",
-    "scenario_resolved",
-    "software",
-    "environment",
-    "propagator_constants",
-    "command",
-    "started",
-    "finished",
-)
-PROVENANCE_NUMBERS: Final = ("seed", "stream_version", "calibrated_diameter")
 
 
 def survey(descriptor: int) -> bytes:
@@ -63,9 +50,10 @@ def _found(file: h5py.File, size: int) -> dict[str, Any]:
     return {
         "features": sorted(features),
         "columns": _columns(file, features, size),
-        "attributes": _or_refusal(lambda: {name: read_attribute(file, name) for name in ROOT_ATTRIBUTES}),
-        "summary": _or_refusal(lambda: _summary(file)),
-        "provenance": _or_refusal(lambda: _provenance(file)),
+        "attributes": _or_refusal(lambda: read_root(file)),
+        "summary": _or_refusal(lambda: read_summary(file)),
+        "provenance": _or_refusal(lambda: read_provenance(file)),
+        "seal": _or_refusal(lambda: read_seal(file)),
     }
 
 
@@ -127,20 +115,6 @@ def _chunks(dataset: h5py.Dataset, size: int) -> Iterator[tuple[int, int, int]]:
         if not 0 <= offset <= size - count:
             raise RunFileRefused(f"{dataset.name} has rows that are not in the file")
         yield offset, count, skipped
-
-
-def _summary(file: h5py.File) -> dict[str, Scalar]:
-    group = sound_group(file, "summary")
-    count = h5py.h5a.get_num_attrs(group.id)
-    if count > ATTRIBUTES_LIMIT:
-        raise RunFileRefused(f"/summary has {count} attributes")
-    return {name: read_attribute(group, name) for name in group.attrs if name != "NX_class"}
-
-
-def _provenance(file: h5py.File) -> Mapping[str, Scalar]:
-    group = sound_group(file, "provenance")
-    texts = {name: read_text(group, name) for name in PROVENANCE_TEXTS}
-    return texts | {name: read_attribute(group, name) for name in PROVENANCE_NUMBERS}
 
 
 def _or_refusal(read: Callable[[], object]) -> dict[str, object]:

@@ -8,7 +8,8 @@ from typing import Any, Self
 from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.pulse import pulse_of
-from rubnoise.storage.schema import Scalar
+from rubnoise.storage.schema import HASH, Scalar
+from rubnoise.storage.seal import seal_of
 from rubnoise.storage.structure import provenance_attributes, root_attributes, text_bytes
 
 NamedColumn = tuple[tuple[str, str], ColumnFile]
@@ -31,13 +32,16 @@ class Written:
         finished: str,
     ) -> Self:
         """Return a whole file of plain columns."""
-        shape = pulse_of(description.scenario_resolved).shape
+        root = _stored(root_attributes(description.title, pulse_of(description.scenario_resolved).shape))
+        provenance = _stored(provenance_attributes(description) | {"finished": finished})
+        del provenance[HASH]  # it stands apart, since it is taken of all the others
         found = {
             "features": sorted(description.features),
             "columns": _columns(columns),
-            "attributes": {"value": _stored(root_attributes(description.title, shape))},
+            "attributes": {"value": root},
             "summary": {"value": _stored(summary)},
-            "provenance": {"value": _stored(provenance_attributes(description) | {"finished": finished})},
+            "provenance": {"value": provenance},
+            "seal": {"value": seal_of(root, _stored(summary), provenance)},
         }
         return cls(file, found)
 
@@ -57,6 +61,6 @@ def _columns(columns: Iterable[NamedColumn]) -> dict[str, dict[str, Any]]:
 
 def _stored(values: Mapping[str, Scalar]) -> dict[str, Scalar]:
     return {
-        name: text_bytes(value).decode("utf-8", "replace") if isinstance(value, str) else value
+        name: text_bytes(value).decode("utf-8", "replace").rstrip("\0") if isinstance(value, str) else value
         for name, value in values.items()
     }

@@ -14,8 +14,8 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Case, Point, run_id
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.whole import whole_file
-from rubnoise.sweep.identity import FORMAT, FORMAT_VERSION, difference, identity
-from rubnoise.sweep.journal import Entry, entries
+from rubnoise.sweep.identity import FORMAT, FORMAT_VERSION, difference, identity, manifest_text
+from rubnoise.sweep.journal import Entry, Stamp, entries
 
 _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 
@@ -73,15 +73,36 @@ class SweepFolder:
         """Return the same, as seen from the folder."""
         return f"runs/{run_id}.h5"
 
+    def stamp(self, run_id: str) -> Stamp | None:
+        """Return by what the file of a run is known again without reading it; None where there is none."""
+        try:
+            about = self.run(run_id).stat()
+        except OSError:
+            return None
+        return about.st_size, about.st_mtime_ns
+
+    def holds(self, entry: Entry) -> bool:
+        """Whether what an entry says is done is there: no file is kept of it, or the file that was written then."""
+        row = entry.row
+        return row is not None and (not row.file or entry.stamp == self.stamp(row.run_id) is not None)
+
     def journal(self, shard: Shard | None) -> Path:
         """Return the journal of a shard, or of who does it all."""
         part = "" if shard is None else f"-{shard.number}-of-{shard.count}"
         return self.root / "journal" / f"runs{part}.jsonl"
 
+    def journals(self) -> list[Path]:
+        """Return all journals, in the order in which they are read."""
+        return sorted((self.root / "journal").glob("runs*.jsonl"))
+
     def entries(self) -> Iterator[Entry]:
         """Yield all that is known of runs; of two entries of one run that counts which says that it is done."""
-        for path in sorted((self.root / "journal").glob("runs*.jsonl")):
+        for path in self.journals():
             yield from entries(path)
+
+    def is_at_work(self) -> bool:
+        """Whether a process carries out the sweep, or a shard of it, just now; nothing is created."""
+        return any(map(_is_held, [self.root / ".sweep.lock", *self.root.glob(".shard-*.lock")]))
 
     def claim(self, sweep: Sweep) -> None:
         """Make the folder that of a sweep, or see that it is; raises OutputRefused with the difference."""
@@ -92,26 +113,27 @@ class SweepFolder:
             kept = self._identity()
             if kept is not None and (differs := difference(kept, sweep)) is not None:
                 raise OutputRefused(f"{self.root}: is the folder of another sweep: {differs}")
-            wanted = json.dumps(identity(sweep))
+            wanted = manifest_text(identity(sweep))
             if kept != json.loads(wanted):
-                with whole_file(self._manifest, force=True) as part:
-                    part.write_text(f"{wanted}\n", encoding="utf-8")
+                with whole_file(self.manifest, force=True) as part:
+                    part.write_text(wanted, encoding="utf-8")
 
     @property
-    def _manifest(self) -> Path:
+    def manifest(self) -> Path:
+        """What says which sweep the folder is of."""
         return self.root / "sweep.json"
 
     def _identity(self) -> dict[str, Any] | None:
         try:
-            kept: Any = json.loads(self._manifest.read_text(encoding="utf-8"))
+            kept: Any = json.loads(self.manifest.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
         except (OSError, ValueError) as problem:
-            raise OutputRefused(f"{self._manifest}: cannot be read: {problem}") from problem
+            raise OutputRefused(f"{self.manifest}: cannot be read: {problem}") from problem
         if not isinstance(kept, dict) or kept.get("format") != FORMAT:
-            raise OutputRefused(f"{self._manifest}: is none of rubnoise")
+            raise OutputRefused(f"{self.manifest}: is none of rubnoise")
         if kept.get("format_version") != FORMAT_VERSION:
-            raise OutputRefused(f"{self._manifest}: is of format version {kept.get('format_version')}, not 1")
+            raise OutputRefused(f"{self.manifest}: is of format version {kept.get('format_version')}, not 1")
         return dict(kept)
 
     def check(self) -> None:
@@ -121,7 +143,7 @@ class SweepFolder:
             raise OutputRefused(f"{above}: is no folder")
         if not os.access(above, os.W_OK | os.X_OK):
             raise OutputRefused(f"{above}: the folder is not writable")
-        if above == self.root and not self._manifest.exists() and any(self._strangers()):
+        if above == self.root and not self.manifest.exists() and any(self._strangers()):
             raise OutputRefused(f"{self.root}: holds other things; a sweep needs a folder of its own")
 
     def _strangers(self) -> Iterator[Path]:
@@ -166,6 +188,21 @@ def _locked(path: Path, *, shared: bool, wait: bool = False) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)
+
+
+def _is_held(path: Path) -> bool:
+    """Whether a process holds a lock alone."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError as problem:
+        return isinstance(problem, BlockingIOError)  # where a file system has no locks, nobody has one
+    finally:
+        os.close(descriptor)
+    return False
 
 
 def _opened(path: Path) -> int:

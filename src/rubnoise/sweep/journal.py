@@ -19,6 +19,12 @@ from rubnoise.sweep.rows import Row
 SYNC_EVERY: Final = 1.0
 """Seconds of lines that a power cut may take, whose runs are found again by their files, and seconds of such files."""
 
+Stamp = tuple[int, int]
+"""Size of a file in bytes, and the time of its last change in ns."""
+
+Fault = Literal["cut short", "damaged"]
+"""What is wrong with a line that is no entry."""
+
 _DIGITS: Final = 16
 
 
@@ -26,13 +32,15 @@ _DIGITS: Final = 16
 class Entry:
     """What happened to one run: it is done, with what is left of it, or failed, with the reason; or is to be made.
 
-    One that was ``begun`` had no file in its place: what is found there, torn, is its own.
+    One that was ``begun`` had no file in its place: what is found there, torn, is its own. ``stamp`` is that of the
+    file of one that is done, by which it is known again (see SweepFolder.stamp); None where nobody took it.
     """
 
     run_id: str
     state: Literal["begun", "done", "failed"]
     row: Row | None = None
     reason: str = ""
+    stamp: Stamp | None = None
 
 
 class Journal:
@@ -73,14 +81,40 @@ class Journal:
 
 def entries(path: Path) -> Iterator[Entry]:
     """Yield every sound entry of a journal, the oldest first; nothing where there is none."""
+    return (entry for _, entry in numbered(path) if isinstance(entry, Entry))
+
+
+def numbered(path: Path) -> Iterator[tuple[int, Entry | Fault]]:
+    """Yield the entries of a journal with the numbers of their lines, and what is wrong with a line in place of one."""
     try:
         with path.open("rb") as lines:
-            for line in lines:
+            for number, line in enumerate(lines, 1):
                 digest, _, text = line.rstrip(b"\n").partition(b" ")
-                if len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode():
-                    yield _unpacked(json.loads(text))
+                if _is_sound(digest, text):
+                    yield number, _unpacked(json.loads(text))
+                else:
+                    yield number, "cut short" if _is_cut_short(digest, text) else "damaged"
     except FileNotFoundError:
         return
+
+
+def _is_sound(digest: bytes, text: bytes) -> bool:
+    return len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode()
+
+
+def _is_cut_short(digest: bytes, text: bytes) -> bool:
+    """Whether a line is the beginning of one, as a kill or a power cut leaves it, and not a whole one that was changed.
+
+    A whole one ends with the brace that closes it, or did before its last byte was changed.
+    """
+    text = text.rstrip(b"\0")
+    if not text.endswith(b"}"):
+        return not _is_sound(digest, text[:-1] + b"}")
+    try:
+        json.loads(text + b"}")  # cut behind the brace of an inner table
+    except ValueError:
+        return False
+    return True
 
 
 def _line(entry: Entry) -> bytes:
@@ -97,6 +131,8 @@ def _packed(entry: Entry) -> dict[str, Any]:
         for kind, arrays in (("arrays", entry.row.arrays), ("of_point", entry.row.of_point)):
             if arrays:
                 told[kind] = {name: _as_text(values) for name, values in arrays.items()}
+    if entry.stamp is not None:
+        told["stamp"] = entry.stamp
     return told
 
 
@@ -107,7 +143,8 @@ def _unpacked(told: Mapping[str, Any]) -> Entry:
             {name: _as_array(*packed) for name, packed in told.get(kind, {}).items()} for kind in ("arrays", "of_point")
         )
         row = Row(run_id=told["run"], file=told["file"], figures=told["figures"], arrays=arrays, of_point=of_point)
-    return Entry(run_id=told["run"], state=told["state"], row=row, reason=told.get("reason", ""))
+    stamp = tuple(told["stamp"]) if "stamp" in told else None
+    return Entry(run_id=told["run"], state=told["state"], row=row, reason=told.get("reason", ""), stamp=stamp)
 
 
 def _as_text(values: NDArray[Any]) -> tuple[str, list[int], str]:

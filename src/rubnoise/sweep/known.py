@@ -1,6 +1,6 @@
 """What the journals of a sweep know of its runs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -31,11 +31,16 @@ class Known:
     arrays: bool = False
 
     @classmethod
-    def of(cls, folder: SweepFolder, points: Sequence[Point]) -> Self:
-        """Read the journals; of one run an entry that says done counts more than one that says failed."""
+    def of(cls, folder: SweepFolder, points: Sequence[Point], counts: Callable[[Entry], bool] | None = None) -> Self:
+        """Read the journals; of one run an entry that says done counts more than one that says failed.
+
+        One that says done ``counts`` where its file is the one that was written then, unless asked otherwise.
+        """
         count = len(points)
         known = cls({p.run_id: n for n, p in enumerate(points)}, [PLANNED] * count, [""] * count, [""] * count, {})
         for entry in folder.entries():
+            if entry.row is not None and not (counts or folder.holds)(entry):
+                continue
             if entry.state != "begun" and (place := known.places.get(entry.run_id)) is not None:
                 known._take(place, entry)
         return known

@@ -41,7 +41,7 @@ class Ledger:
         """Take in a run that is done; unless it is ``settled``, its line waits until the disk has its file."""
         self.stock.add(row)
         if settled:
-            self._journal.add(Entry(run_id=row.run_id, state="done", row=row))
+            self._journal.add(self._entry(row))
         else:
             self._waiting.append(row)
 
@@ -61,9 +61,7 @@ class Ledger:
         """
         rows = {self._folder.root / row.file: row for row in self._waiting}
         wrong = settle(rows)
-        self._journal.add(
-            *(Entry(run_id=row.run_id, state="done", row=row) for p, row in rows.items() if p not in wrong)
-        )
+        self._journal.add(*(self._entry(row) for path, row in rows.items() if path not in wrong))
         self._waiting.clear()
         for path, problem in wrong.items():
             with suppress(OSError):
@@ -71,3 +69,7 @@ class Ledger:
             self.failed(rows[path].run_id, f"{path}: writing failed: {problem.strerror or problem}")
         self._settled_at = time.monotonic()
         return bool(wrong)
+
+    def _entry(self, row: Row) -> Entry:
+        stamp = self._folder.stamp(row.run_id) if row.file else None
+        return Entry(run_id=row.run_id, state="done", row=row, stamp=stamp)

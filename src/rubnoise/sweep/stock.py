@@ -22,15 +22,16 @@ class Stock:
 
     @classmethod
     def of(cls, folder: SweepFolder, precision: Precision | None) -> Self:
-        """Return what the journals say is done, as far as results that were kept still lie in their places.
+        """Return what the journals say is done, as far as the files that were written then still lie in their places.
 
-        Runs that failed before are not among them: they are to be tried anew.
+        Another file in such a place is to be looked at first. Runs that failed before are not among them either: they
+        are to be tried anew.
         """
         stock = cls(None if precision is None else precision.quantity)
         for entry in folder.entries():
             if entry.state == "begun":
                 stock.begun.add(entry.run_id)
-            if entry.row is not None and (not entry.row.file or (folder.root / entry.row.file).exists()):
+            if entry.row is not None and folder.holds(entry):
                 stock.add(entry.row)
         return stock
 

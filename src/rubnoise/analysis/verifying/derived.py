@@ -1,10 +1,11 @@
 """What a file derives from its own rows for its readers: the life curve and the summary."""
 
+from math import isnan
 from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.analysis.agreement import ERROR, EXACT, Agreement
 from rubnoise.analysis.summary import summarise
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.notes import Notes
@@ -17,8 +18,11 @@ from rubnoise.storage.reader import RunFile
 MEASURED: Final = 1e-9
 """Relative: measured figures are sums over columns, whose order is left open."""
 
-EXACT: Final = 1e-6
+CLOSE: Final = 1e-6
 """Relative: exact figures come from quadratures, which may be refined from version to version."""
+
+ERRORS: Final = 1e-4
+"""Relative: standard errors come from quadratures that need no more digits than errors have."""
 
 _CONSTANT = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
@@ -33,32 +37,35 @@ def curve_check(model: Model, run: RunFile) -> Check:
 
 
 def summary_check(model: Model, run: RunFile) -> Check:
-    """Return whether the summary has every figure of the run, as its columns and the theory of its scenario have it."""
-    notes, tally = Notes("summary"), Tally()
+    """Return whether the summary has every figure of the run, as its columns and the theory of its scenario have it.
+
+    Standard errors are worked out again, too; a figure that a run of the scenario does not have is named.
+    """
+    notes, tally, stored = Notes("summary"), Tally(), run.summary
     for group in ("trace", "slider"):
         if group in run.columns:
             for panel in panels(run, group):
                 tally.write(group, panel.first, panel.columns)
-    stored = {figure.name: figure for figure in from_attributes(run.summary)}
+    known: set[str] = set()
     for figure in summarise(model, tally):
-        found = stored.get(figure.name)
-        if found is None:
-            notes.say(f"/summary {figure.name}", found="missing", expected=figure.observed)
-        else:
-            _compare(notes, found, figure, tally)
+        right = figure.as_attributes()
+        known.update(right)
+        for name, value in right.items():
+            beside = {figure.name + EXACT: CLOSE * abs(value), figure.name + ERROR: ERRORS * abs(value)}
+            _compare(notes, name, stored.get(name), value, beside.get(name, _allowed(figure, tally)))
+    for name in stored.keys() - known:
+        notes.say(f"/summary {name}", found=stored[name], expected="no figure of this run")
     return notes.check()
 
 
-def _compare(notes: Notes, found: Agreement, right: Agreement, tally: Tally) -> None:
-    allowed = _allowed(right, tally)
-    _close(notes, right.name, found.observed, right.observed, allowed)
-    if right.expected is not None:
-        told = np.nan if found.expected is None else found.expected
-        _close(notes, f"{right.name}_exact", told, right.expected, EXACT * abs(right.expected))
-
-
-def _close(notes: Notes, name: str, found: float, right: float, allowed: float) -> None:
-    same = found == right or abs(found - right) <= allowed
+def _compare(notes: Notes, name: str, found: object, right: float, allowed: float) -> None:
+    """Compare a figure with what it should be; where neither is a number, both are the same."""
+    if found is None:
+        notes.say(f"/summary {name}", found="missing", expected=right)
+        return
+    same = isinstance(found, float) and (
+        found == right or abs(found - right) <= allowed or (isnan(found) and isnan(right))
+    )
     notes.say(f"/summary {name}", found=found, expected=found if same else right)
 
 

@@ -1,20 +1,35 @@
-"""Every column of a file held against the hash that is stored beside it."""
+"""Every column of a file, and what it says of itself, compared with the hash that is stored beside it."""
+
+from typing import Final
 
 from rubnoise.analysis.verifying.findings import Check, Difference
 from rubnoise.analysis.verifying.reading import PANEL_ROWS
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.reader import RunFile
+from rubnoise.storage.schema import BLOCKS, HASH
+from rubnoise.storage.seal import seal_of
+
+SEAL: Final = f"/provenance {HASH}"
 
 
 def hash_check(run: RunFile) -> Check:
-    """Return whether every column can be read and has the xxh3_128 that is written beside it."""
+    """Return whether every column can be read and has the xxh3_128 beside it, and all attributes together theirs."""
     values = sum(run.rows(group) * len(names) for group, names in run.columns.items())
     damaged = run.damaged()
-    if not damaged:
-        return Check(name="hashes", values=values)
-    told = "unreadable" if damaged[0] in unreadable(run) else "not what its hash was taken of"
-    first = Difference(place=damaged[0], row=None, found=told, expected="as it was written")
-    return Check(name="hashes", values=values, different=len(damaged), first=first)
+    wrong = [_column_difference(run, damaged[0])] if damaged else []
+    if not is_early(run):
+        values += 1
+        wrong += [difference for difference in [_seal_difference(run)] if difference]
+    different = len(damaged) + len(wrong) - bool(damaged)
+    return Check(name="hashes", values=values, different=different, first=wrong[0] if wrong else None)
+
+
+def is_early(run: RunFile) -> bool:
+    """Whether a file was written by a development version that knew neither /blocks nor a hash of attributes.
+
+    Whoever takes one of the two from a later file leaves the other, which tells.
+    """
+    return BLOCKS.name not in run.columns and run.seal is None
 
 
 def unreadable(run: RunFile) -> list[str]:
@@ -28,3 +43,16 @@ def unreadable(run: RunFile) -> list[str]:
             except RunFileRefused:
                 found.append(f"/{group}/{name}")
     return found
+
+
+def _column_difference(run: RunFile, column: str) -> Difference:
+    told = "unreadable" if column in unreadable(run) else "not what its hash was taken of"
+    return Difference(place=column, row=None, found=told, expected="as it was written")
+
+
+def _seal_difference(run: RunFile) -> Difference | None:
+    there, right = run.seal, seal_of(run.attributes, run.summary, run.provenance)
+    if there == right:
+        return None
+    expected = f"{right}, the hash of the attributes of the root, /summary and /provenance"
+    return Difference(place=SEAL, row=None, found=there or "missing", expected=expected)

@@ -13,9 +13,10 @@ Mask = NDArray[np.bool_]
 class Notes:
     """The notes of one check. Rows of several columns may come in any order; the first row that differs is kept."""
 
-    def __init__(self, name: str) -> None:
-        """Begin a check of a name."""
+    def __init__(self, name: str, of: str = "") -> None:
+        """Begin a check of a name; ``of`` is the file that places are in, where there are several."""
         self._name = name
+        self._of = f"{of} " if of else ""
         self._values = 0
         self._different = 0
         self._first: Difference | None = None
@@ -43,7 +44,7 @@ class Notes:
         self._values += 1
         if found != expected:
             self._different += 1
-            self._keep(Difference(place=place, row=None, found=str(found), expected=str(expected)))
+            self._keep(Difference(place=f"{self._of}{place}", row=None, found=str(found), expected=str(expected)))
 
     def check(self) -> Check:
         """Return what has been noted."""
@@ -56,7 +57,9 @@ class Notes:
         row = int(np.argmin(right))
         self._different += int(found.size - np.count_nonzero(right))
         self._keep(
-            Difference(place=place, row=first_row + row, found=shown(found[row]), expected=expected(row)),
+            Difference(
+                place=f"{self._of}{place}", row=first_row + row, found=shown(found[row]), expected=expected(row)
+            ),
         )
 
     def _keep(self, difference: Difference) -> None:

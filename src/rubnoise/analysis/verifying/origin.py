@@ -6,13 +6,15 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.hashes import is_early
 from rubnoise.analysis.verifying.motion import cell_motion
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
-from rubnoise.scenario import build
+from rubnoise.scenario import Scenario
 from rubnoise.storage.layout import features_of, stored_columns, stored_groups
 from rubnoise.storage.reader import RunFile
+from rubnoise.storage.schema import BLOCKS
 from rubnoise.streams import STREAM_VERSION
 
 CONSTANTS: Final = "/provenance propagator_constants"
@@ -30,19 +32,18 @@ def layout_check(model: Model, run: RunFile) -> Check:
     """Return whether a file has the groups, columns and ticks that a run of its scenario has."""
     notes, features = Notes("layout"), features_of(model)
     for group in stored_groups(features):
-        if group.name in run.columns or not group.added:
+        if group != BLOCKS or not is_early(run):
             expected = tuple(column.name for column in stored_columns(group, features))
             notes.say(f"/{group.name}", found=tuple(run.columns.get(group.name, ())), expected=expected)
     notes.say("/trace rows", found=run.rows("trace"), expected=model.tick_count + 1)
     return notes.check()
 
 
-def origin_check(model: Model, run: RunFile) -> Check:
+def origin_check(scenario: Scenario, run: RunFile) -> Check:
     """Return whether seed, calibrated diameter and constants of the slider are those of the scenario in the file."""
-    notes, origin = Notes("origin"), run.provenance
-    seed = build(json.loads(str(origin["scenario_resolved"]))).run.seed
+    notes, origin, model = Notes("origin"), run.provenance, scenario.model()
     diameter = origin["calibrated_diameter"]
-    notes.say("/provenance seed", found=origin["seed"], expected=seed)
+    notes.say("/provenance seed", found=origin["seed"], expected=scenario.run.seed)
     notes.say("/provenance calibrated_diameter", found=diameter, expected=model.calibrated_diameter)
     told = stored_constants(run)
     expected = _constants(model, cells_per_tick(run))

@@ -153,13 +153,8 @@ def _as_live(panel: Panel) -> LiveRows:
 def _check_constants(notes: Notes, model: Model, run: RunFile) -> None:
     """Compare the constants of the slider's step, computed anew, with those of the file."""
     constants, told = slider_constants(model), stored_constants(run)
-    if constants is None:
-        return
-    notes.say(f"{CONSTANTS} cells_per_tick", found=told.get("cells_per_tick"), expected=constants.cells_per_tick)
-    for name, matrix in (("transition", constants.transition), ("gain", constants.gains)):
-        for (row, column), value in np.ndenumerate(matrix):
-            key = f"{name}_{row}{column}"
-            notes.say(f"{CONSTANTS} {key}", found=told.get(key), expected=float(value))
+    for name, value in constants.named().items() if constants else ():
+        notes.say(f"{CONSTANTS} {name}", found=told.get(name), expected=value)
 
 
 def _told(touched: list[int]) -> list[LeftOut]:

@@ -1,0 +1,194 @@
+"""The folder of a sweep asked whether it is what it says: its description, journals, index, names, and every run."""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final, get_args
+
+from rubnoise.analysis.verification import verify
+from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
+from rubnoise.analysis.verifying.inventories import shown
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.api.verify_index import index_checks
+from rubnoise.api.verify_journals import journal_check
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.scenario.sweep import Sweep
+from rubnoise.scenario.sweep_settings import Keep
+from rubnoise.storage.named_run import name_of
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.sweep.folder import SweepFolder
+from rubnoise.sweep.identity import cases_of, identity, manifest_text
+
+MANIFEST: Final = "sweep.json"
+OWN: Final = frozenset(("index.h5", "merged.h5", MANIFEST, "runs", "journal"))
+"""What a sweep makes in its folder, beside locks and what is being written."""
+
+UNFINISHED: Final = (".part", ".part.journal")
+
+Watch = Callable[[int, int], None]
+
+
+@dataclass(slots=True, kw_only=True)
+class Results:
+    """What the files of runs are: the figures of each by the name that it lies under, and what was found of them."""
+
+    names: Notes
+    figures: dict[str, Mapping[str, Any]] = field(default_factory=dict)
+    values: int = 0
+    different: list[Difference] = field(default_factory=list)
+    left_out: Counter[tuple[str, str]] = field(default_factory=Counter)
+
+    def checks(self) -> list[Check]:
+        """Return whether files have the names of their runs, and whether each of them is what it says."""
+        first = self.different[0] if self.different else None
+        return [
+            self.names.check(),
+            Check(name="runs", values=self.values, different=len(self.different), first=first),
+        ]
+
+
+def verify_sweep(
+    folder: str | os.PathLike[str], regenerate: int = 0, watch: Watch = lambda _done, _all: None
+) -> Verification:
+    """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
+
+    ``regenerate``: how many blocks of each run to make again; ``watch`` is told how many runs of how many were looked
+    at. Raises RunFileRefused for a folder that is not that of a sweep, or on which a sweep is at work.
+    """
+    place = SweepFolder(Path(folder))
+    if not place.root.is_dir() or not (place.manifest.exists() or place.index.exists()):
+        raise RunFileRefused(f"{folder}: is not a sweep folder: it has neither {MANIFEST} nor index.h5")
+    if place.is_at_work():
+        raise RunFileRefused(f"{folder}: another process is at work on this sweep")
+    manifest, sweep = _manifest_check(place)
+    if regenerate and sweep is not None and sweep.keep == "summary":
+        raise Refused(f"{folder}: the sweep keeps no runs of which blocks could be made again")
+    results = _results(place, regenerate, watch)
+    left_out = list(_left_out(place, results))
+    journals, known = journal_check(place, results.figures, left_out)
+    index = index_checks(place, sweep, left_out)
+    _unknown_runs(results, known | index.run_ids)
+    checks = [manifest, journals, *index.checks, *results.checks()]
+    return Verification(checks=tuple(checks), left_out=tuple(left_out))
+
+
+def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
+    """Return whether sweep.json is the description of a sweep, and that sweep, where it can be told."""
+    notes = Notes("manifest", of=MANIFEST)
+    try:
+        text = folder.manifest.read_text(encoding="utf-8")
+        kept = json.loads(text)
+        sweep = _sweep(kept, notes)
+    except FileNotFoundError:
+        return _one("manifest", MANIFEST, "missing", "the description of the sweep"), None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError) as problem:
+        told = " ".join(f"unreadable ({problem})".split())
+        return _one("manifest", MANIFEST, told, "the description of the sweep"), None
+    notes.say("form", found="JSON", expected="JSON" if text == manifest_text(kept) else "JSON as the program writes it")
+    if sweep is not None:
+        right = json.loads(json.dumps(identity(sweep)))
+        for key in dict.fromkeys([*right, *kept]):
+            found, expected = (shown(each.get(key, "missing")) for each in (kept, right))
+            notes.say(key, found=found, expected=expected)
+    check = notes.check()
+    return check, sweep if check.holds else None
+
+
+def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
+    """Return the sweep that is described; None where a point does not have the name of its scenario."""
+    cases = cases_of(kept)
+    for number, (point, case) in enumerate(zip(kept["points"], cases, strict=True)):
+        right = "the name of its scenario" if case is None else point["name"]
+        notes.say(f"points {number} name", found=point["name"], expected=right)
+    named = tuple(case for case in cases if case is not None)
+    if len(named) < len(cases) or not cases:
+        return None
+    notes.say(
+        "keep", found=kept["keep"], expected=kept["keep"] if kept["keep"] in get_args(Keep) else "runs or summary"
+    )
+    return Sweep(
+        name=MANIFEST,
+        text="",
+        title=named[0].scenario.title,
+        keys=tuple(named[0].values),
+        side_by_side=(),
+        cases=named,
+        replicates=1,
+        warnings=(),
+        keep=kept["keep"],
+    )
+
+
+def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
+    """Look at every file in the folder of runs."""
+    results = Results(names=Notes("names"))
+    runs = folder.root / "runs"
+    files = sorted(path for path in runs.iterdir() if not path.name.startswith(".")) if runs.is_dir() else []
+    for number, path in enumerate(files):
+        watch(number, len(files))
+        if path.name.endswith(UNFINISHED):
+            continue
+        if path.suffix != ".h5" or not path.is_file():
+            results.names.say(f"runs/{path.name}", found="there", expected="no file of this name")
+            continue
+        try:
+            with open_run(path) as run:
+                _take_in(results, run, path, regenerate)
+        except RunFileRefused as refusal:
+            told = str(refusal).removeprefix(f"{path}: ")
+            results.different.append(
+                Difference(place=f"runs/{path.name}", row=None, found=told, expected="the result of a run")
+            )
+    return results
+
+
+def _take_in(results: Results, run: RunFile, path: Path, regenerate: int) -> None:
+    name = name_of(run)
+    right = path.stem if name == path.stem else f"that of {path.stem}"
+    results.names.say(f"runs/{path.name}", found=name if name == path.stem else f"the result of {name}", expected=right)
+    if not run.provenance["finished"]:
+        raise RunFileRefused("unfinished")
+    results.figures[path.stem] = {name: value for name, value in run.summary.items() if isinstance(value, int | float)}
+    try:
+        found = verify(run, regenerate)
+    except Refused as refusal:
+        if isinstance(refusal, RunFileRefused):
+            raise
+        results.left_out["regenerated", str(refusal)] += 1
+        found = verify(run)
+    results.values += found.values
+    results.left_out.update((each.name, each.reason) for each in found.left_out)
+    for check in found.different:
+        if check.first is not None:
+            first = check.first
+            place = f"runs/{path.name} {first.place}"
+            results.different.append(Difference(place=place, row=first.row, found=first.found, expected=first.expected))
+
+
+def _unknown_runs(results: Results, known: frozenset[str]) -> None:
+    """Name results of which neither the index nor a journal knows."""
+    for name in results.figures:
+        told = "known" if name in known else "a run that neither the index nor a journal knows"
+        results.names.say(f"runs/{name}.h5", found=told, expected="known" if name in known else "a run of this sweep")
+
+
+def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
+    """Yield what is not compared with anything: what runs leave out, copies, unfinished runs and other files."""
+    for (name, reason), count in sorted(results.left_out.items()):
+        runs = f"{count:,} runs: " if count > 1 else "a run: "
+        yield LeftOut(name=name, reason=runs + reason)
+    if folder.merged.exists():
+        yield LeftOut(name="merged.h5", reason="it is a copy of index and runs, which `sweep --merge` writes anew")
+    for path in sorted((folder.root / "runs").glob("*.h5.part")):
+        yield LeftOut(name=f"runs/{path.name}", reason="unfinished; the same sweep goes on with it")
+    for path in sorted(folder.root.iterdir()):
+        if path.name not in OWN and not path.name.startswith(".") and not path.name.endswith(UNFINISHED):
+            yield LeftOut(name=path.name, reason="it is no file of the sweep")
+
+
+def _one(name: str, place: str, found: str, expected: str) -> Check:
+    first = Difference(place=place, row=None, found=found, expected=expected)
+    return Check(name=name, values=1, different=1, first=first)

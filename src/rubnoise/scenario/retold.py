@@ -1,0 +1,86 @@
+"""The scenario that a text and its overrides stand for, read once more for a run that was made from them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from rubnoise.errors import ScenarioRefused
+from rubnoise.scenario.axes import Axis, Table, read_table
+from rubnoise.scenario.keys import SWEEP
+from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
+from rubnoise.scenario.load import examined
+from rubnoise.scenario.points import Case, points_of
+from rubnoise.scenario.problems import report
+from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.source import Source
+from rubnoise.scenario.sweep import Choice
+
+NAME: Final = "scenario_toml"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Retold:
+    """The resolved scenario of a text, and for a point of a sweep the seeds that its replicates have.
+
+    ``whole`` is False where the text extends a file that is not at hand: what that one says is taken from the run.
+    """
+
+    resolved: Mapping[str, Any]
+    seeds: frozenset[int] = frozenset()
+    whole: bool = True
+
+
+def retold(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> Retold:
+    """Return the scenario of a text with overrides; of a sweep the point that has the swept values of the run.
+
+    ``run`` is the resolved scenario of the run. Raises ScenarioRefused where the text is no scenario, or where its
+    sweep has no such point.
+    """
+    whole = "extends" not in Source(NAME, text).data
+    given = from_text(text, NAME, overrides) if whole else from_text_over(run, text, NAME, overrides)
+    if SWEEP in given.data:
+        return _point(given, run, whole=whole)
+    return Retold(resolved=_scenario(given).resolved(), whole=whole)
+
+
+def _scenario(given: Layers) -> Scenario:
+    scenario, problems = examined(given)
+    if scenario is None:
+        raise ScenarioRefused(report(problems))
+    return scenario
+
+
+def _point(given: Layers, run: Mapping[str, Any], *, whole: bool) -> Retold:
+    table, wrong = read_table(given)
+    if given.problems or wrong:
+        raise ScenarioRefused(report([*given.problems, *wrong]))
+    choice = Choice(NAME, "", origin=given, axes=table.axes, indices=_indices(table, run))
+    scenario = _scenario(given.topped(choice, without=SWEEP))
+    replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
+    seeds = frozenset(point.seed for point in replicates)
+    return Retold(resolved=scenario.resolved(), seeds=seeds if whole else frozenset(), whole=whole)
+
+
+def _indices(table: Table, run: Mapping[str, Any]) -> tuple[int, ...]:
+    """Return which value of each axis the run has; values side by side have one number."""
+    found = [_numbers(axis, run) for axis in table.grid]
+    if table.side_by_side:
+        common = set.intersection(*(set(_numbers(axis, run)) for axis in table.side_by_side))
+        found += [sorted(common)] * len(table.side_by_side)
+    for axis, numbers in zip(table.axes, found, strict=True):
+        if not numbers:
+            section, key = map(str, axis.path)
+            raise ScenarioRefused(f"{NAME}: {axis.key}: none of its values is that of the run, {run[section].get(key)}")
+    return tuple(numbers[0] for numbers in found)
+
+
+def _numbers(axis: Axis, run: Mapping[str, Any]) -> list[int]:
+    return [number for number, value in enumerate(axis.values) if _is_of(axis, value, run)]
+
+
+def _is_of(axis: Axis, value: Any, run: Mapping[str, Any]) -> bool:
+    """Whether the run stays as it is when a key is given a value as written."""
+    section, key = map(str, axis.path)
+    changed = from_values({**run, section: {**run.get(section, {}), key: value}}, NAME)
+    scenario, _ = examined(changed)
+    return scenario is not None and scenario.resolved()[section].get(key) == run[section].get(key)

@@ -1,0 +1,224 @@
+"""Everything that a file holds, by name, with every attribute, and what a run of ours would hold there.
+
+Files from elsewhere are looked at in a child process (see vetting); no row is read.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+import h5py
+import numpy as np
+import xxhash
+from numpy.typing import NDArray
+
+from rubnoise.errors import RunFileRefused
+from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
+from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.pages import Overlay
+from rubnoise.storage.rows import REMEDY
+from rubnoise.storage.soundness import ATTRIBUTE_BYTES
+from rubnoise.storage.structure import LIBRARY_VERSIONS, compose, put_text
+
+OBJECTS_LIMIT: Final = 20_000
+"""More groups and columns are in no file of ours, be it the index of the largest sweep."""
+
+DEEPEST: Final = 4
+"""How far below the root our files have columns: /traces/0/trace/distance in an index."""
+
+GROUP, DATASET = "group", "dataset"
+
+Inventory = Mapping[str, Mapping[str, Any]]
+"""What there is, by path: its kind, of a dataset also type, shape, storage and sources, and its attributes by name."""
+
+
+def inventory(descriptor: int) -> bytes:
+    """Return, as JSON, everything that an open file holds, or why it is refused."""
+    try:
+        with h5py.File(Overlay(descriptor), "r") as file:
+            found: dict[str, Any] = {"objects": inventory_of(file)}
+    except RunFileRefused as refusal:
+        found = {"refused": str(refusal)}
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as problem:
+        found = {"refused": f"damaged: {problem}; {REMEDY}"}
+    return json.dumps(found).encode()
+
+
+def expected_inventory(description: RunDescription) -> dict[str, dict[str, Any]]:
+    """Return what the file of a run holds before its first row: it is made in memory, as for a run."""
+    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+        compose(file, description, compressed=description.compression == "gzip")
+        return inventory_of(file)
+
+
+def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, NDArray[Any]]]:
+    """Return what the file of an index holds, and the values of its columns by paths such as /runs/seed."""
+    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+        compose_index(file, index)
+        owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
+        return inventory_of(file), {dataset.name: dataset[()] for owner in owners for dataset in owner.values()}
+
+
+def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:
+    """Return texts by name as the attributes of our files hold them."""
+    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+        for name, text in texts.items():
+            put_text(file, name, text)
+        return _attributes(file)
+
+
+def inventory_of(file: h5py.File) -> dict[str, dict[str, Any]]:
+    """Return everything that a file holds; what is neither a group nor a dataset of its own is named, and no more.
+
+    Raises RunFileRefused for more objects than any of our files has.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    waiting = [("/", file["/"])]
+    while waiting:
+        path, owner = waiting.pop()
+        found[path] = {"kind": GROUP, "attributes": _attributes(owner)}
+        for name, kind, entry in _links(owner):
+            place = f"{path.rstrip('/')}/{name}"
+            if len(found) + len(waiting) >= OBJECTS_LIMIT:
+                raise RunFileRefused(f"holds more than {OBJECTS_LIMIT} groups and columns")
+            if kind == GROUP and place.count("/") < DEEPEST:
+                waiting.append((place, entry))
+            else:
+                found[place] = _dataset(entry) if kind == DATASET else {"kind": kind, "attributes": {}}
+    return found
+
+
+def _links(owner: h5py.Group) -> Iterator[tuple[str, str, Any]]:
+    """Yield name, kind and object of everything in a group; of what is no hard link no object."""
+    names: list[bytes] = []
+    owner.id.links.iterate(names.append)
+    for raw in names:
+        name = raw.decode("utf-8", "backslashreplace")
+        if owner.id.links.get_info(raw).type != h5py.h5l.TYPE_HARD:
+            yield name, "link", None
+            continue
+        entry = h5py.h5o.open(owner.id, raw)
+        if isinstance(entry, h5py.h5g.GroupID):
+            yield name, GROUP, h5py.Group(entry)
+        elif isinstance(entry, h5py.h5d.DatasetID):
+            yield name, DATASET, h5py.Dataset(entry)
+        else:
+            yield name, "type", None
+
+
+def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
+    creation = dataset.id.get_create_plist()
+    layout = creation.get_layout()
+    # That of a virtual dataset may be found in other files only, which cannot be opened here.
+    shape = dataset.id.shape if layout != h5py.h5d.VIRTUAL else dataset.id.get_space().shape
+    return {
+        "kind": DATASET,
+        "type": _type(dataset.id.get_type()),
+        "shape": list(shape),
+        "storage": _storage(creation, layout),
+        "sources": _sources(creation) if layout == h5py.h5d.VIRTUAL else "none",
+        "attributes": _attributes(dataset),
+    }
+
+
+def _storage(creation: h5py.h5p.PropDCID, layout: int) -> str:
+    """Return how the rows of a dataset lie in its file, in words."""
+    if layout == h5py.h5d.CONTIGUOUS:
+        return "in other files" if creation.get_external_count() else "in one piece"
+    if layout == h5py.h5d.VIRTUAL:
+        return "in the files of runs"
+    if layout != h5py.h5d.CHUNKED:
+        return "in its header"
+    filters = [creation.get_filter(number)[0] for number in range(creation.get_nfilters())]
+    return f"in chunks of {creation.get_chunk()[0]} through filters {filters}"
+
+
+def _sources(creation: h5py.h5p.PropDCID) -> str:
+    """Return which rows of a virtual dataset lie in which dataset of which file: how many pieces, and their hash."""
+    digest, count = xxhash.xxh3_128(), creation.get_virtual_count()
+    for number in range(count):
+        place = (creation.get_virtual_filename(number), creation.get_virtual_dsetname(number))
+        digest.update(json.dumps([_selection(creation.get_virtual_vspace(number)), *place]).encode())
+    return f"{count} pieces with the hash {digest.hexdigest()}"
+
+
+def _selection(space: h5py.h5s.SpaceID) -> str:
+    """Return which values are selected, by the corners of what holds them all, and their number."""
+    if space.get_select_type() == h5py.h5s.SEL_ALL:
+        return "all"
+    first, last = (tuple(map(int, corner)) for corner in space.get_select_bounds())
+    return f"{space.get_select_npoints()} from {first} to {last}"
+
+
+def _attributes(owner: h5py.HLObject) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    names: list[bytes] = []
+    h5py.h5a.iterate(owner.id, names.append)
+    for raw in names:
+        attribute = h5py.h5a.open(owner.id, raw)
+        name, kind = raw.decode("utf-8", "backslashreplace"), attribute.get_type()
+        shape = attribute.shape
+        found[name] = {
+            "type": _type(kind),
+            "shape": None if shape is None else list(shape),
+            "value": _value(owner, attribute, kind),
+        }
+    return found
+
+
+def _type(kind: h5py.h5t.TypeID) -> str:
+    """Return the type of values as text, so that two of them are equal where the types are."""
+    if isinstance(kind, h5py.h5t.TypeStringID):
+        characters = "UTF-8" if kind.get_cset() == h5py.h5t.CSET_UTF8 else "ASCII"
+        length = "any length" if kind.is_variable_str() else f"{kind.get_size()} bytes"
+        return f"{characters} text of {length}"
+    if isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID):
+        return str(kind.dtype.str)
+    if isinstance(kind, h5py.h5t.TypeReferenceID):
+        return "reference"
+    if isinstance(kind, h5py.h5t.TypeVlenID):
+        return f"list of {_type(kind.get_super())}"
+    if isinstance(kind, h5py.h5t.TypeCompoundID):
+        members = (_type(kind.get_member_type(number)) for number in range(kind.get_nmembers()))
+        return f"({', '.join(members)})"
+    return f"HDF5 class {kind.get_class()}"
+
+
+def _value(owner: h5py.HLObject, attribute: h5py.h5a.AttrID, kind: h5py.h5t.TypeID) -> Any:
+    """Return what an attribute holds, references as the paths of what they refer to; None where it cannot be told."""
+    if attribute.get_storage_size() > ATTRIBUTE_BYTES or attribute.shape is None:
+        return None
+    if isinstance(kind, h5py.h5t.TypeStringID):
+        if kind.is_variable_str():
+            return None
+        texts = np.empty(attribute.shape, dtype=kind.dtype)
+        attribute.read(texts)
+        return _decoded(texts.tolist())
+    if isinstance(kind, h5py.h5t.TypeIntegerID | h5py.h5t.TypeFloatID):
+        numbers = np.empty(attribute.shape, dtype=kind.dtype)
+        attribute.read(numbers)
+        return numbers.tolist()
+    if isinstance(kind, h5py.h5t.TypeVlenID | h5py.h5t.TypeCompoundID | h5py.h5t.TypeReferenceID):
+        return _referred(owner, owner.attrs.get(attribute.name))
+    return None
+
+
+def _decoded(texts: Any) -> Any:
+    return [_decoded(each) for each in texts] if isinstance(texts, list) else texts.decode("utf-8", "backslashreplace")
+
+
+def _referred(owner: h5py.HLObject, value: Any) -> Any:
+    """Return lists and rows with paths in place of references."""
+    if isinstance(value, h5py.Reference):
+        try:
+            name = h5py.h5r.get_name(value, owner.file.id) if value else None
+        except (OSError, RuntimeError, KeyError, ValueError):
+            return None  # what it referred to is gone
+        return None if name is None else name.decode("utf-8", "backslashreplace")
+    if isinstance(value, np.void):
+        return [_referred(owner, each) for each in value.item()]
+    if isinstance(value, np.ndarray):
+        return [_referred(owner, each) for each in value]
+    if isinstance(value, np.generic):
+        return value.item()
+    return value if isinstance(value, int | float | str) else None
