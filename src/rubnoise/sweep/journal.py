@@ -14,10 +14,15 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.errors import OutputRefused
+from rubnoise.regular_file import open_stream
 from rubnoise.sweep.rows import Row
 
 SYNC_EVERY: Final = 1.0
 """Seconds of lines that a power cut may take, whose runs are found again by their files, and seconds of such files."""
+
+LINE_BYTES: Final = 1 << 24
+"""No line is longer: the curves of a run's summary take some hundred kB."""
 
 _DIGITS: Final = 16
 
@@ -40,6 +45,8 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         """Open a journal to go on at its end."""
+        if path.exists() and not path.is_file():
+            raise OutputRefused(f"{path}: exists and is not a regular file")
         self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         self._synced = time.monotonic()
         size = os.fstat(self._descriptor).st_size
@@ -74,8 +81,8 @@ class Journal:
 def entries(path: Path) -> Iterator[Entry]:
     """Yield every sound entry of a journal, the oldest first; nothing where there is none."""
     try:
-        with path.open("rb") as lines:
-            for line in lines:
+        with open_stream(path) as lines:
+            while line := lines.readline(LINE_BYTES):
                 digest, _, text = line.rstrip(b"\n").partition(b" ")
                 if len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode():
                     yield _unpacked(json.loads(text))
