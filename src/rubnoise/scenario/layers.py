@@ -175,6 +175,10 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
             return sources, _not_extended(sources[0], str(refusal))
         if identity in seen:
             return sources, _not_extended(sources[0], "extends a file that extends this one")
+        if sum(len(source.text.encode()) for source in (*sources, Source(base, text))) > limits.CHAIN_BYTES:
+            return sources, _not_extended(
+                sources[0], f"with it more than {limits.CHAIN_BYTES // 1024} kB extend one another"
+            )
         if len(sources) > limits.EXTENDS_DEPTH:
             return sources, _not_extended(sources[0], f"more than {limits.EXTENDS_DEPTH} files extend one another")
         sources.insert(0, Source(_shown_path(path), text))
