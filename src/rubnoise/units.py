@@ -1,8 +1,9 @@
-"""Quantities as text, `NUMBER UNIT`: the number is read here, the unit is judged by pint; inside all is um, s, kg.
+"""Quantities as text, `NUMBER UNIT`: the number is read here, the size of a unit is pint's; inside all is um, s, kg.
 
 pint never sees the number: given the whole text it turns "1,5 mm" into 15 mm, drops a Unicode minus, evaluates
-"5 mm + 3 mm" and hangs on powers of powers. The usual units stand in a table, so that reading an ordinary scenario
-does not pay the half second of loading pint; tests hold the table equal to pint.
+"5 mm + 3 mm" and hangs on powers of powers. Nor does it choose the units (see unit_names). The usual ones stand in
+a table with their sizes, so that reading an ordinary scenario does not pay the half second of loading pint; tests hold
+the table equal to pint.
 """
 
 import re
@@ -13,11 +14,14 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any, Self
 
+from rubnoise.unit_names import RATIOS, UNITS, like
+
 _MANTISSA = r"[+-]?[0-9]+(?:\.[0-9]+)?"
 NUMBER = rf"{_MANTISSA}(?:[eE][+-]?[0-9]{{1,3}})?"
 MAX_UNIT_LENGTH = 40
 # One small power per name: pint would multiply out a tower of powers until the memory is gone.
-_FACTOR = r"[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*(?:(?:\^|\*\*)-?[0-9]{1,2}(?:\.[0-9]+)?)?"
+_NAME = r"[A-Za-z\u00b5\u03bc%][A-Za-z0-9\u00b5\u03bc%]*"
+_FACTOR = rf"{_NAME}(?:(?:\^|\*\*)-?[0-9]{{1,2}}(?:\.[0-9]+)?)?"
 _UNIT = re.compile(rf"(?:1 ?/ ?)?{_FACTOR}(?:(?: ?[*/] ?| +){_FACTOR})*")
 _QUANTITY = re.compile(rf"((?>{NUMBER}))( *)([^ ].*)")
 _FOREIGN = re.compile(r"[^A-Za-z0-9\u00b5\u03bc%*/^. \-]")
@@ -148,7 +152,7 @@ def read_quantity(text: str, *kinds: Kind) -> Quantity:
         raise QuantityError(
             f"{_dimension_name(unit_text, unit)}, {wanted} is needed", f'right form: "{number} {kinds[0].unit}"'
         )
-    if kind is RATIO and unit_text not in _RATIO_UNITS:
+    if kind is RATIO and unit_text not in RATIOS:
         raise QuantityError(f'"{unit_text}" is no unit of a ratio', f'right form: "{RATIO.example}"')
     try:
         return Quantity(Fraction(number) * unit.size, kind, text)
@@ -167,10 +171,12 @@ def _read_unit(text: str, number: str) -> Unit:
     _refuse_foreign(text)
     if not _UNIT.fullmatch(text):
         raise QuantityError(f'"{text}" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"')
-    try:
-        return _judged_by_pint(text)
-    except QuantityError as error:
-        raise QuantityError(str(error), _power_hint(text, number)) from None
+    for name in () if text in RATIOS else re.findall(_NAME, text):
+        if name in RATIOS:
+            raise QuantityError(f'"{name}" is part of no other unit', f'right form: "{RATIO.example}"')
+        if name not in UNITS:
+            raise QuantityError(f'unknown unit "{name}"', _power_hint(text, number) or like(name))
+    return _sized_by_pint(text)
 
 
 def _refuse_foreign(text: str) -> None:
@@ -187,20 +193,17 @@ def _power_hint(text: str, number: str) -> str:
 
 
 @lru_cache(maxsize=256)
-def _judged_by_pint(text: str) -> Unit:
+def _sized_by_pint(text: str) -> Unit:
     registry = _registry()
     try:
         units = registry.parse_units(text)
         size, _ = registry.get_base_units(units)
-        dimension = dict(units.dimensionality)
-        plain = registry.Quantity(1, units)._is_multiplicative  # noqa: SLF001  (pint has no public name for it)
-    except Exception:  # noqa: BLE001  (pint raises KeyError, TypeError, AttributeError and more for odd texts)
-        raise QuantityError(f'unknown unit "{text}"') from None
-    powers = tuple(dimension.pop(name, 0) for name in ("[length]", "[mass]", "[time]"))
-    if not plain or not isinstance(size, (int, Fraction)) or any(power % 1 for power in powers):
+        dimension = units.dimensionality
+    except Exception:  # noqa: BLE001  (pint raises TypeError, OverflowError and more for odd powers)
+        raise QuantityError(f'"{text}" is no unit') from None
+    powers = tuple(dimension.get(name, 0) for name in ("[length]", "[mass]", "[time]"))
+    if not isinstance(size, (int, Fraction)) or any(power % 1 for power in powers):
         raise QuantityError(f'the unit "{text}" has no exact size in um, s and kg')
-    if dimension:
-        raise QuantityError(f'the unit "{text}" holds more than length, mass and time')
     return Unit(Fraction(size) * Fraction(10**6) ** int(powers[0]), tuple(int(power) for power in powers))
 
 
@@ -240,7 +243,6 @@ def _without_comma(text: str) -> str:
     return f'write "{_COMMA.sub(".", text)}"'
 
 
-_RATIO_UNITS = ("%", "percent", "ppm")
 _MAX_TEXT_LENGTH = 200
 Hint = Callable[[str], str]
 _TRAPS: tuple[tuple[re.Pattern[str], str, Hint | None], ...] = (

@@ -1,8 +1,13 @@
+import os
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
 
 from tests.cli.terminal import CONTACT, WITH_SLIDER
+
+WITHOUT_RIGHTS = ("setpriv", "--bounding-set=-dac_override,-dac_read_search", "--")
 
 
 @pytest.fixture
@@ -15,3 +20,13 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (given / "slider.toml").write_text(WITH_SLIDER, encoding="utf-8")
     monkeypatch.chdir(folder)
     return folder
+
+
+@pytest.fixture
+def unprivileged() -> tuple[str, ...]:
+    """Return what to put before a command so that permissions hold, also for root."""
+    if os.geteuid() != 0:
+        return ()
+    if shutil.which(WITHOUT_RIGHTS[0]) is None or subprocess.run([*WITHOUT_RIGHTS, "true"], check=False).returncode:
+        pytest.skip("run as root, and setpriv cannot drop its rights: every folder can be written")
+    return WITHOUT_RIGHTS

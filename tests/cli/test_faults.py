@@ -1,7 +1,10 @@
 """Every command beside every fault of what it reads and where it writes: one line with the path, and nothing made."""
 
 import fcntl
+import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
+from tests.architecture.sources import ROOT
 from tests.cli.terminal import WITH_SLIDER, call, names
 
 READERS = {
@@ -256,3 +260,111 @@ def test_the_same_words_write_where_nothing_is_in_the_way(place: Path, command: 
     words = _words(command)
     assert call(*words).code == 0
     assert names(place / "there") == [Path(next(word for word in words if word.startswith("there/"))).name]
+
+
+SCENARIO_READERS = {"check": (), "run": (), "theory": (), "sweep": (), "teach": ("-o", "out.html")}
+"""Commands that read a scenario, with the words behind its path."""
+
+
+@pytest.mark.parametrize("fault", [missing, folder, pipe, device, loop, behind_a_file], ids=lambda each: each.__name__)
+@pytest.mark.parametrize("command", SCENARIO_READERS)
+def test_what_is_no_scenario_is_refused_in_a_line(
+    place: Path, command: str, fault: Callable[[Path, bytes], None]
+) -> None:
+    fault(place / "bad.toml", b"")
+    before = names(place)
+    answer = call(command, "bad.toml", *SCENARIO_READERS[command])
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("bad.toml: ")
+    assert FAULTS[fault] in answer.err
+    assert answer.err.count("\n") == 1
+    assert names(place) == before
+
+
+KERNEL_LOG = Path("/proc/kmsg")
+"""It calls itself a regular file, and whoever reads it waits for the kernel to say something."""
+
+
+def _kernel_log_opens() -> bool:
+    try:
+        os.close(os.open(KERNEL_LOG, os.O_RDONLY | os.O_NONBLOCK))
+    except OSError:
+        return False
+    return True
+
+
+@pytest.mark.skipif(not _kernel_log_opens(), reason="the log of the kernel cannot be opened here")
+@pytest.mark.parametrize("command", ["check", "info"])
+def test_a_file_that_never_ends_is_refused(place: Path, command: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "rubnoise", command, str(KERNEL_LOG)],
+        capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"{KERNEL_LOG}: is not a regular file\n")
+    (place / "bad.toml").write_text(f'format = 1\nextends = "{KERNEL_LOG}"\n')
+    assert f"extends: {KERNEL_LOG}: is not a regular file\n" in call("check", "bad.toml").err
+
+
+def _journal_is_a_pipe(part: Path) -> str:
+    os.mkfifo(part.with_name(f"{part.name}.journal"))
+    return f"{part.absolute()}.journal: is not a regular file\n"
+
+
+def _lock_is_a_pipe(part: Path) -> str:
+    os.mkfifo(part.with_name(f".{part.stem}.lock"))
+    return ""
+
+
+@pytest.mark.parametrize("beside", [_journal_is_a_pipe, _lock_is_a_pipe])
+def test_a_pipe_beside_a_part_is_not_waited_for(place: Path, beside: Callable[[Path], str]) -> None:
+    part = place / "x.h5.part"
+    part.write_bytes((place / "good.h5").read_bytes())
+    said = beside(part)
+    answer = call("info", "x.h5.part")
+    assert (answer.code, answer.err) == (2 if said else 0, said)
+
+
+def test_the_index_of_a_sweep_may_be_no_pipe_either(place: Path) -> None:
+    (place / "sweep").mkdir()
+    os.mkfifo(place / "sweep" / "index.h5")
+    for command in OF_SWEEPS:
+        answer = call(command, "sweep")
+        assert (answer.code, answer.err) == (2, "sweep/index.h5: is not a regular file\n")
+
+
+CALLS = """
+import json, sys
+from tests.cli.terminal import call
+answers = [call(*words) for words in json.loads(sys.argv[1])]
+print(json.dumps([(answer.code, answer.out, answer.err) for answer in answers]))
+"""
+
+
+def test_what_may_not_be_read_is_refused_in_a_line(place: Path, unprivileged: tuple[str, ...]) -> None:
+    """Both where a file is closed and where its folder is; for each command that reads, and for parts and sweeps."""
+    closed = place / "closed"
+    closed.mkdir()
+    for name in ("good.h5", "scenario.toml"):
+        (place / name).chmod(0o000)
+        (closed / name).write_bytes(b"")
+    (place / "good.h5.part").touch(0o000)
+    (place / "sweep").mkdir(0o000)
+    (place / "extending.toml").write_text('format = 1\nextends = "scenario.toml"\n')
+    closed.chmod(0o000)
+    calls = [[name, f"{where}good.h5", *READERS[name]] for name in READERS for where in ("", "closed/")]
+    calls += [[name, f"{where}scenario.toml", *SCENARIO_READERS[name]] for name in ("check", "run", "theory")
+              for where in ("", "closed/")]  # fmt: skip
+    calls += [["info", "good.h5.part"], ["info", "closed/good.h5.part"], ["info", "sweep"], ["plot", "sweep"]]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [*unprivileged, sys.executable, "-c", CALLS, json.dumps(calls)],
+        capture_output=True, text=True, check=False, env=environment,
+    )  # fmt: skip
+    for path in (closed, place / "sweep"):
+        path.chmod(0o755)
+    assert done.returncode == 0, done.stderr
+    for words, (code, out, err) in zip(calls, json.loads(done.stdout), strict=True):
+        assert (code, out) == (2, ""), words
+        assert err.startswith(words[1]), words
+        assert err.endswith(": permission denied\n"), words
+        assert err.count("\n") == 1, words

@@ -10,18 +10,6 @@ import pytest
 
 import rubnoise
 
-WITHOUT_RIGHTS = ("setpriv", "--bounding-set=-dac_override,-dac_read_search", "--")
-
-
-@pytest.fixture
-def unprivileged() -> tuple[str, ...]:
-    """Return what to put before a command so that a folder without write permission is one, also for root."""
-    if os.geteuid() != 0:
-        return ()
-    if shutil.which(WITHOUT_RIGHTS[0]) is None or subprocess.run([*WITHOUT_RIGHTS, "true"], check=False).returncode:
-        pytest.skip("run as root, and setpriv cannot drop its rights: every folder can be written")
-    return WITHOUT_RIGHTS
-
 
 @pytest.fixture
 def installed(tmp_path: Path) -> Path:

@@ -214,8 +214,8 @@ def test_files_that_do_not_lead_to_a_base(tmp_path: Path, files: dict[str, str],
     ("base", "reason"),
     [
         ("missing.toml", "cannot be read: no such file or directory"),
-        ("", "cannot be read: is a directory"),
-        (".", "cannot be read: is a directory"),
+        ("", "is not a regular file"),
+        (".", "is not a regular file"),
         ("/dev/zero", "not a regular file"),
         ("pipe", "not a regular file"),
         ("loop", "cannot be read: too many levels of symbolic links"),
@@ -259,7 +259,7 @@ def test_a_strangers_file_is_bounded(tmp_path: Path, content: bytes, message: st
 def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ScenarioRefused, match="cannot be read: no such file or directory"):
         load(tmp_path / "none.toml")
-    with pytest.raises(ScenarioRefused, match="cannot be read: is a directory"):
+    with pytest.raises(ScenarioRefused, match="is not a regular file"):
         load(tmp_path)
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(ScenarioRefused, match="not a regular file"):

@@ -73,9 +73,9 @@ def test_of_a_broken_text_the_sound_part_is_found(broken: str) -> None:
 
 
 def test_the_last_key_named() -> None:
-    assert last_key("[a]\nb.c = 1,5") == ("a", "b", "c")
-    assert last_key("[a]\nb = 1\n[d.e") == ("d", "e")
-    assert last_key("") == ()
+    assert last_key("[a]\nb.c = 1,5")[0] == ("a", "b", "c")
+    assert last_key("[a]\nb = 1\n[d.e")[0] == ("d", "e")
+    assert last_key("")[0] == ()
 
 
 def test_deep_nesting_ends_in_time() -> None:

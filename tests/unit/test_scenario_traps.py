@@ -3,6 +3,7 @@
 import pytest
 
 from rubnoise.scenario import loads
+from rubnoise.scenario.fields import Line, Unfit
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
 
 DISTANCE = "run.toml:18: error: sliding.distance: "
@@ -72,6 +73,11 @@ def test_a_count_that_is_none(value: str, message: str, hint: str) -> None:
     ("value", "message", "hint"),
     [
         ('"200 um2"', 'unknown unit "um2"', 'write "200 um^2"'),
+        (
+            '"200 um^2*bit"',
+            'unknown unit "bit"',
+            "a length, time, mass, force or pressure, such as um, s, kg, N, MPa",
+        ),
         ('"200 um"', '"um" is the unit of a length, an area is needed', 'right form: "200 um^2"'),
     ],
 )
@@ -110,10 +116,59 @@ def test_two_statements_on_one_line() -> None:
         ('"a\\u001bb"', "holds a line break or another character that does not print"),
         ('"' + "x" * 201 + '"', "longer than 200 characters"),
         ("7", "needs a text in quotation marks, not a number"),
+        ('"a\\u200bb"', "holds a line break or another character that does not print"),
+        ('"a\\u202eb"', "holds a line break or another character that does not print"),
+        ('"a\\u3164b"', "holds a character that cannot be seen, U+3164"),
+        ('"\\ufe0f"', "holds a character that cannot be seen, U+FE0F"),
     ],
 )
 def test_a_title_that_is_none(value: str, message: str) -> None:
     assert refusal(whole(title=value)).startswith(f"run.toml:2: error: title: {message}\n")
+
+
+IGNORABLE = (
+    *(0x00AD, 0x034F, 0x061C, 0x115F, 0x1160, 0x17B4, 0x17B5, 0x3164, 0xFEFF, 0xFFA0),
+    *(*range(0x180B, 0x1810), *range(0x200B, 0x2010), *range(0x202A, 0x202F), *range(0x2060, 0x2070)),
+    *(*range(0xFE00, 0xFE10), *range(0xFFF0, 0xFFF9), *range(0x1BCA0, 0x1BCA4), *range(0x1D173, 0x1D17B)),
+    *range(0xE0000, 0xE1000),
+)
+"""What Unicode 15 calls Default_Ignorable_Code_Point (DerivedCoreProperties.txt): none of it shows by itself."""
+
+SELECTORS = {0x180B, 0x180C, 0x180D, 0x180F, *range(0xFE00, 0xFE10), *range(0xE0100, 0xE01F0)}
+"""Of those the ones that choose a form of the sign before them."""
+
+
+@pytest.mark.parametrize("title", ["{}", "a{}{}b", "a {}", " {} ", "{}\u0301"])
+def test_a_title_of_invisible_letters_is_none(title: str) -> None:
+    line = Line()
+    for place in IGNORABLE:
+        with pytest.raises(Unfit, match=r"does not print|cannot be seen"):
+            line.read(title.replace("{}", chr(place)))
+
+
+@pytest.mark.parametrize("title", [" ", "   ", "\u2800", "\u0301", " \u0301\u20dd", "\u2800 \u2800"])
+def test_a_title_that_shows_nothing_is_none(title: str) -> None:
+    with pytest.raises(Unfit, match="holds nothing that can be seen"):
+        Line().read(title)
+
+
+def test_titles_of_all_scripts_are_some() -> None:
+    titles = [
+        "",
+        "x",
+        "?",
+        "Gr\u00f6\u00dfe in \u00b5m",
+        "Gro\u0308sse",
+        "\u65e5\u672c\U000e0100",
+        "\u0928\u092e\u0938\u094d\u0924\u0947",
+    ]
+    titles += ["\u0627\u0644\u0639\u0631\u0628\u064a\u0629", "\u2764\ufe0f", "\u2803\u2800\u2801", "\u2212\u221e"]
+    assert [Line().read(title) for title in titles] == titles
+    for place in sorted(SELECTORS):
+        assert Line().read(f"a{chr(place)}b") == f"a{chr(place)}b"
+    for place in sorted(set(IGNORABLE) - SELECTORS):
+        with pytest.raises(Unfit):
+            Line().read(f"a{chr(place)}b")
 
 
 def test_a_choice_that_is_no_word() -> None:

@@ -1,6 +1,7 @@
 """A folder belongs to one sweep, and to one writer at a time."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.sweep.folder import Shard, SweepFolder
+from rubnoise.sweep.journal import Journal
 from tests.unit.sweeps import GRID, sweep_of
 
 
@@ -75,10 +77,40 @@ def test_another_version_of_the_streams_is_refused(sweep: Sweep, folder: SweepFo
         folder.claim(sweep)
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": "rubnoise-sweep", "format_version": 2}'])
+KEPT = '{"format": "rubnoise-sweep", "format_version": 1'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "{}",
+        "[" * 100_000,
+        '{"format": "rubnoise-sweep", "format_version": 2}',
+        KEPT + "}",
+        KEPT + ', "stream_version": 1, "keep": "runs", "points": 7}',
+        KEPT + ', "stream_version": 1, "keep": "runs", "points": [[]]}',
+        KEPT + ', "stream_version": 1, "keep": "runs", "points": [{"name": "x"}]}',
+        KEPT + ', "stream_version": 1, "keep": "runs", "points": [{"name": "x", "values": {}}], "first": []}',
+    ],
+)
 def test_a_description_that_is_none_is_refused(sweep: Sweep, folder: SweepFolder, text: str) -> None:
     (folder.root / "sweep.json").write_text(text, encoding="utf-8")
     with pytest.raises(OutputRefused, match=r"sweep\.json: "):
+        folder.claim(sweep)
+
+
+def test_pipes_in_a_folder_are_refused_and_not_waited_for(sweep: Sweep, folder: SweepFolder) -> None:
+    journal = folder.journal(None)
+    os.mkfifo(journal)
+    with pytest.raises(OutputRefused, match=r"runs\.jsonl: is not a regular file"):
+        list(folder.entries())
+    with pytest.raises(OutputRefused, match=r"runs\.jsonl: exists and is not a regular file"):
+        Journal(journal)
+    (folder.root / "sweep.json").unlink()
+    os.mkfifo(folder.root / "sweep.json")
+    with pytest.raises(OutputRefused, match=r"sweep\.json: cannot be read: is not a regular file"):
         folder.claim(sweep)
 
 

@@ -1,11 +1,13 @@
 """What was written down of a run is read back as it was, whatever happened to the file's end."""
 
+import tracemalloc
 from math import inf, pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rubnoise.sweep import journal as journals
 from rubnoise.sweep.journal import Entry, Journal, entries
 from rubnoise.sweep.rows import Row
 
@@ -60,3 +62,15 @@ def test_a_changed_byte_is_noticed(tmp_path: Path, place: int) -> None:
     whole[place] ^= 1
     (tmp_path / "j").write_bytes(whole)
     assert list(entries(tmp_path / "j")) == [FAILED]
+
+
+def test_a_line_without_an_end_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(journals, "LINE_BYTES", 1 << 16)
+    path = tmp_path / "runs.jsonl"
+    _written(path, Entry(run_id="a", state="failed", reason="x"))
+    with path.open("ab") as stream:
+        stream.truncate(1 << 24)
+    tracemalloc.start()
+    assert [entry.run_id for entry in entries(path)] == ["a"]
+    assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    tracemalloc.stop()

@@ -1,6 +1,7 @@
 """Quantities: the number is read exactly and strictly, the unit as pint reads it."""
 
 import pickle
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -8,6 +9,7 @@ from fractions import Fraction
 import pint
 import pytest
 
+from rubnoise.unit_names import OTHERS, RATIOS, UNITS
 from rubnoise.units import (
     AREA,
     DAMPING,
@@ -18,13 +20,16 @@ from rubnoise.units import (
     SPEED,
     STIFFNESS,
     STRESS,
+    TIME,
     USUAL_UNITS,
     Kind,
     Quantity,
     QuantityError,
+    Unit,
     parse_unit,
     read_quantity,
 )
+from tests.architecture.sources import ROOT
 
 REGISTRY = pint.UnitRegistry(non_int_type=Fraction)
 
@@ -81,6 +86,9 @@ def test_a_conversion_is_better_than_one_in_floats() -> None:
     assert 0.0041 * 1000.0 != 4.1  # what rounding twice gives
 
 
+KNOWN = "a length, time, mass, force or pressure, such as um, s, kg, N, MPa"
+
+
 @pytest.mark.parametrize(
     ("text", "message", "hint"),
     [
@@ -105,10 +113,14 @@ def test_a_conversion_is_better_than_one_in_floats() -> None:
         ("1 um^2", '"um^2" is the unit of an area, a length is needed', 'right form: "1 um"'),
         ("1 um^3", '"um^3" is the unit of something else, a length is needed', 'right form: "1 um"'),
         ("1 um2", 'unknown unit "um2"', 'write "1 um^2"'),
-        ("1 micronz", 'unknown unit "micronz"', ""),
-        ("1 degC", 'the unit "degC" has no exact size in um, s and kg', ""),
-        ("1 V", 'the unit "V" holds more than length, mass and time', ""),
+        ("1 micronz", 'unknown unit "micronz"', KNOWN),
+        ("1 degC", 'unknown unit "degC"', KNOWN),
+        ("1 um*V/V", 'unknown unit "V"', KNOWN),
+        ("1 Um", 'unknown unit "Um"', 'did you mean "um"?'),
+        ("1 N/mpa/m", 'unknown unit "mpa"', 'did you mean "MPa" or "mPa"?'),
+        ("1 um*%", '"%" is part of no other unit', 'right form: "20 %"'),
         ("1 um^0.5", 'the unit "um^0.5" has no exact size in um, s and kg', ""),
+        ("1 Tm^99.9", '"Tm^99.9" is no unit', ""),
         ("1 \u212b", "the character '\u212b' (U+212B) has no place in a unit", ""),
         ("1 um\x1b", "the character U+001B has no place in a unit", ""),
         ("1 N.m", '"N.m" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"'),
@@ -124,10 +136,116 @@ def test_what_is_no_length_is_refused_with_advice(text: str, message: str, hint:
     assert (str(refused.value), refused.value.hint) == (message, hint)
 
 
-@pytest.mark.parametrize("text", ["20 dB", "20 count", "3 um/mm", "20 radian"])
+@pytest.mark.parametrize("text", ["20 dB", "20 count", "3 um/mm", "20 radian", "20 %*%", "20 1/%"])
 def test_a_ratio_is_written_in_percent(text: str) -> None:
-    with pytest.raises(QuantityError, match=r"no unit of a ratio|no exact size"):
+    with pytest.raises(QuantityError, match=r"no unit of a ratio|unknown unit|part of no other"):
         read_quantity(text, RATIO)
+
+
+TENS = {
+    **dict(zip(("", "f", "p", "n", "u", "\u00b5", "\u03bc", "m"), (0, -15, -12, -9, -6, -6, -6, -3), strict=True)),
+    **dict(zip(("c", "d", "da", "h", "k", "M", "G", "T"), (-2, -1, 1, 2, 3, 6, 9, 12), strict=True)),
+    **dict(zip(("femto", "pico", "nano", "micro", "milli", "centi"), (-15, -12, -9, -6, -3, -2), strict=True)),
+    **dict(zip(("deci", "hecto", "kilo", "mega", "giga", "tera"), (-1, 2, 3, 6, 9, 12), strict=True)),
+}
+"""The powers of ten of the prefixes, as the brochure of the SI has them."""
+
+FORCE, PRESSURE = (1, 1, -2), (-1, 1, -2)
+POUND, STANDARD_GRAVITY, INCH = Fraction("0.45359237"), Fraction("9.80665"), Fraction("0.0254")
+IN_SI: dict[str, tuple[Fraction | int, tuple[int, int, int]]] = {
+    **dict.fromkeys(("m", "meter", "metre", "meters", "metres"), (1, LENGTH.dimension)),
+    **dict.fromkeys(("g", "gram", "grams"), (Fraction("1e-3"), MASS.dimension)),
+    **dict.fromkeys(("s", "sec", "second", "seconds"), (1, TIME.dimension)),
+    **dict.fromkeys(("N", "newton", "newtons"), (1, FORCE)),
+    **dict.fromkeys(("Pa", "pascal", "pascals"), (1, PRESSURE)),
+    **dict.fromkeys(("in", "inch"), (INCH, LENGTH.dimension)),
+    **dict.fromkeys(("ft", "foot", "feet"), (12 * INCH, LENGTH.dimension)),
+    "thou": (INCH / 1000, LENGTH.dimension),
+    "yard": (36 * INCH, LENGTH.dimension),
+    "mile": (63_360 * INCH, LENGTH.dimension),
+    "micron": (Fraction("1e-6"), LENGTH.dimension),
+    "angstrom": (Fraction("1e-10"), LENGTH.dimension),
+    **dict.fromkeys(("min", "minute"), (60, TIME.dimension)),
+    **dict.fromkeys(("h", "hr", "hour"), (3600, TIME.dimension)),
+    "day": (86_400, TIME.dimension),
+    **dict.fromkeys(("t", "tonne"), (1000, MASS.dimension)),
+    **dict.fromkeys(("lb", "pound"), (POUND, MASS.dimension)),
+    **dict.fromkeys(("oz", "ounce"), (POUND / 16, MASS.dimension)),
+    "lbf": (POUND * STANDARD_GRAVITY, FORCE),
+    "kgf": (STANDARD_GRAVITY, FORCE),
+    **dict.fromkeys(("dyn", "dyne"), (Fraction("1e-5"), FORCE)),
+    "bar": (10**5, PRESSURE),
+    "mbar": (10**2, PRESSURE),
+    "kbar": (10**8, PRESSURE),
+    "atm": (101_325, PRESSURE),
+    "psi": (POUND * STANDARD_GRAVITY / INCH**2, PRESSURE),
+    "ksi": (1000 * POUND * STANDARD_GRAVITY / INCH**2, PRESSURE),
+}
+"""Sizes in m, kg and s: of the SI, of the international yard and pound of 1959, and of those defined by them."""
+
+
+def _in_si(name: str) -> tuple[Fraction, tuple[int, int, int]]:
+    """Return what a name stands for; where it can be taken apart in several ways, all have to say the same."""
+    found = {
+        (Fraction(10) ** TENS[name[:cut]] * IN_SI[name[cut:]][0], IN_SI[name[cut:]][1])
+        for cut in range(len(name))
+        if name[:cut] in TENS and name[cut:] in IN_SI and (not cut or name[cut:] not in OTHERS)
+    }
+    (meant,) = found
+    return meant
+
+
+def test_every_name_of_a_unit_means_what_it_says() -> None:
+    for name in UNITS:
+        size, dimension = _in_si(name)
+        assert parse_unit(name) == Unit(size * Fraction(10**6) ** dimension[0], dimension), name
+        assert read_quantity(f"1 um*{name}/{name}", LENGTH) == 1.0
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(
+            "bit",
+            "byte",
+            "count",
+            "radian",
+            "rad",
+            "degree",
+            "turn",
+            "steradian",
+            "dB",
+            "Np",
+            "pi",
+            "dimensionless",
+            "mol",
+        ),
+        *(
+            "permille",
+            "pixel",
+            "dot",
+            "V",
+            "K",
+            "degC",
+            "delta",
+            "baud",
+            "Hz",
+            "J",
+            "W",
+            "l",
+            "c",
+            "e",
+            "strain",
+            "mil",
+        ),
+        *("kt", "kn", "pa", "Mpa", "Kim", "kibim", "kinch", "kmin", "Mft", "kkg", "mmm", "ym", "qm", "as", "bohr", "u"),
+    ],
+)
+def test_a_unit_that_pint_knows_is_not_for_that_one_of_a_scenario(name: str) -> None:
+    with pytest.raises(QuantityError, match=f'unknown unit "{name}"'):
+        read_quantity(f"200 um^2*{name}", AREA)
+    with pytest.raises(QuantityError, match=f'unknown unit "{name}"'):
+        read_quantity(f"200 um^2 {name}/{name}", AREA)
 
 
 def test_one_of_several_kinds_is_taken_and_else_all_are_named() -> None:
@@ -167,3 +285,9 @@ def test_usual_units_do_not_load_pint() -> None:
         "assert 'pint' not in sys.modules; read_quantity('5 inch', LENGTH); assert 'pint' in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_page_on_scenarios_names_every_unit() -> None:
+    page = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
+    told = page.partition("**A unit is made of")[2].partition("\n- ")[0]
+    assert {*OTHERS, "m", "g", "s", "N", "Pa", *RATIOS} <= set(re.findall(r"[A-Za-z]+|%", told))

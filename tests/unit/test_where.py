@@ -80,7 +80,11 @@ REFUSED = {
     "diameter <> 6": ('"<>" is no comparison', "<>", "the comparisons are < <= > >= == !="),
     "diameter > 6um": ("no space between number and unit", "6um", "write 6 um"),
     "diameter > 6 mm^2": ('"mm^2" is the unit of an area, a length is needed', "6 mm^2", "right form: 6 um"),
-    "diameter > 6 foo": ('unknown unit "foo"', "6 foo", ""),
+    "diameter > 6 foo": (
+        'unknown unit "foo"',
+        "6 foo",
+        "a length, time, mass, force or pressure, such as um, s, kg, N, MPa",
+    ),
     "junction > 6 um": ("junction has no unit", "6 um", "write 6"),
     "diameter > 1,5 mm": ('"1,5" is no number', "1,5", "digits, with a dot before the decimals, as in 1234.5"),
     "diameter > .5": ('".5" is no number', ".5", "digits on both sides of the dot: 0.5"),

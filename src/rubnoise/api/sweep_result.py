@@ -190,6 +190,11 @@ class SweepResult:
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
     """Open the folder of a sweep, finished or not; raises RunFileRefused where it has no index of ours."""
-    if not (Path(folder) / INDEX).exists():
-        raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}")
-    return SweepResult(open_index(Path(folder) / INDEX))
+    index = Path(folder) / INDEX
+    try:
+        index.stat()
+    except (FileNotFoundError, NotADirectoryError) as problem:
+        raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}") from problem
+    except OSError as problem:
+        raise RunFileRefused(f"{index}: {str(problem.strerror).lower()}") from problem
+    return SweepResult(open_index(index))

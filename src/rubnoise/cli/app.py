@@ -64,6 +64,12 @@ app.command("export")(export.command)
 app.command("new")(new.command)
 app.command("schema")(schema.command)
 
+for registered in app.registered_commands:
+    for annotation in getattr(registered.callback, "__annotations__", {}).values():
+        for about in getattr(annotation, "__metadata__", ()):
+            # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
+            about.readable = False
+
 
 @dataclass(slots=True)
 class Wishes:

@@ -26,9 +26,10 @@ def command(
     import json
 
     from rubnoise import api
+    from rubnoise.regular_file import is_folder
     from rubnoise.storage.unfinished import SUFFIX, refusal
 
-    if file.is_dir():
+    if is_folder(file):
         _tell_of_sweep(file, as_json=as_json)
         return
     if file.suffix == SUFFIX:

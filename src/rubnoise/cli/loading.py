@@ -6,6 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from rubnoise.errors import Refused
+from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 
@@ -69,10 +70,5 @@ def _refuse_result(file: Path) -> None:
 def is_result(file: Path) -> bool:
     """Whether a file begins as HDF5 does; what else is wrong with one, reading it says."""
     with suppress(OSError):
-        return file.is_file() and _beginning(file) == _HDF5
+        return read_at_most(file, len(_HDF5)) == _HDF5
     return False
-
-
-def _beginning(file: Path) -> bytes:
-    with file.open("rb") as stream:
-        return stream.read(len(_HDF5))

@@ -66,9 +66,10 @@ def command(
     Example: rubnoise plot fig5.h5 psd -o spectrum.pdf
     """
     from rubnoise.cli.lengths import distance
+    from rubnoise.regular_file import is_folder
 
     ends = distance("--from", start), distance("--to", stop)
-    if file.is_dir():
+    if is_folder(file):
         if ends != (None, None):
             raise typer.BadParameter("--from and --to are for the stretch of one run")
         _plot_sweep(file, what, output, force=force)

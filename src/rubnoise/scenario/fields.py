@@ -4,6 +4,7 @@ Each class is an annotation for pydantic: it reads and refuses the value, and de
 """
 
 import re
+import unicodedata
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -18,6 +19,14 @@ from rubnoise.scenario.limits import TITLE_CHARACTERS
 from rubnoise.units import NUMBER, Kind, Quantity, QuantityError, read_quantity
 
 FROM_PYTHON = {"from_python": True}
+
+# Letters and marks that print as nothing, such as fillers; and selectors of a variant without a sign before them.
+_SELECTORS = "\u180b-\u180d\u180f\ufe00-\ufe0f\U000e0100-\U000e01ef"
+_HIDDEN = re.compile(
+    rf"[\u034f\u115f\u1160\u17b4\u17b5\u3164\uffa0\U00016fe4\U0001d159]|(?:^|[ {_SELECTORS}])[{_SELECTORS}]"
+)
+_BLANK = "\u2800"
+"""A letter of Braille without a dot: as good as a space."""
 
 
 class Unfit(ValueError):  # noqa: N818  (says what the value is)
@@ -187,11 +196,20 @@ class Line(Field):
             raise Unfit(f"longer than {TITLE_CHARACTERS} characters")
         if not value.isprintable():
             raise Unfit("holds a line break or another character that does not print")
+        if hidden := _HIDDEN.search(value):
+            raise Unfit(f"holds a character that cannot be seen, U+{ord(hidden[0][-1]):04X}")
+        if value and not any(_is_seen(character) for character in value):
+            raise Unfit("holds nothing that can be seen", "leave it out, or say what the run is about")
         return value
 
     def describe(self) -> dict[str, Any]:
         """Return a bounded string."""
         return {"type": "string", "maxLength": TITLE_CHARACTERS}
+
+
+def _is_seen(character: str) -> bool:
+    """Whether a character shows something by itself: a letter, digit, sign or symbol, and no space or mark."""
+    return unicodedata.category(character)[0] in "LNPS" and character != _BLANK
 
 
 def did_you_mean(word: str, known: tuple[str, ...], *, quoted: bool = False) -> str:

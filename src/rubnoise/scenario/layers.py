@@ -1,7 +1,6 @@
 """The layers of a scenario: what a file extends, the file itself, and what `--set` puts on top, merged deeply."""
 
 import os
-import stat
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -9,6 +8,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from rubnoise.errors import ScenarioRefused
+from rubnoise.regular_file import NotRegular, read_at_most
 from rubnoise.scenario import limits
 from rubnoise.scenario.problems import Path, Place, Problem
 from rubnoise.scenario.source import Source
@@ -180,6 +180,10 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
             return sources, _not_extended(sources[0], str(refusal))
         if identity in seen:
             return sources, _not_extended(sources[0], "extends a file that extends this one")
+        if sum(len(source.text.encode()) for source in (*sources, Source(base, text))) > limits.CHAIN_BYTES:
+            return sources, _not_extended(
+                sources[0], f"with it more than {limits.CHAIN_BYTES // 1024} kB extend one another"
+            )
         if len(sources) > limits.EXTENDS_DEPTH:
             return sources, _not_extended(sources[0], f"more than {limits.EXTENDS_DEPTH} files extend one another")
         sources.insert(0, Source(_shown_path(path), text))
@@ -202,21 +206,15 @@ def _identity(path: FilePath) -> str:
 def _read(path: FilePath, name: str) -> str:
     """Return the text of a regular file within the limits; raises ScenarioRefused."""
     try:
-        with open(path, "rb", opener=_without_waiting) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise ScenarioRefused(f"{name}: not a regular file")
-            content = file.read(limits.FILE_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        content = read_at_most(path, limits.FILE_BYTES + 1)
+    except NotRegular as error:
+        raise ScenarioRefused(f"{name}: {error.strerror}") from None
+    except OSError as error:
+        reason = error.strerror or str(error)
         raise ScenarioRefused(f"{name}: cannot be read: {reason[:1].lower()}{reason[1:]}") from None
     if len(content) > limits.FILE_BYTES:
         raise ScenarioRefused(f"{name}: larger than {limits.FILE_BYTES // 1024} kB")
     return _decoded(content, name)
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    """Open a pipe at once, to see that it is one, where a plain open would wait for its writer."""
-    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def _decoded(content: bytes, name: str) -> str:

@@ -47,9 +47,10 @@ def locate(text: str) -> Spans:
     return _scanned(text).spans
 
 
-def last_key(text: str) -> Path:
-    """Return the key or header that a text names last, whatever comes behind it."""
-    return _scanned(text).last
+def last_key(text: str) -> tuple[Path, Spans]:
+    """Return the key or header that a text names last, whatever comes behind it, and the spans of all before it."""
+    scanner = _scanned(text)
+    return scanner.last, scanner.spans
 
 
 def _scanned(text: str) -> "_Scanner":
@@ -170,6 +171,8 @@ class _Scanner:
 def _unquoted(part: str) -> str:
     if part[0] not in "\"'":
         return part
+    if "\\" not in part and not part.startswith(('""', "'''")):
+        return part[1:-1]
     try:
         return next(iter(tomllib.loads(f"{part} = 0")))
     except tomllib.TOMLDecodeError:

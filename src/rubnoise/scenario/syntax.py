@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rubnoise.scenario import limits
-from rubnoise.scenario.locate import last_key, locate
+from rubnoise.scenario.locate import Spans, last_key
 from rubnoise.scenario.problems import Path
 
 _POSITION = re.compile(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)\)$", re.DOTALL)
@@ -15,6 +15,18 @@ _KEY = re.compile(r"[ \t]*\[.*|[^#=]+=")
 _COMMA_NUMBER = re.compile(r"=\s*([+-]?[0-9]+),([0-9]+)\s*([^\s#\"']*)")
 _BARE_QUANTITY = re.compile(r"=\s*([+-]?[0-9][0-9.eE+-]*)\s+([A-Za-z\u00b5\u03bc%][^=#\"']*?)\s*(?:#.*)?$")
 _BARE_WORD = re.compile(r"=\s*([A-Za-z][A-Za-z-]*)\s*(?:#.*)?$")
+# A part of a dotted key: possessive, so that no text makes the search go back.
+_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
+_TOKENS = re.compile(
+    rf"""
+      \#[^\n]*+
+    | \"{{3}}(?:[^"\\]|\\.|"{{1,2}}(?!"))*+"{{3,5}} | '{{3}}(?:[^']|'{{1,2}}(?!'))*+'{{3,5}}
+    | (?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{limits.KEY_DOTS + 1},}})
+    | {_PART}
+    | (?P<broken>["'])
+    """,
+    re.DOTALL | re.VERBOSE,
+)
 _UNCLOSED = ("Illegal character '\\n'", "Unterminated string", 'Expected "\'"')
 _DUPLICATES = ("Cannot overwrite a value", "Duplicate inline table key", "Cannot declare", "Cannot mutate immutable")
 
@@ -42,28 +54,42 @@ class Parsed:
 
 def parse(lines: list[str]) -> Parsed:
     """Parse TOML, leaving out each line that breaks it, so that one report can name them all."""
-    too_much = tuple(
-        Fault(line=number, message=message) for number, line in enumerate(lines, 1) if (message := _too_much_on(line))
-    )
+    long_lines = f"a line of more than {limits.LINE_CHARACTERS} characters"
+    too_much = [
+        Fault(line=number, message=long_lines)
+        for number, line in enumerate(lines, 1)
+        if len(line) > limits.LINE_CHARACTERS
+    ] or _long_keys("\n".join(lines))
     if too_much:
-        return Parsed(data={}, lines=[], faults=too_much[: limits.SYNTAX_ERRORS])
+        return Parsed(data={}, lines=[], faults=tuple(too_much[: limits.SYNTAX_ERRORS]))
     return _parse_leaving_out(list(lines))
 
 
-def _too_much_on(line: str) -> str:
-    if len(line) > limits.LINE_CHARACTERS:
-        return f"a line of more than {limits.LINE_CHARACTERS} characters"
-    key = line.partition("=")[0]
-    if key.count(".") > limits.KEY_DOTS and "," not in key and not key.lstrip().startswith("#"):
-        return f"a key of more than {limits.KEY_DOTS + 1} parts"
-    return ""
+def _long_keys(text: str) -> list[Fault]:
+    """Return the keys of too many parts, in a key's own tokens: a part in quotation marks may hold anything.
+
+    The search ends at a quotation mark that begins no string; the parser does not come further either.
+    """
+    found: list[Fault] = []
+    for token in _TOKENS.finditer(text):
+        if token["broken"]:
+            break
+        if token["long"]:
+            line = text.count("\n", 0, token.start()) + 1
+            found.append(Fault(line=line, message=f"a key of more than {limits.KEY_DOTS + 1} parts"))
+    return found
 
 
 def _parse_leaving_out(lines: list[str]) -> Parsed:
     faults: list[Fault] = []
-    while len(faults) < limits.SYNTAX_ERRORS:
+    characters = 0
+    while len(faults) < limits.SYNTAX_ERRORS and characters < limits.SYNTAX_CHARACTERS:
+        text = "\n".join(lines)
+        characters += len(text)
+        if faults and (long := _long_keys(text)):  # a line left out may have begun a string that they stood in
+            return Parsed(data={}, lines=[], faults=(*faults, *long)[: limits.SYNTAX_ERRORS])
         try:
-            return Parsed(data=tomllib.loads("\n".join(lines)), lines=lines, faults=tuple(faults))
+            return Parsed(data=tomllib.loads(text), lines=lines, faults=tuple(faults))
         except tomllib.TOMLDecodeError as error:
             fault, at_end = _fault(str(error), lines), _AT_END in str(error)
         except RecursionError:
@@ -84,9 +110,9 @@ def _fault(error: str, lines: list[str]) -> Fault:
     reason, line = found[1] if found else error, min(line, len(lines))
     text = lines[line - 1]
     key = _KEY.match(text)
-    path = last_key("\n".join([*lines[: line - 1], key[0]])) if key else ()
+    path, spans = last_key("\n".join([*lines[: line - 1], key[0]])) if key else ((), Spans())
     if reason.startswith(_DUPLICATES):
-        return _duplicate(path, line, lines)
+        return _duplicate(path, line, lines, spans)
     return _usual_slip(path, line, text) or Fault(
         line=line,
         start=column - 1,
@@ -113,12 +139,12 @@ def _usual_slip(path: Path, line: int, text: str) -> Fault | None:
     return None
 
 
-def _duplicate(path: Path, line: int, lines: list[str]) -> Fault:
+def _duplicate(path: Path, line: int, lines: list[str], spans: Spans) -> Fault:
     here = re.match(r"[ \t]*([^=]*[^= \t])", lines[line - 1])
     before = "\n".join(lines[: line - 1])
-    first = locate(before).keys.get(path)
-    hint = (
-        f"first given in line {before.count(chr(10), 0, first.start) + 1}; keep one of the two" if first else "keep one"
-    )
+    first = spans.keys.get(path)
+    hint = "keep one"
+    if first is not None and first.end <= len(before):
+        hint = f"first given in line {before.count(chr(10), 0, first.start) + 1}; keep one of the two"
     start, end = here.span(1) if here else (0, 1)
     return Fault(line=line, start=start, end=end, path=path, message="given twice", hint=hint)

@@ -12,6 +12,7 @@ from typing import Final, Self
 import xxhash
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.regular_file import open_stream
 from rubnoise.simulation.state import State
 from rubnoise.storage.columns import Mark
 from rubnoise.storage.journal import Frame, frames
@@ -80,7 +81,7 @@ class History:
 def state_at(path: Path, commit: Commit) -> State:
     """Return the state of a run at a commit; raises RunFileRefused where it is none."""
     place, length = commit.state
-    with path.open("rb") as stream, _refusing(path):
+    with open_stream(path) as stream, _refusing(path):
         stream.seek(place)
         return State.unpack(stream.read(length))
 

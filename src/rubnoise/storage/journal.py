@@ -12,10 +12,14 @@ from typing import Final, Literal
 
 import xxhash
 
+from rubnoise.regular_file import open_stream
 from rubnoise.storage import disk
 
 Kind = Literal["run", "rows", "end"]
 """What a record tells: which run this is; how far its rows are; what is yet to be written for the file to be whole."""
+
+RECORD_BYTES: Final = 1 << 30
+"""No record is longer: the largest holds the junctions that are alive, a million of them at most."""
 
 _MAGIC: Final = b"rnj1"
 _HEAD: Final = struct.Struct("<4s4sQQ")
@@ -81,7 +85,7 @@ def frames(path: Path) -> Iterator[Frame]:
     Raises OSError where the disk fails.
     """
     try:
-        stream = path.open("rb")
+        stream = open_stream(path)
     except FileNotFoundError:
         return
     with stream:
@@ -92,7 +96,7 @@ def frames(path: Path) -> Iterator[Frame]:
                 return  # cut off since its size was asked for
             magic, kind, length, checksum = _HEAD.unpack(head)
             left -= _HEAD.size + length
-            if magic != _MAGIC or kind not in _KINDS or left < 0:
+            if magic != _MAGIC or kind not in _KINDS or left < 0 or length > RECORD_BYTES:
                 return
             content = stream.read(length)
             if len(content) != length or _checksum(kind, content) != checksum:

@@ -76,7 +76,7 @@ def sole_writer(paths: OutputPaths) -> Iterator[None]:
 def is_being_written(paths: OutputPaths) -> bool:
     """Whether a process holds the lock of a result; nothing is created, and nobody is kept from writing."""
     try:
-        descriptor = os.open(paths.lock, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
+        descriptor = os.open(paths.lock, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError:
         return False
     try:

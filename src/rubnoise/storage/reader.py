@@ -8,7 +8,6 @@ nobody can put another file in its place in between.
 import fcntl
 import json
 import os
-import stat
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
+from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage.layout import row_count
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
@@ -191,9 +191,9 @@ def _check_run(found: Mapping[str, Any]) -> None:
 def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
     """Return a descriptor of a file, locked for reading, and what a survey found in it; refused as by `open_run`."""
     with refusing(path):
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)  # opening a pipe would wait for ever
+        descriptor = open_regular(path)
         try:
-            _check_signature(descriptor)
+            _check_signature(descriptor, path)
             _share(descriptor)
             return descriptor, _surveyed(descriptor, own)
         except BaseException:
@@ -212,14 +212,17 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
         raise RunFileRefused(f"{path}: {(problem.strerror or str(problem)).lower()}") from problem
 
 
-def _check_signature(descriptor: int) -> None:
+def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     """Look before a child process is made: most wrong files show in their first bytes."""
-    about = os.fstat(descriptor)
-    if not stat.S_ISREG(about.st_mode):
-        raise RunFileRefused("is not a regular file")
-    if os.pread(descriptor, len(SIGNATURE), 0) != SIGNATURE:
+    try:
+        found = os.pread(descriptor, len(SIGNATURE), 0)
+    except BlockingIOError as problem:
+        raise NotRegular(path) from problem
+    if found != SIGNATURE:
         raise RunFileRefused(
-            f"is empty; {REMEDY}" if about.st_size == 0 else "is not an HDF5 file; `rubnoise run` makes one"
+            f"is empty; {REMEDY}"
+            if os.fstat(descriptor).st_size == 0
+            else "is not an HDF5 file; `rubnoise run` makes one"
         )
 
 

@@ -45,10 +45,13 @@ def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
     path = Path(part)
     if path.suffix != SUFFIX or not path.stem:
         raise RunFileRefused(f"{part}: is no run that did not finish: their names end in {SUFFIX}")
-    if not os.path.lexists(path):
+    try:
+        path.lstat()
+    except OSError as problem:
         whole = path.with_suffix("")
-        there = f"; {whole} is there" if whole.exists() else ""
-        raise RunFileRefused(f"{part}: no such file{there}")
+        there = f"; {whole} is there" if os.path.lexists(whole) else ""
+        reason = "no such file" if isinstance(problem, FileNotFoundError) else str(problem.strerror).lower()
+        raise RunFileRefused(f"{part}: {reason}{there}") from problem
     return OutputPaths.of(path.with_suffix(""))
 
 
@@ -60,7 +63,7 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
     paths = paths_of(part)
     with open_run(part) as run:
         description, source = described(run), str(run.attributes["source"])
-    history = History.read(paths.journal)
+    history = _history(paths.journal)
     commits = history.commits if history.run == identity(description) else []
     rows = {group: mark.rows for (group, _), mark in commits[-1].marks.items()} if commits else {}
     return Unfinished(
@@ -71,6 +74,13 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
         committed=datetime.fromtimestamp(commits[-1].moment, UTC).strftime(TIME) if commits else "",
         being_written=is_being_written(paths),
     )
+
+
+def _history(journal: Path) -> History:
+    try:
+        return History.read(journal)
+    except OSError as problem:
+        raise RunFileRefused(f"{journal}: {(problem.strerror or str(problem)).lower()}") from problem
 
 
 def described(run: RunFile) -> RunDescription:

@@ -11,11 +11,15 @@ from pathlib import Path
 from typing import Any, Final, Self
 
 from rubnoise.errors import OutputRefused, Refused
+from rubnoise.regular_file import read_at_most
 from rubnoise.scenario.points import Case, Point, run_id
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.whole import whole_file
 from rubnoise.sweep.identity import FORMAT, FORMAT_VERSION, difference, identity, manifest_text
 from rubnoise.sweep.journal import Entry, Stamp, entries
+
+MANIFEST_BYTES: Final = 1 << 26
+"""Of the largest sweep, of 10 000 points with a few swept keys each, it takes some MB."""
 
 _SHARD: Final = re.compile(r"([1-9][0-9]{0,5})/([1-9][0-9]{0,5})")
 
@@ -98,7 +102,10 @@ class SweepFolder:
     def entries(self) -> Iterator[Entry]:
         """Yield all that is known of runs; of two entries of one run that counts which says that it is done."""
         for path in self.journals():
-            yield from entries(path)
+            try:
+                yield from entries(path)
+            except OSError as problem:
+                raise OutputRefused(f"{path}: {(problem.strerror or str(problem)).lower()}") from problem
 
     def is_at_work(self) -> bool:
         """Whether a process carries out the sweep, or a shard of it, just now; nothing is created."""
@@ -111,7 +118,7 @@ class SweepFolder:
         # Shards that begin at the same moment all write the same, one after another.
         with self.alone_at("claim"):
             kept = self._identity()
-            if kept is not None and (differs := difference(kept, sweep)) is not None:
+            if kept is not None and (differs := self._difference(kept, sweep)) is not None:
                 raise OutputRefused(f"{self.root}: is the folder of another sweep: {differs}")
             wanted = manifest_text(identity(sweep))
             if kept != json.loads(wanted):
@@ -125,10 +132,13 @@ class SweepFolder:
 
     def _identity(self) -> dict[str, Any] | None:
         try:
-            kept: Any = json.loads(self.manifest.read_text(encoding="utf-8"))
+            kept: Any = json.loads(read_at_most(self.manifest, MANIFEST_BYTES))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as problem:
+        except OSError as problem:
+            reason = problem.strerror or str(problem)
+            raise OutputRefused(f"{self.manifest}: cannot be read: {reason.lower()}") from problem
+        except (ValueError, RecursionError) as problem:
             raise OutputRefused(f"{self.manifest}: cannot be read: {problem}") from problem
         if not isinstance(kept, dict) or kept.get("format") != FORMAT:
             raise OutputRefused(f"{self.manifest}: is none of rubnoise")
@@ -136,13 +146,22 @@ class SweepFolder:
             raise OutputRefused(f"{self.manifest}: is of format version {kept.get('format_version')}, not 1")
         return dict(kept)
 
+    def _difference(self, kept: dict[str, Any], sweep: Sweep) -> str | None:
+        try:
+            return difference(kept, sweep)
+        except (LookupError, TypeError, AttributeError) as problem:
+            raise OutputRefused(f"{self.manifest}: does not say of which sweep the folder is") from problem
+
     def check(self) -> None:
         """Raise OutputRefused where the folder cannot be one of a sweep: it is none, or holds other things."""
-        above = next(place for place in (self.root, *self.root.absolute().parents) if place.exists())
+        # What may not be looked at counts as absent here: the folder above it is the one that is closed.
+        above = next(place for place in (self.root, *self.root.absolute().parents) if os.path.lexists(place))
         if not above.is_dir():
             raise OutputRefused(f"{above}: is no folder")
         if not os.access(above, os.W_OK | os.X_OK):
             raise OutputRefused(f"{above}: the folder is not writable")
+        if above == self.root and not os.access(above, os.R_OK):
+            raise OutputRefused(f"{above}: the folder is not readable")
         if above == self.root and not self.manifest.exists() and any(self._strangers()):
             raise OutputRefused(f"{self.root}: holds other things; a sweep needs a folder of its own")
 

@@ -6,6 +6,7 @@ import time
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Literal, Self
@@ -14,6 +15,8 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.errors import OutputRefused
+from rubnoise.regular_file import open_stream
 from rubnoise.sweep.rows import Row
 
 SYNC_EVERY: Final = 1.0
@@ -24,6 +27,9 @@ Stamp = tuple[int, int]
 
 Fault = Literal["cut short", "damaged"]
 """What is wrong with a line that is no entry."""
+
+LINE_BYTES: Final = 1 << 24
+"""No line is longer: the curves of a run's summary take some hundred kB."""
 
 _DIGITS: Final = 16
 
@@ -48,6 +54,8 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         """Open a journal to go on at its end."""
+        if path.exists() and not path.is_file():
+            raise OutputRefused(f"{path}: exists and is not a regular file")
         self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         self._synced = time.monotonic()
         size = os.fstat(self._descriptor).st_size
@@ -87,8 +95,8 @@ def entries(path: Path) -> Iterator[Entry]:
 def numbered(path: Path) -> Iterator[tuple[int, Entry | Fault]]:
     """Yield the entries of a journal with the numbers of their lines, and what is wrong with a line in place of one."""
     try:
-        with path.open("rb") as lines:
-            for number, line in enumerate(lines, 1):
+        with open_stream(path) as lines:
+            for number, line in enumerate(iter(partial(lines.readline, LINE_BYTES), b""), 1):
                 digest, _, text = line.rstrip(b"\n").partition(b" ")
                 if _is_sound(digest, text):
                     yield number, _unpacked(json.loads(text))

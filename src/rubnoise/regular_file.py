@@ -1,0 +1,68 @@
+"""Regular files opened for reading: no device, pipe or socket is ever opened, and no read waits or goes on for ever."""
+
+import errno
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+PIECE_BYTES = 1 << 20
+
+
+class NotRegular(OSError):  # noqa: N818  (says what the path is)
+    """A path that is there, and is a folder, a pipe, a device, a socket, or something that only looks like a file."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Name the path."""
+        super().__init__(errno.EINVAL, "is not a regular file", os.fspath(path))
+
+
+def open_regular(path: str | os.PathLike[str]) -> int:
+    """Return a descriptor of a regular file, for reading; raises NotRegular, or OSError where it cannot be opened."""
+    try:
+        # To open a device can already do something, so a name is asked first; another file may bear it a moment later.
+        _check(Path(path).stat(), path)
+        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+    except ValueError as problem:
+        raise OSError(errno.EINVAL, str(problem), os.fspath(path)) from problem
+    try:
+        _check(os.fstat(descriptor), path)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def open_stream(path: str | os.PathLike[str]) -> BinaryIO:
+    """Return a regular file as a stream of bytes; raises as `open_regular` does."""
+    return os.fdopen(open_regular(path), "rb")
+
+
+def read_at_most(path: str | os.PathLike[str], count: int) -> bytes:
+    """Return the first ``count`` bytes of a regular file, fewer where it ends; raises as `open_regular` does.
+
+    Some files of the system, such as /proc/kmsg, call themselves regular and have no end: such a read is refused, too.
+    """
+    descriptor = open_regular(path)
+    try:
+        content = bytearray()
+        while len(content) < count and (part := os.read(descriptor, min(count - len(content), PIECE_BYTES))):
+            content += part
+    except BlockingIOError as problem:
+        raise NotRegular(path) from problem
+    finally:
+        os.close(descriptor)
+    return bytes(content)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is a folder; False where it may not be looked at, which opening it then says."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
+def _check(about: os.stat_result, path: str | os.PathLike[str]) -> None:
+    if not stat.S_ISREG(about.st_mode):
+        raise NotRegular(path)
