@@ -44,8 +44,8 @@ MUTANTS = (
     one(
         "a base file on top of what extends it",
         "test_a_file_extends_another_deeply",
-        "sources.insert(0, Source(_shown_path(path), text))",
-        "sources.append(Source(_shown_path(path), text)); break",
+        "_merged(source.data for source in sources).items()",
+        "_merged(source.data for source in reversed(sources)).items()",
     ),
     one(
         "tables replaced and not merged",
@@ -55,7 +55,7 @@ MUTANTS = (
     ),
     one(
         "numbers of any size allowed",
-        "test_the_bounds_of_numbers_keep_the_model_finite",
+        "test_other_seeds_are_refused",
         "or self.low <= value <= self.high)",
         "or self.low <= value)",
     ),
@@ -66,10 +66,10 @@ MUTANTS = (
         'extra="ignore"',
     ),
     one(
-        "the last key of a grid varying slowest",
-        "test_a_grid_is_the_product_in_the_order_written",
-        "(*firsts, *(row for _ in self.side_by_side))",
-        "(*firsts[::-1], *(row for _ in self.side_by_side))",
+        "only the first of values that go side by side",
+        "test_a_zip_goes_side_by_side_within_the_grid",
+        "yield (*firsts, *(row for _ in self.side_by_side))",
+        "yield (*firsts, *(0 for _ in self.side_by_side))",
     ),
     one(
         "replicates of one seed",

@@ -149,7 +149,7 @@ PLACES = (
     ),
     one(
         "lives forgotten between blocks",
-        LENSES,
+        "test_small_blocks_are_played_together_and_each_ones_start_is_written",
         "beyond = np.flatnonzero(np.minimum(rows.departure, natural) > last_tick)",
         "beyond = np.flatnonzero(np.minimum(rows.departure, natural) > last_tick + 5.0)",
     ),

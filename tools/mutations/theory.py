@@ -13,7 +13,7 @@ MUTANTS = (
     ),
     one(
         "unequal strengths taken for equal ones",
-        "test_force_is_strength_times_area",
+        "test_unequal_strengths_bring_their_own_moments",
         "strength_moments[n] *",
         "strength_moments[1] ** n *",
     ),
