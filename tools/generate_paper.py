@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rubnoise.claims.catalogue import settle
-from rubnoise.claims.claim import Claim, Quantity
+from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.figures.paper import FIGURES, paper_figure
 from rubnoise.figures.sources import Sources
 
@@ -19,19 +19,44 @@ HEAD = """\
 # The paper, claim by claim
 
 *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran its model
-once and told what it saw. Here is what it claims, what runs from fixed seeds say to it, what the exact theory says, and
-the verdict that follows from the numbers. `rubnoise claims` makes all of it anew in a minute or so, `rubnoise figures
-all -o DIR` the pictures; this page is what they said, written by `tools/generate_paper.py`.
+once and described what it saw. Here is what it claims or implies, what runs from fixed seeds give, what the exact
+theory gives, and the verdict that follows from the numbers. `rubnoise claims` makes all of it anew in a minute or so,
+`rubnoise figures all -o DIR` the pictures; `tools/generate_paper.py` wrote this page from both.
 
-Each simulated number is the mean of independent runs with the 95 % interval of their scatter, which owes nothing to the
-theory. Exact numbers follow from the model alone ([model.md](model.md)). Where the two disagreed by more than four
-standard errors the verdict would be *unsettled*. The claims are told in other words, their numbers as printed.
+Each simulated number is the mean of independent runs, or follows from such means, with the 95 % interval of their
+scatter, which owes nothing to the theory. Exact numbers follow from the model alone ([model.md](model.md)). Where the
+two disagree by more than four standard errors the verdict is *unsettled*, and this page is not written. The claims
+stand here in other words, their numbers as printed.
+"""
+
+LIMITS = """
+## What the paper leaves out
+
+Section 4 of the paper states three limits of its model. rubnoise computes the same model and has the same limits:
+
+- **Constant separation.** The model may be thought of as sliding at a constant distance of the surfaces. The normal
+  load stands behind A_rm alone: nothing in a run raises or lowers the slider, or changes the load.
+- **Parallel flats.** Junctions form between flats parallel to the plane of sliding. All forces lie in that plane; there
+  is no vibration normal to it, no loss of contact and no impact.
+- **No measured surfaces.** A_rm and N_jm are put in. They do not follow from a measured profile and a load.
+
+Two more follow from its equations:
+
+- **Passes through both centres.** Eq. (2) is the overlap of two circles of one diameter whose centres move along one
+  line. Where centres pass each other at distances spread evenly from 0 to d, std over mean is 1.356/sqrt(N_jm) for
+  equal sizes and not 1.230/sqrt(N_jm), and the tail of the spectrum is k^-5 and not k^-4: a centred pass has a kink at
+  mid-life, the others have none.
+- **A slider that does not act back.** The area depends on the distance slid, and that grows evenly, however the slider
+  moves: see [constant_speed](#constant_speed).
 """
 
 
 def main() -> int:
-    """Settle the claims, draw the figures, and write the page."""
+    """Settle the claims, draw the figures, and write the page; where a claim is unsettled only say which, return 1."""
     claims = settle(lambda text: print(text, file=sys.stderr))
+    if unsettled := [claim.name for claim in claims if claim.verdict is Verdict.UNSETTLED]:
+        print(f"generate_paper: simulation and theory disagree: {', '.join(unsettled)}", file=sys.stderr)
+        return 1
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in FIGURES:
         print(name, file=sys.stderr)
@@ -49,6 +74,7 @@ def page(claims: tuple[Claim, ...]) -> Iterator[str]:
     yield "\n## Claims"
     for claim in claims:
         yield from _claim(claim)
+    yield LIMITS.rstrip()
     yield "\n## Figures"
     for name, figure in FIGURES.items():
         files = ", ".join(f"`scenarios/paper/{file}`" for file in figure.scenarios)

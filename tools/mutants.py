@@ -1,14 +1,16 @@
-"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--jobs N]`, once dev.py has set up.
+"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N]`.
 
-Each fault of tools/mutations.py is put into a copy of the program, and the test that is named beside it runs there. It
-has to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these
-tests has to pass. Prints a table; exit code 1 where a fault survives.
+Each fault of tools/mutations is put into a copy of the program, and the test that is named beside it runs there. It has
+to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
+has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
+it is. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +18,8 @@ import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
@@ -23,19 +27,26 @@ from typing import TYPE_CHECKING
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from bootstrap import ROOT, WORK
-from mutations import MUTANTS, Edit, Mutant
+from mutations import MUTANTS, ROOMS, Edit, Mutant
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
 SEEN = 8.0
+TENTHS = 10
+KINDS = (".py", ".js")
+"""Files of the program in which a fault may be."""
+
+ASSERTED = (" - assert", " - AssertionError", " - Failed: DID NOT RAISE", " - rubnoise.")
+"""How pytest tells of a test that failed by what it asserts or by an exception of ours, and not by an error of its own."""
+
 COPIED = ("src", "tests", "pyproject.toml")
 LEFT = shutil.ignore_patterns("__pycache__", "*.pyc")
 PYTHON = WORK.python if WORK.python.exists() else Path(sys.executable)
 
 
 class DoesNotApply(Exception):  # noqa: N818  (a message for a person, printed as it is)
-    """The text that a fault replaces does not stand exactly once where it should."""
+    """What a fault or its test is known by does not stand exactly once where it should."""
 
 
 @dataclass(frozen=True)
@@ -62,20 +73,51 @@ class Verdict:
     seconds: float
 
 
-def mutated(text: str, edit: Edit) -> str:
-    """Return a file's text with a fault in it; raises DoesNotApply unless the old text stands there once."""
-    if text.count(edit.old) != 1:
-        raise DoesNotApply(f"src/rubnoise/{edit.file} has {text.count(edit.old)} times, not once: {edit.old!r}")
-    return text.replace(edit.old, edit.new)
+def sources(package: Path) -> dict[Path, str]:
+    """Return the texts of the program's files."""
+    files = (path for path in sorted(package.rglob("*")) if path.suffix in KINDS)
+    return {path: path.read_text(encoding="utf-8") for path in files}
 
 
-def applied(mutant: Mutant, package: Path) -> dict[Path, str]:
-    """Return the texts of the files of a package that a fault changes, with the fault in them."""
-    texts: dict[Path, str] = {}
+def mutated(texts: Mapping[Path, str], edit: Edit) -> tuple[Path, str]:
+    """Return the file in which a fault's text stands and its text with the fault in it.
+
+    Raises DoesNotApply unless the text stands exactly once in all files; blanks and line ends are all one.
+    """
+    pattern = re.compile(r"\s+".join(map(re.escape, edit.old.split())))
+    found = [(path, match) for path, text in texts.items() for match in pattern.finditer(text)]
+    if len(found) != 1:
+        places = "".join(f"\n  {path}" for path, _ in found)
+        raise DoesNotApply(f"src/rubnoise has {len(found)} times, not once: {edit.old!r}{places}")
+    path, match = found[0]
+    text = texts[path]
+    line = text[text.rfind("\n", 0, match.start()) + 1 :]
+    indent = line[: len(line) - len(line.lstrip())]
+    return path, text[: match.start()] + edit.new.replace("\n", f"\n{indent}") + text[match.end() :]
+
+
+def applied(mutant: Mutant, texts: Mapping[Path, str]) -> dict[Path, str]:
+    """Return the texts that a fault changes, with the fault in them, by file."""
+    changed: dict[Path, str] = {}
     for edit in mutant.edits:
-        path = package / edit.file
-        texts[path] = mutated(texts.get(path) or path.read_text(encoding="utf-8"), edit)
-    return texts
+        path, text = mutated({**texts, **changed}, edit)
+        changed[path] = text
+    return changed
+
+
+@lru_cache(maxsize=4)
+def _tests(folder: Path) -> dict[Path, str]:
+    return {path: path.read_text(encoding="utf-8") for path in sorted(folder.rglob("test_*.py"))}
+
+
+def test_of(mutant: Mutant, folder: Path) -> str:
+    """Return the test of a fault as pytest knows it; raises DoesNotApply unless one file has a test of that name."""
+    file, _, test = mutant.test.rpartition("::")
+    head = f"\ndef {test.partition('[')[0]}("
+    found = [path for path, text in _tests(folder / "tests").items() if head in text and file in ("", path.name)]
+    if len(found) != 1:
+        raise DoesNotApply(f"{len(found)} files, not one, have the test {mutant.test!r} of {mutant.name!r}")
+    return f"{found[0].relative_to(folder)}::{test}"
 
 
 def copy_into(folder: Path) -> Path:
@@ -115,28 +157,34 @@ def tried(folder: Path, tests: Sequence[str], compiled: str = "as it is") -> Tri
 def judged(mutant: Mutant, folder: Path) -> Verdict:
     """Put a fault into a copy, run its test there, take it out again, and say whether it was noticed."""
     begun = time.monotonic()
-    texts = applied(mutant, folder / "src" / "rubnoise")
-    before = {path: path.read_text(encoding="utf-8") for path in texts}
+    before = sources(folder / "src" / "rubnoise")
+    texts = applied(mutant, before)
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     try:
         # The compiler's cache does not see that a file has changed whose functions another one calls.
-        is_compiled = any(path.parent.name == "simulation" for path in texts)
-        trial = tried(folder, [mutant.test], mutant.name.replace("/", " ") if is_compiled else "as it is")
+        compiled = mutant.name.replace("/", " ") if _feeds_the_compiler(texts) else "as it is"
+        trial = tried(folder, [test_of(mutant, folder)], compiled)
     finally:
-        for path, text in before.items():
-            path.write_text(text, encoding="utf-8")
+        for path in texts:
+            path.write_text(before[path], encoding="utf-8")
     killed, evidence = _evidence(mutant, trial)
     return Verdict(killed, evidence, time.monotonic() - begun)
+
+
+def _feeds_the_compiler(paths: Iterable[Path]) -> bool:
+    """Whether compiled code may have any of these files in it: one that is compiled or lies beside such."""
+    beside = {each for path in paths for each in path.parent.glob("*.py")}
+    return any("rubnoise.compiling" in each.read_text(encoding="utf-8") for each in beside)
 
 
 def _evidence(mutant: Mutant, trial: Trial) -> tuple[bool, str]:
     if trial.passed:
         return False, "survives"
-    if not trial.failures or not all(" - assert" in line or " - AssertionError" in line for line in trial.failures):
+    if not trial.failures or not all(any(word in line for word in ASSERTED) for line in trial.failures):
         return False, "no assertion failed: " + (trial.report.strip().splitlines() or ["no word from pytest"])[-1]
-    if mutant.identity:
-        return True, "identity"
+    if not mutant.chance:
+        return True, "asserted"
     z, figure = trial.largest
     return abs(z) >= SEEN, f"z = {z:+.1f}, {figure}"
 
@@ -167,17 +215,30 @@ def chosen(names: Sequence[str]) -> list[Mutant]:
     return [by_name[name] for name in names] if names else list(MUTANTS)
 
 
+def tenth(asked: str, mutants: Sequence[Mutant]) -> list[Mutant]:
+    """Return each tenth fault from the K-th on; "today" is the K of this day, so that all have their turn."""
+    today = datetime.now(UTC).toordinal() % TENTHS + 1
+    number = today if asked == "today" else int(asked) if asked.isdecimal() else 0
+    if not 1 <= number <= TENTHS:
+        raise SystemExit(f"--tenth: {asked!r} is no number from 1 to {TENTHS}, and not today")
+    return list(mutants[number - 1 :: TENTHS])
+
+
 def main() -> int:
     """Try the faults and print what noticed them."""
     parser = argparse.ArgumentParser(description="Faults that the tests have to notice.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults by name; all where none is given")
+    parser.add_argument("--tenth", metavar="K", help="only each tenth fault from the K-th on; or today")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
     parser.add_argument("--list", action="store_true", help="only print the names, with file and test")
     asked = parser.parse_args()
     mutants = chosen(asked.names)
+    if asked.tenth is not None:
+        mutants = tenth(asked.tenth, mutants)
     if asked.list:
+        rooms = {mutant.name: room for room, faults in ROOMS.items() for mutant in faults}
         for mutant in mutants:
-            print(f"{mutant.name:40} {mutant.edits[0].file:28} {mutant.test}")
+            print(f"{mutant.name:44} {rooms[mutant.name]:12} {mutant.test}")
         return 0
     with tempfile.TemporaryDirectory(prefix="rubnoise-mutants-") as place:
         folders = [copy_into(Path(tempfile.mkdtemp(dir=place))) for _ in range(max(asked.jobs, 1))]
@@ -185,18 +246,17 @@ def main() -> int:
 
 
 def _report(mutants: Sequence[Mutant], folders: Sequence[Path]) -> int:
-    sound = tried(folders[0], sorted({mutant.test for mutant in mutants}))
+    sound = tried(folders[0], sorted({test_of(mutant, folders[0]) for mutant in mutants}))
     if not sound.passed:
         print(sound.report, "without any fault these tests have to pass", sep="\n", file=sys.stderr)
         return 1
     z, figure = sound.largest
-    print(f"{'no fault':38} passed     largest z = {z:+.1f}, {figure}", flush=True)
+    print(f"{'no fault':44} passed     largest z = {z:+.1f}, {figure}", flush=True)
     survived = 0
     for mutant, verdict in verdicts(mutants, folders):
         survived += not verdict.killed
         word = "killed" if verdict.killed else "SURVIVED"
-        test = mutant.test.removeprefix("tests/")
-        print(f"{mutant.name:38} {word:9}  {verdict.evidence:48} {test}  {verdict.seconds:.0f} s", flush=True)
+        print(f"{mutant.name:44} {word:9}  {verdict.evidence:48} {mutant.test}  {verdict.seconds:.0f} s", flush=True)
     print(f"{len(mutants) - survived} of {len(mutants)} killed")
     return int(survived > 0)
 

@@ -4,7 +4,7 @@
 
 Every run is made bare, one after another in this process, into a file each; then the same sweep by one worker process,
 and by several; and all of that so many times. The machine should have nothing else to do; processor times bear some of
-it, wall times none.
+it, wall times none. Exit code 1, and no costs, if a sweep leaves a run out or the runs disagree with the theory.
 """
 
 import argparse
@@ -21,6 +21,8 @@ from statistics import median
 import rubnoise
 
 ROOT = Path(__file__).resolve().parents[1]
+LARGEST_Z = 4.5
+"""A standard score that the worst of a hundred right points exceeds once in more than a thousand times."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,20 +54,28 @@ def bare(scenario: Path, replicates: int, folder: Path) -> int:
 
 
 def swept(scenario: Path, replicates: int, folder: Path, jobs: int) -> None:
-    """Make the same runs by a sweep."""
+    """Make the same runs by a sweep; ends the program if one is left out, since its cost is then that of less work."""
     sweep = rubnoise.load_sweep(scenario, [f"sweep.replicates={replicates}"])
-    rubnoise.run_sweep(sweep, folder, jobs=jobs).close()
+    with rubnoise.run_sweep(sweep, folder, jobs=jobs) as made:
+        done, wanted = made.count("done"), len(rubnoise.expand(sweep))
+    if done != wanted:
+        raise SystemExit(f"sweep_cost: only {done} of {wanted} runs were made")
 
 
 def tell_spreads(folder: Path) -> None:
-    """Print how far the standard deviation of the area is from the exact one at the worst point, and its drops."""
+    """Print how far the standard deviation of the area is from the exact one at the worst point, and its drops.
+
+    Ends the program if that is farther than chance takes it.
+    """
     with rubnoise.open_sweep(folder) as sweep:
         grid = sweep.to_xarray()
     seen = ((grid["real_contact_area_std"] ** 2).mean("replicate")) ** 0.5
     exact = grid["real_contact_area_std_exact"].isel(replicate=0)
     error = grid["real_contact_area_std_standard_error"].isel(replicate=0) / grid.sizes["replicate"] ** 0.5
-    worst = float(abs((seen - exact) / error).max())
+    worst = float(abs((seen - exact) / error).max(skipna=False))
     print(f"worst of {seen.size} points: {worst:.2f} standard errors from the exact standard deviation")
+    if not worst <= LARGEST_Z:
+        raise SystemExit(f"sweep_cost: no costs of wrong runs: {worst:.2f} is more than {LARGEST_Z:g} standard errors")
     count, area = "interface.mean_junction_count", "interface.mean_real_contact_area"
     if {count, area} <= set(seen.dims):
         for size in (seen[area].values.min(), seen[area].values.max()):

@@ -1,4 +1,4 @@
-"""The benchmark's judge: whoever is right passes, and whoever is a little wrong does not."""
+"""The benchmark's judge: a right result passes, and one that is a little wrong does not."""
 
 import shutil
 from dataclasses import replace
@@ -11,6 +11,9 @@ from bench.case import Case, Drawn, Given, Output
 from bench.checks import Truth, judged, relative_error, whole_run
 from bench.entrants import Entrant, areas, runs
 from bench.peers import c_kernel, naive_numpy, naive_simpy, numba_loops, sliders
+from bench.plan import FULL, QUICK
+
+from rubnoise.simulation.kernels_fine import FINEST
 
 ELSEWHERE = {"peers.superposed"}
 """Their libraries are in the benchmark's environment only."""
@@ -28,8 +31,8 @@ def test_who_is_right_passes(entrant: Entrant, known: Truth, tmp_path: Path) -> 
     whole = entrant.function == "run"
     given = Given(known.birth, known.diameter)
     made = whole_run(entrant, known, tmp_path) if whole else entrant.call(known.case, given)
-    verdict = judged(entrant.name, made, known)
-    assert verdict.passed, verdict
+    verdict = judged("runs" if whole else "areas", entrant.name, made, known)
+    assert verdict.passed, list(verdict.faults())
     assert (verdict.motion is not None) == whole
     assert None not in (verdict.area, verdict.life)
 
@@ -44,30 +47,32 @@ def test_who_is_right_passes(entrant: Entrant, known: Truth, tmp_path: Path) -> 
         lambda made: replace(made, displacement=1.02 * made.displacement),
         lambda made: replace(made, birth=made.birth[1:], death=made.death[1:]),
         lambda made: replace(made, death=made.death + 1e-6),
+        lambda made: replace(made, area=None),
+        lambda made: replace(made, displacement=None),
         lambda _: Output(),
     ],
-    ids=["scaled", "late", "short", "no number", "another motion", "one less", "longer lives", "nothing"],
+    ids=["scaled", "late", "short", "no number", "another motion", "one less", "longer lives", "no area", "still", "-"],
 )
 def test_who_is_wrong_does_not(wrong, known: Truth, tmp_path: Path) -> None:
     made = naive_numpy.run(known.case, Given(known.birth, known.diameter), tmp_path / "run.h5")
-    assert judged("peer", made, known).passed
-    assert not judged("peer", wrong(made), known).passed
+    assert judged("runs", "peer", made, known).passed
+    assert not judged("runs", "peer", wrong(made), known).passed
 
 
 def test_rubnoise_has_to_move_right_to_nine_digits(known: Truth) -> None:
     record = ours.output(ours.in_memory(known.case, "events"), slider=True)
-    assert judged("rubnoise, events", record, known).passed
+    assert judged("runs", "rubnoise, events", record, known).passed
     other = replace(record, displacement=record.displacement * (1.0 + 1e-8))
-    assert not judged("rubnoise, events", other, known).passed
-    assert judged("peer", other, known).passed
+    assert not judged("runs", "rubnoise, events", other, known).passed
+    assert judged("runs", "peer", other, known).passed
 
 
 def test_a_library_of_queues_tells_of_the_dead_only(known: Truth) -> None:
     death = known.birth + 2.0 * known.diameter
     dead = death <= known.case.distance
     assert 0 < dead.sum() < dead.size
-    assert judged("queue", Output(birth=known.birth[dead], death=death[dead]), known).passed
-    assert not judged("queue", Output(birth=known.birth[~dead], death=death[~dead]), known).passed
+    assert judged("births", "queue", Output(birth=known.birth[dead], death=death[dead]), known).passed
+    assert not judged("births", "queue", Output(birth=known.birth[~dead], death=death[~dead]), known).passed
 
 
 def test_methods_for_the_slider_err_as_they_should(known: Truth) -> None:
@@ -98,9 +103,34 @@ def test_square_roots_alone_are_no_area(known: Truth) -> None:
 def test_kernels_are_fed_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel, "CASE", Case(junctions=200))
     found = kernel.measured(repeats=1)
-    assert found.passed
+    assert not list(found.faults())
     assert {kernel.OURS, "numba loops"} <= set(found.timings)
     assert kernel.ROOTS not in found.errors
+
+
+def test_the_kernel_adds_every_life_also_those_too_short_for_series(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = Case(junctions=200, ticks_per_life=2.0 * FINEST)
+    monkeypatch.setattr(kernel, "CASE", case)
+    _, diameter = Drawn(case, seed=1).rows()
+    assert 0 < (diameter < FINEST * case.tick).sum() < diameter.size
+    found = kernel.measured(repeats=1)
+    assert found.errors[kernel.OURS] <= checks.AREA_BOUND
+    assert not list(found.faults())
+
+
+def test_whole_runs_are_checked_wherever_time_is_taken() -> None:
+    for plan in (FULL, QUICK):
+        points = {(case.mean_count, case.ticks_per_life) for case in checks.cases(plan.counts, plan.ticks)}
+        assert points >= {(count, 221.0) for count in plan.counts} | {(20.0, ticks) for ticks in plan.ticks}
+        assert all(case.junctions >= 3 * case.mean_count for case in checks.cases(plan.counts, plan.ticks))
+
+
+def test_rubnoise_is_right_at_every_number_of_ticks_and_junctions_that_is_timed(tmp_path: Path) -> None:
+    ours_alone = runs(("events",))[0]
+    for case in (Case(20.0, 30.0, 60), Case(20.0, 2200.0, 20), Case(100.0, 220.0, 300)):
+        given = checks.truth(case)
+        verdict = judged("runs", ours_alone.name, whole_run(ours_alone, given, tmp_path), given)
+        assert verdict.passed, list(verdict.faults())
 
 
 def test_given_junctions_are_the_same_one_by_one_and_at_once() -> None:

@@ -1,12 +1,15 @@
 """What the benchmark makes of its numbers: medians, ratios, goals, a page and a picture."""
 
+from dataclasses import replace
 from datetime import date
 from itertools import count
+from pathlib import Path
 
 import pytest
 from bench import __main__ as program
 from bench import clock, kernel, motion, startup
-from bench.checks import Verdict
+from bench import results as results_module
+from bench.checks import Verdict, Wrong
 from bench.clock import Task, Timing, interleaved
 from bench.entrants import CIW, areas, births, runs
 from bench.goals import goals
@@ -30,14 +33,15 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
     times = {"rubnoise, batch": batch, "rubnoise, events": 4.0, "numba loops, RK4": 3.0}
     whole = {each.name: timing(times.get(each.name, 110.0)) for each in runs(ENGINES)}
     bare = {each.name: timing(9.0 if "rubnoise" not in each.name else 0.25) for each in areas(ENGINES)}
-    verdicts = [Verdict(name, area_error, 1e-12, 0.0) for name in whole]
+    verdicts = [Verdict("runs", name, area_error, 1e-12, 0.0) for name in whole]
+    verdicts += [Verdict("areas", name, 1e-15, life=0.0) for name in bare]
     pulses = {kernel.OURS: timing(1.0), "C, the same polynomial": timing(0.95), kernel.ROOTS: timing(0.6)}
     points = {"count": FULL.counts, "ticks": FULL.ticks, "length": FULL.lengths}
     return Results(
         plan=FULL,
         machine=("a processor", "some versions"),
         engines=ENGINES,
-        verdicts=(*verdicts, *(Verdict(each.name, life=0.0) for each in births())),
+        verdicts=(*verdicts, *(Verdict("births", each.name, life=0.0) for each in births())),
         runs=whole,
         areas=bare,
         births={each.name: timing(16.0) for each in births()},
@@ -90,15 +94,80 @@ def test_ratios_are_of_the_same_call() -> None:
     assert found["pulse kernel: ours over C"] == pytest.approx(1.0 / 0.95)
 
 
-@pytest.mark.parametrize(("area_error", "code"), [(1e-15, 0), (1e-3, 1)])
-def test_only_a_wrong_answer_fails(
-    area_error: float, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("bench.results.measured", lambda *_: results(batch=1e6, area_error=area_error))
-    assert program.main(["--quick"]) == code
+def test_no_time_however_long_fails(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("bench.results.measured", lambda *_: results(batch=1e6))
+    assert program.main(["--quick"]) == 0
     output, error = capsys.readouterr()
     assert output.startswith("# Performance\n")
-    assert ("bench: wrong" in error) == bool(code)
+    assert not error
+
+
+def _wrong_kernel(error: float | None) -> Results:
+    right = results()
+    errors = right.kernel.errors | {kernel.OURS: error}
+    return replace(right, kernel=replace(right.kernel, errors={k: e for k, e in errors.items() if e is not None}))
+
+
+def _wrong_slider(name: str, error: float) -> Results:
+    right = results()
+    return replace(right, motion=replace(right.motion, errors=right.motion.errors | {name: error}))
+
+
+WRONG = {
+    "an area": (results(area_error=1e-3), "the area is off by 1.0e-03, more than 1e-09"),
+    "no number": (results(area_error=float("nan")), "the area is off by nan"),
+    "the kernel's area": (_wrong_kernel(4e-2), "pulse kernel, rubnoise: the area is off by 4.0e-02, more than 1e-09"),
+    "the kernel's area unchecked": (_wrong_kernel(None), "pulse kernel, rubnoise: the area was never checked"),
+    "a slider": (_wrong_slider("lsim", 0.5), "slider, lsim: the displacement is off by 5.0e-01, more than 1e-02"),
+    "our slider": (_wrong_slider(motion.OURS, 1e-5), "slider, rubnoise: the displacement is off by 1.0e-05"),
+    "no verdict at all": (replace(results(), verdicts=results().verdicts[1:]), "runs, rubnoise, batch: never checked"),
+    "no motion": (
+        replace(results(), verdicts=(replace(results().verdicts[0], motion=None), *results().verdicts[1:])),
+        "221 ticks a life: the motion was never checked",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+@pytest.mark.parametrize("options", [["--quick"], ["--output"]], ids=["printed", "written"])
+def test_nothing_is_written_where_anything_is_wrong(
+    what: str, options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found, sentence = WRONG[what]
+    monkeypatch.setattr("bench.results.measured", lambda *_: found)
+    assert program.main([*options, *([str(tmp_path)] if options == ["--output"] else [])]) == 1
+    output, error = capsys.readouterr()
+    assert not output
+    assert "bench: wrong: " in error
+    assert sentence in error
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(Wrong):
+        page(found, date(2026, 11, 21))
+
+
+def test_time_is_not_taken_of_what_is_wrong(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("bench.checks.verdicts", lambda *_: [Verdict("runs", "a peer", 1e-3, 0.0, 0.0)])
+    monkeypatch.setattr("bench.machine.described", lambda **_: ("", ""))
+    monkeypatch.setattr("bench.speed.timed", lambda *_: pytest.fail("time was taken"))
+    with pytest.raises(Wrong, match="runs, a peer, 20 junctions, 221 ticks a life: the area is off"):
+        results_module.measured(QUICK, tmp_path, lambda _: None)
+
+
+def test_a_goal_that_is_not_measured_is_not_reached() -> None:
+    right = results()
+    timings = {name: each for name, each in right.kernel.timings.items() if name != "C, the same polynomial"}
+    text = page(replace(right, kernel=replace(right.kernel, timings=timings)), date(2026, 11, 21))
+    assert "Not reached here: 1 of 14, 1 of them not measured." in text
+    assert "| pulse kernel: ours over C | - | at most 1.15 | **no** |" in text
+
+
+def test_the_page_names_the_closest_peer_and_the_largest_memory() -> None:
+    text = page(results(), date(2026, 11, 21))
+    assert "numba loops, RK4 comes closest in a whole run." in text
+    assert "memory of at most 150 MB" in text
+    other = results()
+    runs_of = other.runs | {"naive SimPy, RK4": timing(2.0)}
+    assert "naive SimPy, RK4 comes closest" in page(replace(other, runs=runs_of), date(2026, 11, 21))
 
 
 def test_the_page_and_its_picture_are_written_where_asked(

@@ -1,18 +1,20 @@
 """Faults put into a copy of the program are noticed; all of them are tried by `python3 tools/mutants.py`."""
 
-import ast
 import subprocess
 import sys
 from pathlib import Path
 
 import mutants
 import pytest
-from mutations import MOMENTS, MUTANTS, TICKS, Edit, Mutant
+from mutations import MUTANTS, ROOMS, Edit, Mutant
+from mutations.contact import MOMENTS
+from mutations.simulation import TICKS
 
 from tests.architecture.sources import PACKAGE, ROOT
 
 BY_NAME = {mutant.name: mutant for mutant in MUTANTS}
 TITLE = '"""The physics of one run: frozen inputs in working units (um, s, kg) and what follows from them at once."""'
+TEXTS = mutants.sources(PACKAGE)
 
 
 @pytest.fixture(scope="module")
@@ -20,42 +22,78 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return mutants.copy_into(tmp_path_factory.mktemp("copy"))
 
 
-@pytest.mark.parametrize("name", BY_NAME)
-def test_a_fault_still_applies_to_the_program(name: str) -> None:
-    for path, text in mutants.applied(BY_NAME[name], PACKAGE).items():
-        assert text != path.read_text(encoding="utf-8")
-        ast.parse(text)
-
-
-def test_faults_have_names_of_their_own_and_tests_that_exist() -> None:
-    assert len(BY_NAME) == len(MUTANTS) > 20
+def test_every_fault_still_applies_to_the_program() -> None:
     for mutant in MUTANTS:
-        file, _, test = mutant.test.partition("::")
-        assert f"def {test.partition('[')[0]}(" in (ROOT / file).read_text(encoding="utf-8")
+        for path, text in mutants.applied(mutant, TEXTS).items():
+            assert text != TEXTS[path], mutant.name
+            if path.suffix == ".py":
+                compile(text, path, "exec")
 
 
-@pytest.mark.parametrize("text", ["nothing of the kind", "self"])
+def test_every_fault_has_a_name_of_its_own_and_a_test_that_exists() -> None:
+    assert len(BY_NAME) == len(MUTANTS) >= 100
+    for mutant in MUTANTS:
+        file, _, _test = mutants.test_of(mutant, ROOT).partition("::")
+        assert (ROOT / file).is_file()
+
+
+def test_faults_lie_in_every_room() -> None:
+    folders = {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
+    touched = {path.relative_to(PACKAGE).parts[0] for m in MUTANTS for path in mutants.applied(m, TEXTS)}
+    assert folders <= touched
+    assert set(ROOMS) == folders
+    assert all(len(faults) >= 2 for faults in ROOMS.values())
+
+
+def test_a_text_is_found_wherever_and_however_indented_it_stands() -> None:
+    moved = Path("another") / "place.py"
+    texts = {moved: "class A:\n        value = (\n            1 +   2)\n        rest = 3\n"}
+    path, text = mutants.mutated(texts, Edit("value = ( 1 + 2)", "value = 4\nother = 5"))
+    assert path == moved
+    assert text == "class A:\n        value = 4\n        other = 5\n        rest = 3\n"
+
+
+@pytest.mark.parametrize("text", ["no such text in any file", "return"])
 def test_a_text_that_is_not_there_once_is_refused(text: str) -> None:
-    with pytest.raises(mutants.DoesNotApply, match=r"src/rubnoise/model\.py has \d+ times, not once: "):
-        mutants.applied(Mutant("nowhere", (Edit("model.py", text, ""),), TICKS), PACKAGE)
+    with pytest.raises(mutants.DoesNotApply, match=r"src/rubnoise has \d+ times, not once: "):
+        mutants.applied(Mutant("nowhere", (Edit(text, ""),), TICKS), TEXTS)
+
+
+@pytest.mark.parametrize("name", ["test_nothing_of_the_kind", "test_other.py::test_area_is_that_of_two_segments"])
+def test_a_test_that_is_not_there_is_refused(name: str) -> None:
+    with pytest.raises(mutants.DoesNotApply, match="0 files, not one, have the test "):
+        mutants.test_of(Mutant("untested", (), name), ROOT)
 
 
 def test_edits_of_one_file_add_up() -> None:
-    edits = (Edit("model.py", TITLE, "# one"), Edit("model.py", "# one", "# other"))
-    assert next(iter(mutants.applied(Mutant("two", edits, TICKS), PACKAGE).values())).startswith("# other\n")
+    edits = (Edit(TITLE, "# one"), Edit("# one", "# other"))
+    assert next(iter(mutants.applied(Mutant("two", edits, TICKS), TEXTS).values())).startswith("# other\n")
+
+
+def test_ten_tenths_are_all_faults_and_each_day_has_one() -> None:
+    parts = [mutants.tenth(str(number), MUTANTS) for number in range(1, 11)]
+    assert sorted(mutant.name for part in parts for mutant in part) == sorted(BY_NAME)
+    assert max(map(len, parts)) - min(map(len, parts)) <= 1
+    assert mutants.tenth("today", MUTANTS) in parts
+
+
+@pytest.mark.parametrize("asked", ["0", "11", "-1", "1.5", "tomorrow", ""])
+def test_a_tenth_that_is_none_is_refused(asked: str) -> None:
+    with pytest.raises(SystemExit, match="is no number from 1 to 10, and not today"):
+        mutants.tenth(asked, MUTANTS)
 
 
 @pytest.mark.parametrize("name", ["spread 5 % too wide", "off-by-one tick"])
 def test_a_fault_is_noticed(copy: Path, name: str) -> None:
     verdict = mutants.judged(BY_NAME[name], copy)
     assert verdict.killed
-    assert verdict.evidence.startswith("identity" if BY_NAME[name].identity else "z = +3")
+    assert verdict.evidence.startswith("z = +3" if BY_NAME[name].chance else "asserted")
 
 
 def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
-    harmless = Mutant("another comment", (Edit("model.py", TITLE, "# a comment"),), TICKS, identity=True)
+    harmless = Mutant("another comment", (Edit(TITLE, "# a comment"),), TICKS)
     assert mutants.judged(harmless, copy).evidence == "survives"
-    broken = Mutant("a crash", (Edit("model.py", TITLE, "raise RuntimeError"),), TICKS, identity=True)
+    broken = Mutant("a crash", (Edit(TITLE, "raise RuntimeError"),), TICKS)
     verdict = mutants.judged(broken, copy)
     assert not verdict.killed
     assert verdict.evidence.startswith("no assertion failed")
@@ -66,11 +104,11 @@ def test_a_small_score_is_no_kill() -> None:
     faint = mutants.Trial(
         failures=("FAILED tests/x.py::y - assert not {}",), scores=((-7.9, "a"), (4.5, "b")), passed=False, report=""
     )
-    assert mutants._evidence(Mutant("faint", (), MOMENTS), faint) == (False, "z = -7.9, a")
+    assert mutants._evidence(Mutant("faint", (), MOMENTS, chance=True), faint) == (False, "z = -7.9, a")
 
 
 def test_a_name_that_is_none_is_refused() -> None:
     command = [sys.executable, str(ROOT / "tools" / "mutants.py"), "no such fault"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "no fault is called 'no such fault'; there are: 0.327 for 1/3, " in done.stderr
+    assert "no fault is called 'no such fault'; there are: births 1 % too rare, " in done.stderr

@@ -83,11 +83,13 @@ def test_the_papers_figure_5_has_the_papers_numbers() -> None:
     assert (model.distance, model.tick, model.tick_count) == (20_000.0, 0.1, 200_000)
 
 
-def test_the_scenarios_of_figure_6_differ_in_the_number_of_junctions_alone() -> None:
+def test_the_scenarios_of_figure_6_differ_in_the_number_of_junctions_and_are_runs_of_their_own() -> None:
     models = [load(SCENARIOS / "paper" / f"fig6_n{n}.toml").resolved() for n in (10, 20, 30, 40, 50)]
     counts = [model["interface"].pop("mean_junction_count") for model in models]
     titles = {model.pop("title") for model in models}
+    seeds = {model["run"].pop("seed") for model in models}
     assert counts == [10, 20, 30, 40, 50]
+    assert len(seeds) == 5
     assert len(titles) == 5
     assert all(model == models[0] for model in models)
 

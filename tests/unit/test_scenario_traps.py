@@ -349,4 +349,5 @@ def test_an_unknown_word_gets_a_suggestion() -> None:
 )
 def test_an_unknown_key_gets_a_suggestion(old: str, new: str, head: str, hint: str) -> None:
     lines = refusal(WHOLE.replace(f"\n{old}", f"\n{new}", 1)).splitlines()
+    assert head in lines
     assert lines[lines.index(head) + 3] == f"    {hint}"

@@ -206,6 +206,21 @@ def test_after_a_power_cut_what_was_committed_is_there(
             assert gone_on(folder, BARE) == expected["bare"], moment
 
 
+def test_a_commit_is_written_down_when_the_disk_has_its_rows(tmp_path: Path) -> None:
+    with recorded(tmp_path / "run", BARE) as recording:
+        calls = recording.calls
+    journal = calls.index(("create", "x.h5.part.journal"))
+    part = next(number for number, call in enumerate(calls) if call[0] == "create" and number != journal)
+    waiting, commits = False, 0
+    for name, file, *given in calls:
+        if file == part:
+            waiting = name not in {"sync", "sync_rows"}
+        elif file == journal and name == "write_all" and given[0][4:8] == b"rows":
+            commits += 1
+            assert not waiting, f"commit {commits} came before its rows"
+    assert commits >= 4
+
+
 def test_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]]
 ) -> None:

@@ -52,6 +52,24 @@ def test_names_are_unique_and_texts_are_there() -> None:
         assert all(column.units and column.long_name and column.symbol for column in group.columns)
 
 
+def test_every_column_has_the_unit_of_its_quantity() -> None:
+    """Of what a column is, told by its symbol: a length in um is an area in um^2 when it is squared, and so on."""
+    units = {
+        "um": {"s", "s_birth", "s_death", "L_j", "d", "x"},
+        "um^2": {"A_r", "A_jmax"},
+        "um/s": {"x'"},
+        "s": {"t", "t_birth", "t_death"},
+        "MPa": {"psi"},
+        "uN": {"F_s"},
+        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "a"},
+    }
+    found: dict[str, set[str]] = {}
+    for group in GROUPS:
+        for column in group.columns:
+            found.setdefault(column.units, set()).add(column.symbol)
+    assert found == units
+
+
 def test_types_are_little_endian_numbers() -> None:
     types = {column.dtype for group in GROUPS for column in group.columns}
     assert types == {"<f8", "<i8", "<u4", "|u1"}

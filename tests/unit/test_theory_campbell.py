@@ -1,5 +1,5 @@
 from dataclasses import replace
-from math import pi, sqrt
+from math import factorial, pi, sqrt
 
 import mpmath
 import numpy as np
@@ -7,6 +7,10 @@ import pytest
 
 from rubnoise.contact.laws import Fixed
 from rubnoise.contact.pulses import TRIANGLE
+<<<<<<< HEAD
+=======
+from rubnoise.contact.laws import Fixed, Weibull
+>>>>>>> paper
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from tests.unit.theory_models import one_size, paper_model
@@ -55,6 +59,14 @@ def test_force_is_strength_times_area() -> None:
     np.testing.assert_allclose(force.values, [k * 3.0**n for n, k in enumerate(area.values, start=1)], rtol=1e-15)
     assert force.skewness == pytest.approx(area.skewness, rel=1e-14)
     assert force.variance == pytest.approx(9.0 * area.std**2, rel=1e-14)
+
+
+def test_unequal_strengths_bring_their_own_moments() -> None:
+    """A Weibull law as wide as its mean is exponential, and has n! times the mean to the power n for moments."""
+    model = replace(paper_model(), strengths=Weibull(mean=3.0, std=3.0))
+    area, force = area_cumulants(model), force_cumulants(model)
+    expected = [k * factorial(n) * 3.0**n for n, k in enumerate(area.values, start=1)]
+    np.testing.assert_allclose(force.values, expected, rtol=1e-14)
 
 
 def test_force_without_a_strength_is_refused() -> None:

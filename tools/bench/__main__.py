@@ -16,24 +16,26 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Measure, then write or print the page; return 1 if anybody computed something wrong."""
+    """Measure, then write or print the page; where something was computed wrong, only say what, and return 1."""
     asked = _parser().parse_args(arguments)
+    from bench.checks import Wrong
     from bench.page import page
     from bench.plan import FULL, QUICK
     from bench.results import measured
 
-    with TemporaryDirectory() as folder:
-        found = measured(QUICK if asked.quick else FULL, Path(folder), _teller())
-    text = page(found, datetime.now(UTC).date())
+    try:
+        with TemporaryDirectory() as folder:
+            found = measured(QUICK if asked.quick else FULL, Path(folder), _teller())
+        text = page(found, datetime.now(UTC).date())
+    except Wrong as wrong:
+        print(*(f"bench: wrong: {fault}" for fault in wrong.args), sep="\n", file=sys.stderr)
+        return 1
     output = asked.output or (None if asked.quick else DOCS)
     if output is None:
         print(text, end="")
     else:
         _write(output, text, found)
-    for verdict in found.verdicts:
-        if not verdict.passed:
-            print(f"bench: wrong: {verdict}", file=sys.stderr)
-    return 0 if found.passed else 1
+    return 0
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -1,7 +1,8 @@
-"""Correctness before speed: everybody makes one small run of the same junctions, and is held against the references."""
+"""Correctness before speed: each entrant makes small runs of the same junctions, which are compared with references."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import h5py
@@ -12,6 +13,9 @@ from bench.case import Case, Doubles, Given, Output, doubles
 from bench.entrants import OURS, Entrant, areas, births, runs
 
 SMALL = Case(junctions=150)
+MOST_TICKS = 3000
+"""Of a check beside the small one, unless three mean lives need more: the references are slow."""
+
 AREA_BOUND = 1e-9
 """Of the largest area: every peer has the same formula, and rounding is all that may be left."""
 
@@ -35,22 +39,48 @@ class Truth:
     displacement: Doubles
 
 
+class Wrong(Exception):  # noqa: N818  (a message for a person, printed as it is)
+    """Something was computed wrong, or was timed and never checked; its arguments are a sentence each."""
+
+
 @dataclass(frozen=True)
 class Verdict:
-    """Relative errors of one entrant where it answers, and whether they are within bounds."""
+    """Relative errors of one entrant on one case, as far as it answers.
 
+    ``part`` is "runs", "areas" or "births", and says which answers there have to be.
+    """
+
+    part: str
     name: str
     area: float | None = None
     motion: float | None = None
     life: float | None = None
+    case: Case = SMALL
+
+    def faults(self) -> Iterator[str]:
+        """Yield a sentence for each answer that is missing or off by more than its bound."""
+        motion = OUR_MOTION_BOUND if self.name.startswith(OURS) else MOTION_BOUND
+        answers = (("area", self.area, AREA_BOUND), ("motion", self.motion, motion), ("life", self.life, LIFE_BOUND))
+        who = f"{self.part}, {self.name}, {self.case.mean_count:g} junctions, {self.case.ticks_per_life:g} ticks a life"
+        for what, error, bound in answers:
+            if error is not None or what in NEEDED[self.part]:
+                yield from beyond(who, what, error, bound)
 
     @property
     def passed(self) -> bool:
-        """Whether there is an answer, and every error is within its bound; one that is not a number is not."""
-        motion = OUR_MOTION_BOUND if self.name.startswith(OURS) else MOTION_BOUND
-        bounds = ((self.area, AREA_BOUND), (self.motion, motion), (self.life, LIFE_BOUND))
-        answered = [(error, bound) for error, bound in bounds if error is not None]
-        return bool(answered) and all(error <= bound for error, bound in answered)
+        """Whether every answer that there has to be is there, and every error is within its bound."""
+        return not any(self.faults())
+
+
+NEEDED = {"runs": ("area", "motion", "life"), "areas": ("area", "life"), "births": ("life",)}
+
+
+def beyond(who: str, what: str, error: float | None, bound: float) -> Iterator[str]:
+    """Yield a sentence if there is no error, or if it is not within its bound; one that is not a number is not."""
+    if error is None:
+        yield f"{who}: the {what} was never checked"
+    elif not error <= bound:
+        yield f"{who}: the {what} is off by {error:.1e}, more than {bound:.0e}"
 
 
 def truth(case: Case = SMALL) -> Truth:
@@ -66,30 +96,47 @@ def truth(case: Case = SMALL) -> Truth:
     )
 
 
-def verdicts(engines: tuple[str, ...], folder: Path) -> Iterator[Verdict]:
-    """Yield a verdict on everybody: whole runs first, then areas, then births."""
-    known = truth()
-    for entrant in runs(engines):
-        yield judged(entrant.name, whole_run(entrant, known, folder), known)
-    for entrant in (*areas(engines), *births()):
-        made = entrant.call(known.case, Given(known.birth, known.diameter))
-        yield judged(entrant.name, made or Output(), known)
+def cases(counts: Iterable[float], ticks: Iterable[float]) -> tuple[Case, ...]:
+    """Return the cases on which whole runs are checked: the small one, and one for each point at which time is taken.
+
+    The sums go different ways for different numbers of ticks and of junctions, so each of them is checked.
+    """
+    points = [*product(counts, [SMALL.ticks_per_life]), *product([SMALL.mean_count], ticks)]
+    return (SMALL, *(_small(*point) for point in points))
 
 
-def judged(name: str, made: Output, known: Truth) -> Verdict:
-    """Return the errors of what somebody has made of the junctions of the truth."""
+def _small(mean_count: float, ticks_per_life: float) -> Case:
+    lives = max(3.0, min(150.0 / mean_count, MOST_TICKS / ticks_per_life))
+    return Case(mean_count, ticks_per_life, round(lives * mean_count))
+
+
+def verdicts(engines: tuple[str, ...], folder: Path, wanted: tuple[Case, ...] = (SMALL,)) -> Iterator[Verdict]:
+    """Yield a verdict on each entrant: whole runs in every case, then areas and births in the first one."""
+    for case in wanted:
+        known = truth(case)
+        for entrant in runs(engines):
+            yield judged("runs", entrant.name, whole_run(entrant, known, folder), known)
+    known = truth(wanted[0])
+    for part, entrants in (("areas", areas(engines)), ("births", births())):
+        for entrant in entrants:
+            made = entrant.call(known.case, Given(known.birth, known.diameter))
+            yield judged(part, entrant.name, made or Output(), known)
+
+
+def judged(part: str, name: str, made: Output, known: Truth) -> Verdict:
+    """Return the errors of what an entrant has made of the junctions of the truth."""
     return Verdict(
+        part,
         name,
-        area=relative_error(made.area, known.area),
-        motion=relative_error(made.displacement, known.displacement),
+        area=None if made.area is None else relative_error(made.area, known.area),
+        motion=None if made.displacement is None else relative_error(made.displacement, known.displacement),
         life=life_error(made, known),
+        case=known.case,
     )
 
 
-def relative_error(found: Doubles | None, right: Doubles) -> float | None:
-    """Return the largest error over the largest value: None where there is no answer, inf for one of another length."""
-    if found is None:
-        return None
+def relative_error(found: Doubles, right: Doubles) -> float:
+    """Return the largest error over the largest value; inf for an answer of another length."""
     if found.shape != right.shape:
         return float("inf")
     return float(np.abs(found - right).max() / np.abs(right).max())

@@ -1,11 +1,11 @@
 """Everything that one call of the benchmark has found out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from bench import checks, kernel, machine, memory, motion, ours, speed, startup
-from bench.checks import Verdict
+from bench.checks import Verdict, Wrong
 from bench.entrants import areas, births, runs
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
@@ -34,19 +34,29 @@ class Results:
     memory: dict[str, dict[int, float]]
     startup: dict[str, Wait]
 
-    @property
-    def passed(self) -> bool:
-        """Whether everybody was right; nobody is judged by time."""
-        return all(each.passed for each in self.verdicts) and self.kernel.passed and self.motion.passed
+    def faults(self) -> Iterator[str]:
+        """Yield a sentence for everything that was computed wrong, or was timed and never checked."""
+        for verdict in self.verdicts:
+            yield from verdict.faults()
+        checked = {(verdict.part, verdict.name) for verdict in self.verdicts}
+        for part, timings in (("runs", self.runs), ("areas", self.areas), ("births", self.births)):
+            yield from (f"{part}, {name}: never checked" for name in timings if (part, name) not in checked)
+        yield from self.kernel.faults()
+        yield from self.motion.faults()
 
 
 def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
-    """Measure everything that is planned, in a folder for the files that are written; tell what comes next."""
+    """Measure everything that is planned, in a folder for the files that are written; tell what comes next.
+
+    Raises Wrong before any time is taken if an entrant computes something wrong.
+    """
     here = machine.described(gcc=c_kernel.available())
     engines = ours.engines()
     fastest, path = engines[-1], folder / "run.h5"
-    tell("correctness: everybody makes one small run")
-    verdicts = tuple(checks.verdicts(engines, folder))
+    tell("correctness: each entrant makes small runs")
+    verdicts = tuple(checks.verdicts(engines, folder, checks.cases(plan.counts, plan.ticks)))
+    if faults := [fault for verdict in verdicts for fault in verdict.faults()]:
+        raise Wrong(*faults)
     tell("whole runs")
     whole = speed.timed(runs(engines), plan, path)
     tell("the area alone, and births alone")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from rubnoise.claims import area_spread, contact_and_slider, rabinowicz, spectrum
+from rubnoise.claims import area_spread, contact_and_slider, rabinowicz, spectrum, unequal_sizes
 from rubnoise.claims.claim import Claim
 from rubnoise.claims.evidence import Tell
 
@@ -11,17 +11,20 @@ _SOURCES: tuple[Callable[[Tell], Sequence[Claim]], ...] = (
     rabinowicz.claims,
     area_spread.claims,
     spectrum.claims,
+    unequal_sizes.claims,
 )
 
 ORDER = (
     "life_mean",
     "rabinowicz",
+    "present_mean",
     "mean_area",
     "live_count",
     "constant_speed",
     "area_spread",
     "psd_decay",
     "psd_same",
+    "psd_sizes",
     "psd_floor",
     "few_or_many",
 )

@@ -1,11 +1,14 @@
 """What the paper claims, what a simulation and the theory say to it, and the verdict that follows from the numbers."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import inf, sqrt
 
 import numpy as np
+
+_CLOSE = 0.05
+"""Relative difference up to which a printed number needs a correction and not another claim."""
 
 _FOUR_SIGMA = 3.1671241833119857e-05
 """Chance that a normal number lies more than four standard deviations above its mean."""
@@ -37,6 +40,10 @@ class Estimate:
     def agrees_with(self, exact: float, rounding: float = 0.0) -> bool:
         """Whether an exact value is as near as four standard deviations of a normal number would be, or as rounding."""
         return abs(self.value - exact) <= max(self._reach(_FOUR_SIGMA), rounding)
+
+    def times(self, factor: float) -> "Estimate":
+        """Return the estimate times an exact number."""
+        return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
 
     def _reach(self, tail: float) -> float:
         from scipy.special import stdtrit
@@ -100,3 +107,11 @@ class Claim:
 def settled(*, quantities: tuple[Quantity, ...], verdict: Verdict) -> Verdict:
     """Return the verdict, or unsettled where simulation and theory disagree about any number it rests on."""
     return verdict if all(quantity.agrees for quantity in quantities) else Verdict.UNSETTLED
+
+
+def nearness(quantity: Quantity, step: float) -> Verdict:
+    """Compare a printed number with the exact one; ``step`` is the unit of its last digit."""
+    printed = quantity.printed or 0.0
+    if abs(quantity.exact - printed) <= 0.5 * step:
+        return Verdict.HOLDS
+    return Verdict.CORRECTED if abs(quantity.exact - printed) <= _CLOSE * abs(quantity.exact) else Verdict.FAILS

@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, ratio, settled
+from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, ratio, settled
 from rubnoise.claims.evidence import Evidence, Found, Tell, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -13,8 +13,6 @@ from rubnoise.theory.exact import exact
 from rubnoise.theory.response import response
 
 SCENARIO = "claims/vibration.toml"
-_CLOSE = 0.05
-"""Relative difference up to which a printed number needs a correction and not another claim."""
 
 
 def claims(tell: Tell) -> Sequence[Claim]:
@@ -53,9 +51,9 @@ def _life_mean(paper: Found) -> Claim:
         where="Eq. (6)",
         says="The mean area of a junction during its life is about 0.327 d^2.",
         quantities=(quantity,),
-        verdict=settled(quantities=(quantity,), verdict=_nearness(quantity, step=0.001)),
+        verdict=settled(quantities=(quantity,), verdict=nearness(quantity, step=0.001)),
         because="The integral of the lens over a life is (2/3) d^3, so its mean over 2d is d^2/3; the printed number "
-        "is 1.9 % low.",
+        f"is {100.0 * (1.0 - 0.327 / quantity.exact):.1f} % low.",
         scenario=SCENARIO,
     )
 
@@ -73,7 +71,7 @@ def _mean_area(paper: Found) -> Claim:
         where="Eqs. (10) to (12)",
         says="The diameter of Eq. (12) gives the mean real contact area that was put in, 200 um^2.",
         quantities=(quantity,),
-        verdict=settled(quantities=(quantity,), verdict=_nearness(quantity, step=1.0)),
+        verdict=settled(quantities=(quantity,), verdict=nearness(quantity, step=1.0)),
         because="0.327 makes the junctions too large, and the spread of sizes adds to the mean of d^3. The calibration "
         "`matched` gives the area that was asked for.",
         scenario=SCENARIO,
@@ -92,7 +90,7 @@ def _live_count(paper: Found) -> Claim:
         )
         for name in ("mean", "variance")
     )
-    holds = all(_nearness(quantity, step=1.0) is Verdict.HOLDS for quantity in quantities)
+    holds = all(nearness(quantity, step=1.0) is Verdict.HOLDS for quantity in quantities)
     return Claim(
         name="live_count",
         where="Eq. (9), second Eq. (12)",
@@ -146,12 +144,12 @@ def _constant_speed(paper: Found) -> Claim:
     )
     return Claim(
         name="constant_speed",
-        where="Fig. 5",
-        says="The sliding speed, 1 mm/s, may be taken for constant while the slider vibrates.",
+        where="Fig. 5, implied",
+        says="The paper does not say it, but takes the sliding speed, 1 mm/s, for constant while the slider vibrates.",
         quantities=(quantity,),
         verdict=settled(quantities=(quantity,), verdict=Verdict.HOLDS if quantity.exact < 0.1 else Verdict.FAILS),
-        because="The slider would move many times faster than the surface under it; its motion would have to act back "
-        "on the sliding distance.",
+        because=f"The slider moves {quantity.exact:.0f} times as fast as the surface under it. Its motion would have "
+        "to act back on the sliding distance, and with it on births and deaths.",
         scenario=SCENARIO,
     )
 
@@ -159,11 +157,3 @@ def _constant_speed(paper: Found) -> Claim:
 def _force_std(model: Model) -> float:
     force = exact(model).force
     return sqrt(force.variance) if force is not None else np.nan
-
-
-def _nearness(quantity: Quantity, step: float) -> Verdict:
-    """Compare a printed number with the exact one; ``step`` is the unit of its last digit."""
-    printed = quantity.printed or 0.0
-    if abs(quantity.exact - printed) <= 0.5 * step:
-        return Verdict.HOLDS
-    return Verdict.CORRECTED if abs(quantity.exact - printed) <= _CLOSE * abs(quantity.exact) else Verdict.FAILS

@@ -1,7 +1,8 @@
 """The runs that claims rest on: every point of a sweep, and the numbers found in it with their scatter."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from rubnoise.claims.claim import Estimate, estimate
 from rubnoise.model import Model
@@ -19,9 +20,10 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Found:
-    """One point of a sweep: its model, and each number with the scatter of the point's replicates."""
+    """One point of a sweep: its model, its swept values as written, and each number with its replicates' scatter."""
 
     model: Model
+    values: Mapping[str, Any]
     numbers: dict[str, Estimate]
 
 
@@ -31,14 +33,22 @@ class Evidence:
 
     points: tuple[Found, ...]
 
-    def at(self, *, area: float | None = None, count: float | None = None, shape: str | None = None) -> Found:
-        """Return the one point of a mean real contact area (um^2), a mean junction count, a pulse shape."""
+    def at(
+        self,
+        *,
+        area: float | None = None,
+        count: float | None = None,
+        shape: str | None = None,
+        spread: str | None = None,
+    ) -> Found:
+        """Return the one point of a mean real contact area (um^2), mean junction count, pulse shape, written spread."""
         wanted = [
             point
             for point in self.points
             if area in (None, point.model.mean_real_contact_area)
             and count in (None, point.model.mean_junction_count)
             and shape in (None, point.model.pulse.shape)
+            and spread in (None, point.values.get("diameter.spread"))
         ]
         [found] = wanted
         return found
@@ -47,15 +57,19 @@ class Evidence:
 def gather(name: str, read: Read, tell: Tell) -> Evidence:
     """Run every point of a sweep that comes with rubnoise, in memory, and measure each run."""
     found: dict[int, list[dict[str, float]]] = {}
-    models: dict[int, Model] = {}
+    cases: dict[int, tuple[Model, Mapping[str, Any]]] = {}
     measure = Measure(sink=MemoryRecord, read=read)
     points = expand(load_sweep(shipped(name)))
     for number, (point, numbers) in enumerate(run_points(points, measure), 1):
         tell(f"{name}: run {number} of {len(points)}")
         case = number - 1 - point.replicate
-        models.setdefault(case, point.scenario.model())
+        cases.setdefault(case, (point.scenario.model(), point.values))
         found.setdefault(case, []).append(numbers)
-    return Evidence(tuple(Found(model=models[case], numbers=_together(runs)) for case, runs in found.items()))
+    return Evidence(
+        tuple(
+            Found(model=model, values=values, numbers=_together(found[case])) for case, (model, values) in cases.items()
+        )
+    )
 
 
 def _together(runs: list[dict[str, float]]) -> dict[str, Estimate]:

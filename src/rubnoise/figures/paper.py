@@ -62,8 +62,8 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig6": PaperFigure(
         title="Traces for five numbers of junctions",
         caption=(
-            "The same mean area on more and smaller junctions fluctuates less. Histograms of the whole runs, with the "
-            "exact densities over them."
+            "The same mean area on more and smaller junctions fluctuates less. Each panel is a run with a seed of its "
+            "own. Histograms of the whole runs, with the exact densities over them."
         ),
         scenarios=tuple(f"fig6_n{count}.toml" for count in (10, 20, 30, 40, 50)),
     ),
@@ -79,8 +79,8 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         title="Spectral density of the real contact area",
         caption=(
             "Welch's estimate from a run and the exact density. On linear axes it seems to end in a constant; on "
-            "logarithmic ones it falls as 1/k⁴, swinging about 4λE[d²]/k⁴. A floor comes from the estimate alone: at "
-            "the end the ticks' aliases lift it."
+            "logarithmic ones it falls as 1/k⁴, swinging about 4λE[d²]/k⁴, since every pass goes through both centres. "
+            "A floor comes from the estimate alone: at the end the ticks' aliases lift it."
         ),
         scenarios=("fig8.toml",),
     ),

@@ -1,0 +1,74 @@
+"""Faults of what is measured in a run, of the scores it gets, and of the checks of a file against itself."""
+
+from __future__ import annotations
+
+from mutations.mutant import one
+
+MUTANTS = (
+    one(
+        "deviations for scores",
+        "test_a_score_counts_standard_errors",
+        "return (self.observed - self.expected) / self.standard_error",
+        "return self.observed - self.expected",
+    ),
+    one(
+        "scatter of batches for the error of their mean",
+        "test_errors_of_independent_values_are_the_textbook_ones",
+        "means.std(axis=0, ddof=1) / sqrt(means.shape[0])",
+        "means.std(axis=0, ddof=1)",
+    ),
+    one(
+        "one tail in the bound of a family",
+        "test_the_bound_of_a_family_is_bonferronis",
+        "ndtri(0.5 * error / max(count, 1))",
+        "ndtri(error / max(count, 1))",
+    ),
+    one(
+        "segments of a spectrum with their mean",
+        "test_it_is_what_scipy_finds",
+        "rfft((parts - parts.mean(axis=1, keepdims=True)) * self._window, axis=1)",
+        "rfft(parts * self._window, axis=1)",
+    ),
+    one(
+        "one-sided Kolmogorov tails",
+        "test_the_tail_is_that_of_the_exact_law",
+        "2.0 * float(smirnov(count,",
+        "1.0 * float(smirnov(count,",
+    ),
+    one(
+        "autocovariance over all values, not pairs",
+        "test_covariances_are_those_of_the_whole_record_over_their_pairs",
+        "pairs = np.maximum(self._count - np.arange(self._reach + 1), 0).astype(np.float64)",
+        "pairs = np.maximum(self._count - 0 * np.arange(self._reach + 1), 0).astype(np.float64)",
+    ),
+    one(
+        "neighbours that were born before left out",
+        "test_shares_of_all_that_are_alive_add_up",
+        "np.flatnonzero((birth <= stop) & (death >= start))",
+        "np.flatnonzero((birth <= stop) & (birth >= start))",
+    ),
+    one(
+        "or for and in conditions",
+        "test_and_or_not_mean_what_they_mean_in_python",
+        "np.logical_and.reduce([part.chosen(rows) for part in self.parts])",
+        "np.logical_or.reduce([part.chosen(rows) for part in self.parts])",
+    ),
+    one(
+        "full overlap not verified",
+        "test_one_bit_of_one_value_is_seen_though_its_hash_is_right",
+        'notes.equal("/junctions/max_area", panel.first, panel["max_area"], max_area(diameter))',
+        "",
+    ),
+    one(
+        "ends of lives not verified against the run's end",
+        "test_one_bit_of_one_value_is_seen_though_its_hash_is_right",
+        "AT_END * (death > model.distance)",
+        "AT_END * ((state & AT_END) != 0)",
+    ),
+    one(
+        "a loudest sample at full scale",
+        "test_the_file_tells_the_physical_scale",
+        "PEAK: Final = 10.0 ** (-3.0 / 20.0)",
+        "PEAK: Final = 1.0",
+    ),
+)

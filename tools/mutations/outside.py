@@ -1,0 +1,113 @@
+"""Faults of what people meet: the Python interface, the command line, the figures, the paper's claims."""
+
+from __future__ import annotations
+
+from mutations.mutant import one
+
+API = (
+    one(
+        "backward slices forwards",
+        "test_slices_are_those_of_an_array",
+        "self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows",
+        "self._sliced(rows[-1], rows[0] + 1, -step) if rows",
+    ),
+    one(
+        "an ended junction still there",
+        "test_a_junction_that_was_ended_early_is_gone_from_then_on",
+        "(s < self.death_distance)",
+        "(s <= self.death_distance)",
+    ),
+    one(
+        "a seed too large to be kept",
+        "test_a_seed_that_is_none_is_refused",
+        "and 0 <= int(value) < SEED_LIMIT",
+        "and 0 <= int(value) <= SEED_LIMIT",
+    ),
+    one(
+        "other random numbers gone on with",
+        "test_other_random_numbers_are_refused",
+        "if origin.stream_version != STREAM_VERSION: yield",
+        "if False:\n    yield",
+    ),
+)
+
+CLI = (
+    one(
+        "a disagreement with exit code 0",
+        "test_a_run_outside_has_its_own_exit_code_and_a_line_that_names_what",
+        "if found.outside: raise RunOutside(",
+        "if False:\n    raise RunOutside(",
+    ),
+    one(
+        "no JSON where a number is none",
+        "test_json_stays_json_whatever_a_damaged_file_holds",
+        "name: value if isfinite(value) else None for",
+        "name: value for",
+    ),
+    one(
+        "text that steers a terminal",
+        "test_escaped_text_is_printable_and_keeps_what_was",
+        'c if c.isprintable() or c == "\\n" else',
+        'c if c.isprintable() or c in "\\n\\x1b" else',
+    ),
+    one(
+        "--seed passed over",
+        "test_the_seed_is_the_one_of_the_file_option_or_setting",
+        "overrides(changes, seed=seed, engine=engine)",
+        "overrides(changes, seed=None, engine=engine)",
+    ),
+    one(
+        "hours told as minutes",
+        "test_an_hour_is_told_as_such",
+        "hours, minutes = divmod(minutes, 60)",
+        "hours = 0",
+    ),
+)
+
+FIGURES = (
+    one(
+        "a thinned curve without its peaks",
+        "test_a_thinned_curve_keeps_its_extremes",
+        "np.maximum.reduceat(value, starts)",
+        "np.minimum.reduceat(value, starts)",
+    ),
+    one(
+        "a thinned column without its peaks",
+        "test_of_many_rows_the_extremes_are_kept",
+        "np.maximum.reduceat(panel, starts)",
+        "np.minimum.reduceat(panel, starts)",
+    ),
+    one(
+        "lenses drawn too narrow",
+        "test_the_lens_that_is_drawn_has_the_area_of_the_junction",
+        "half = np.arccos(min(abs(shift) / (2.0 * radius), 1.0))",
+        "half = np.arccos(min(abs(shift) / radius, 1.0))",
+    ),
+    one(
+        "sums of bins drawn for means",
+        "test_bins_of_a_spectrum_keep_its_integral",
+        "np.add.reduceat(density, starts) / counts",
+        "np.add.reduceat(density, starts)",
+    ),
+    one(
+        "replicates with the error of one",
+        "test_spreads_lie_about_the_exact_ones_by_their_errors",
+        "standard_errors(model).std / sqrt(len(variances))",
+        "standard_errors(model).std",
+    ),
+)
+
+CLAIMS = (
+    one(
+        "the error of a ratio from one side",
+        "test_errors_of_differences_and_ratios_add_up",
+        "sqrt((first.standard_error / first.value) ** 2 + (second.standard_error / second.value) ** 2)",
+        "first.standard_error / first.value",
+    ),
+    one(
+        "a claim settled against the theory",
+        "test_a_verdict_needs_simulation_and_theory_to_agree",
+        "return verdict if all(quantity.agrees for quantity in quantities) else",
+        "return verdict if any(quantity.agrees for quantity in (*quantities, *quantities)) or quantities else",
+    ),
+)

@@ -1,0 +1,197 @@
+"""Faults of the run itself: what is drawn and when, what is summed at the ticks, how the slider is moved."""
+
+from __future__ import annotations
+
+from mutations.contact import MOMENTS
+from mutations.mutant import Edit, Mutant, one
+
+START = "test_who_is_alive_at_the_start"
+STREAMS = "test_streams_and_blocks_are_independent"
+BIRTHS = "test_births_are_those_that_the_streams_hold[events]"
+LIVES = "test_every_life_lasts_two_diameters[batch]"
+TICKS = "test_ticks_lie_at_multiples_of_the_tick[batch]"
+SUMS = "test_area_count_and_force_follow_from_the_rows"
+LENSES = f"{SUMS}[lenses-batch]"
+MOTION = "test_the_motion_follows_from_the_rows[0.1 um-batch]"
+
+_TICK = "float(first + n) * spacing"
+_AREA = "total[tick] = fused(weight * (u * np.sqrt(u)), _horner(AREA_COEFFICIENTS, u), total[tick])"
+
+START_OF_A_RUN = (
+    one(
+        "empty start",
+        START,
+        'live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()',
+        "live = LiveRows.none()",
+        chance=True,
+    ),
+    one(
+        "start sizes not length-biased",
+        START,
+        "return _accepted(lambda n: self.draw(generator.random(n)), generator, largest, count)",
+        "return self.draw(generator.random(count))",
+        chance=True,
+    ),
+    one(
+        "start count fixed",
+        START,
+        "count = _poisson(seed, 2.0 * model.birth_rate * model.sizes.moment(1))",
+        "count = round(2.0 * model.birth_rate * model.sizes.moment(1))",
+        chance=True,
+    ),
+    one(
+        "start ages of half a life",
+        START,
+        "birth = -(2.0 * diameter) * uniforms(",
+        "birth = -diameter * uniforms(",
+        chance=True,
+    ),
+    one(
+        "regular lives end at d before the start",
+        "test_so_many_are_alive_at_every_tick",
+        "alive = birth + 2.0 * diameter > 0.0",
+        "alive = birth + diameter > 0.0",
+    ),
+)
+
+STREAM_USE = (
+    one(
+        "births and sizes on one stream",
+        STREAMS,
+        "key = np.array([seed, int(stream)], dtype=np.uint64)",
+        "key = np.array([seed, 2 if stream == 3 else int(stream)], dtype=np.uint64)",
+        chance=True,
+    ),
+    Mutant(
+        "a block's stream reused",
+        (
+            Edit("np.array([0, 0, block, 0], dtype", "np.array([0, 0, block // 2, 0], dtype"),
+            Edit('["counter"][2] = number', '["counter"][2] = number // 2'),
+        ),
+        STREAMS,
+        chance=True,
+    ),
+    Mutant(
+        "first birth of a block dropped",
+        (
+            Edit("birth=birth[:count],", "birth=birth[1:count],"),
+            Edit("gaps=gaps[:count],", "gaps=gaps[1:count],"),
+            Edit("Stream.DIAMETERS, block, blocks)[:count],", "Stream.DIAMETERS, block, blocks)[1:count],"),
+            Edit("Stream.STRENGTHS, block, blocks)[:count],", "Stream.STRENGTHS, block, blocks)[1:count],"),
+        ),
+        BIRTHS,
+    ),
+    one(
+        "float32 births",
+        BIRTHS,
+        "np.add.accumulate(np.concatenate([[begin], gaps])), gaps",
+        "np.add.accumulate(np.concatenate([[begin], gaps])).astype(np.float32).astype(np.float64), gaps",
+    ),
+)
+
+KERNELS = (
+    # The same life, peak and mean, and no slope at mid-life.
+    one(
+        "no kink",
+        MOMENTS,
+        "AREA_COEFFICIENTS = (\n0.9428090415820636, -0.14142135623740776,",
+        "AREA_COEFFICIENTS = (0.0, 2.06747893, -0.60066612, -0.68141465)\n_ = (0.9428090415820636, -0.1414,",
+        chance=True,
+    ),
+    one(
+        "second term of the lens 2 % off",
+        MOMENTS,
+        _AREA,
+        f"{_AREA} - 0.02 * weight * (1.0 - u) * np.sqrt(u * (2.0 - u)) / 2.0",
+        chance=True,
+    ),
+    one("second coefficient of the lens 2 % off", LENSES, "-0.14142135623740776", "-0.14424978336495591"),
+    one(
+        "no kink where ticks are fine",
+        f"{SUMS}[lenses, fine ticks-batch]",
+        "add_kink(position, PANEL * kink + 1, born, inverse, in_spacings, weight, total, moments)",
+        "pass",
+    ),
+    one(
+        "no kink in the slider's force",
+        MOTION,
+        "_pass_mid_life(positions, born, size, departure[row], scale, moments)",
+        "pass",
+    ),
+    one(
+        "bend of a triangle's kink a third off",
+        "test_kernels_triangle.py::test_moments_of_cells_that_hold_births_mid_lives_and_deaths",
+        "moments[2, cell] += beside * r * (1.0 - r) / 2.0",
+        "moments[2, cell] += beside * r * (1.0 - r) / 3.0",
+    ),
+    one("force off by 1e6", LENSES, "= model.strengths.mean * area", "= 1e6 * model.strengths.mean * area"),
+)
+
+
+def _death_at(factor: str) -> tuple[Edit, ...]:
+    """Return a life of another length wherever the batch engine knows of it."""
+    return (
+        Edit("return birth + 2.0 * diameter", f"return birth + {factor} * diameter"),
+        Edit("self.birth + 2.0 * self.diameter)", f"self.birth + {factor} * self.diameter)"),
+    )
+
+
+PLACES = (
+    Mutant("death at d", _death_at("1.0"), MOMENTS, chance=True),
+    Mutant("death at 1.99 d", _death_at("1.99"), LIVES),
+    one("float32 positions", TICKS, _TICK, f"np.float64(np.float32({_TICK}))"),
+    one("off-by-one tick", TICKS, _TICK, "float(first + n + 1) * spacing"),
+    one(
+        "count a tick late",
+        LENSES,
+        "live += change[tick] count[tick] = live",
+        "count[tick] = live\nlive += change[tick]",
+    ),
+    one(
+        "lives forgotten between blocks",
+        "test_small_blocks_are_played_together_and_each_ones_start_is_written",
+        "beyond = np.flatnonzero(np.minimum(rows.departure, natural) > last_tick)",
+        "beyond = np.flatnonzero(np.minimum(rows.departure, natural) > last_tick + 5.0)",
+    ),
+    one(
+        "a tick at a birth given to the block before",
+        "test_ticks_and_births_are_told_apart_to_the_last_bit",
+        "while float(tick) * model.tick < distance:",
+        "while float(tick) * model.tick <= distance:",
+    ),
+    one(
+        "an interrupt that ends nothing",
+        "test_rows_show_when_and_how_they_ended",
+        "except Interrupt: death = env.now del live.processes[live.numbers[row]]",
+        "except Interrupt:\n    pass\ndel live.processes[live.numbers[row]]",
+    ),
+    one(
+        "mid-life told at half of it",
+        "test_everything_is_told_once_and_in_order",
+        "middle = rows.birth + rows.diameter",
+        "middle = rows.birth + 0.5 * rows.diameter",
+    ),
+)
+
+SLIDER = (
+    one(
+        "gain of the second moment too small",
+        "test_constants_of_every_damping",
+        "weight = (2 * i + 1) / (mpmath.mpf(slider.mass)",
+        "weight = (i + 1) / (mpmath.mpf(slider.mass)",
+    ),
+    one(
+        "velocity from the place after the step",
+        MOTION,
+        "fused(v_from_x, x, push_v)",
+        "fused(v_from_x, next_x, push_v)",
+    ),
+    one(
+        "steps of the slider too coarse",
+        "test_the_promise_holds_for_every_speed_and_damping",
+        "TARGET = 3e-10",
+        "TARGET = 3e-5",
+    ),
+)
+
+MUTANTS = (*START_OF_A_RUN, *STREAM_USE, *KERNELS, *PLACES, *SLIDER)

@@ -1,0 +1,86 @@
+"""Faults of the exact theory, which judges runs: whatever it says wrong, right runs would be blamed for."""
+
+from __future__ import annotations
+
+from mutations.mutant import one
+
+MUTANTS = (
+    one(
+        "cumulants with a moment too low",
+        "test_cumulants_are_those_of_the_characteristic_function",
+        "model.sizes.moment(2 * order + 1)",
+        "model.sizes.moment(2 * order)",
+    ),
+    one(
+        "unequal strengths taken for equal ones",
+        "test_unequal_strengths_bring_their_own_moments",
+        "strength_moments[n] *",
+        "strength_moments[1] ** n *",
+    ),
+    one(
+        "one-sided density half as high",
+        "test_both_densities_integrate_to_the_variance",
+        "return spectral_density(model, wavenumber) / pi",
+        "return spectral_density(model, wavenumber) / (2.0 * pi)",
+    ),
+    one(
+        "half power taken for half amplitude",
+        "test_corner_of_one_size",
+        "half = 0.5 * float(spectral_density(model, 0.0))",
+        "half = 0.25 * float(spectral_density(model, 0.0))",
+    ),
+    one(
+        "damping of the response doubled",
+        "test_both_stds_against_the_time_domain",
+        "np.square(slider.damping * frequency)",
+        "np.square(2.0 * slider.damping * frequency)",
+    ),
+    one(
+        "variance of a tick counted twice",
+        "test_error_of_the_mean_is_exact_for_any_record_and_tick",
+        "weights[0] = 1.0 / ticks",
+        "weights[0] = 2.0 / ticks",
+    ),
+    one(
+        "skewness as if the mean were known",
+        "test_errors_of_all_four_moments",
+        "[-3.0, -1.5 * g, 1.0, 0.0]",
+        "[0.0, -1.5 * g, 1.0, 0.0]",
+    ),
+    one(
+        "atom at zero of twice the junctions",
+        "test_mass_and_four_cumulants_by_the_density",
+        "atom_at_zero=exp(-count)",
+        "atom_at_zero=exp(-2.0 * count)",
+    ),
+    one(
+        "live areas not length-biased",
+        "test_moments_are_the_life_integrals_of_what_is_alive",
+        "weights * sizes.density(diameters) / diameters * unit(",
+        "weights * sizes.density(diameters) / diameters**2 * unit(",
+    ),
+    one(
+        "counts forgotten after d",
+        "test_covariance_is_the_life_that_is_left",
+        "return model.birth_rate * np.sum(probabilities * np.maximum(2.0 * diameters - reach, 0.0), axis=-1)",
+        "return model.birth_rate * np.sum(probabilities * np.maximum(diameters - reach, 0.0), axis=-1)",
+    ),
+    one(
+        "growth from empty that ends at mid-life",
+        "test_area_grows_from_empty_as_the_lives_do",
+        "np.where(age < 1.0, rising, pulse.life_integral(1) - rising)",
+        "np.where(age < 1.0, rising, 0.5 * pulse.life_integral(1))",
+    ),
+    one(
+        "a sign in the Struve function's tail",
+        "test_transform_of_a_life_over_fourteen_decades",
+        "total = 1.0 + ratio * inverse * total",
+        "total = 1.0 - ratio * inverse * total",
+    ),
+    one(
+        "cumulants of a mixture miscounted",
+        "test_cumulants_of_one_size_are_those_of_a_periodic_function",
+        "sum(comb(n - 1, i) * found[i] * moments[n - 1 - i] for i in range(n - 1))",
+        "sum(comb(n, i) * found[i] * moments[n - 1 - i] for i in range(n - 1))",
+    ),
+)
