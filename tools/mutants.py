@@ -38,7 +38,7 @@ KINDS = (".py", ".js")
 """Files of the program in which a fault may be."""
 
 ASSERTED = (" - assert", " - AssertionError", " - Failed: DID NOT RAISE", " - rubnoise.")
-"""How pytest tells of a test that failed by what it asserts or by an exception of ours, and not by an error of its own."""
+"""How pytest reports a test that failed by what it asserts or by an exception of ours, not by an error of its own."""
 
 COPIED = ("src", "tests", "pyproject.toml")
 LEFT = shutil.ignore_patterns("__pycache__", "*.pyc")

@@ -5,12 +5,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.contact.laws import Fixed
-from rubnoise.contact.pulses import TRIANGLE
-<<<<<<< HEAD
-=======
 from rubnoise.contact.laws import Fixed, Weibull
->>>>>>> paper
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from tests.unit.theory_models import one_size, paper_model
