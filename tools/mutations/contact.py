@@ -9,7 +9,7 @@ NEWBORN = "test_diameters_of_newborns"
 STRENGTHS = "test_every_strength_is_the_one_that_was_given[batch]"
 
 _POISSON_GAP = "gaps *= self.mean_spacing"
-_NEWBORN = "diameters = normal_above(uniform, self._positive_mass) diameters *= self.std diameters += self.mean"
+_NEWBORN = "values = normal_above(uniform, self._positive_mass) values *= self.std values += self.centre"
 
 BIRTHS = (
     one("births 1 % too rare", MOMENTS, _POISSON_GAP, f"{_POISSON_GAP} * 1.01", chance=True),
@@ -36,28 +36,28 @@ SIZES = (
         "spread 5 % too wide",
         f"{NEWBORN}[0.2 um]",
         _NEWBORN,
-        "diameters = normal_above(uniform, self._positive_mass)\ndiameters *= 1.05 * self.std\ndiameters += self.mean",
+        "values = normal_above(uniform, self._positive_mass)\nvalues *= 1.05 * self.std\nvalues += self.centre",
         chance=True,
     ),
     one(
         "absolute spread taken as relative",
         f"{NEWBORN}[0.2 um]",
-        "return self.absolute or 0.0",
-        "return (self.absolute or 0.0) * mean_diameter",
+        "if self.relative is not None else self.absolute or 0.0",
+        "if self.relative is not None else (self.absolute or 0.0) * centre",
         chance=True,
     ),
     one(
         "relative spread taken as absolute",
         f"{NEWBORN}[20 %]",
-        "return self.fraction * mean_diameter",
-        "return self.fraction",
+        "return self.relative * centre if",
+        "return self.relative if",
         chance=True,
     ),
     one(
         "abs(d) for redraw",
         f"{NEWBORN}[120 %]",
         _NEWBORN,
-        "diameters = np.abs(self.mean + self.std * normal_above(uniform, 1.0))",
+        "values = np.abs(self.centre + self.std * normal_above(uniform, 1.0))",
         chance=True,
     ),
     one(
@@ -78,18 +78,36 @@ SIZES = (
         "moment *= mean + n * std**2 / mean",
         "moment *= mean + (n + 1) * std**2 / mean",
     ),
+    one(
+        "live power sizes as they are born",
+        "test_live_junctions_weigh_by_diameter",
+        "Power(exponent=self.exponent - 1.0,",
+        "Power(exponent=self.exponent,",
+    ),
+    one(
+        "power sizes of the logarithmic case alone",
+        "test_samples_follow_the_law",
+        "if growth == 0.0:",
+        "if growth != 0.0:",
+    ),
+    one(
+        "ends of a range in any order",
+        "test_the_ends_of_a_range_have_an_order",
+        "and most <= least:",
+        "and most < 0.0 * least:",
+    ),
 )
 
 STRENGTH_LAWS = (
     one(
         "strengths in Pa",
         STRENGTHS,
-        "(strength.law, float(strength.mean)",
-        "(strength.law, 1e6 * float(strength.mean)",
+        "law_for(float(strength.mean)",
+        "law_for(1e6 * float(strength.mean)",
     ),
     one(
         "Weibull strengths all exponential",
-        "test_strengths.py::test_samples_have_the_exact_moments",
+        "test_laws.py::test_samples_have_the_exact_moments",
         "return scale * antilogarithm(exponent * logarithm(deviate))",
         "return scale * deviate",
     ),

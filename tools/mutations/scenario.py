@@ -32,8 +32,8 @@ MUTANTS = (
     one(
         "a strength's spread in percent taken for MPa",
         "test_a_strength_law_has_its_mean_and_spread",
-        "return relative * float(strength.mean) if relative is not None",
-        "return relative if relative is not None",
+        "if spread.kind == RATIO:",
+        "if not spread.kind:",
     ),
     one(
         "a default tick of a hundredth",

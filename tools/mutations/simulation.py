@@ -28,8 +28,8 @@ START_OF_A_RUN = (
     one(
         "start sizes not length-biased",
         START,
-        "return _accepted(lambda n: self.draw(generator.random(n)), generator, largest, count)",
-        "return self.draw(generator.random(count))",
+        "keep = generator.random(values.size) * largest < values",
+        "keep = generator.random(values.size) < 2.0",
         chance=True,
     ),
     one(

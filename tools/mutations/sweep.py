@@ -8,8 +8,8 @@ MUTANTS = (
     one(
         "changed lines of a journal believed",
         "test_a_changed_byte_is_noticed",
-        "if len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode():",
-        "if len(digest) == _DIGITS:",
+        "return len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode()",
+        "return len(digest) == _DIGITS",
     ),
     one(
         "a killed worker's point given up",
