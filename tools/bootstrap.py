@@ -219,8 +219,8 @@ def install(target: VirtualEnvironment, locks: tuple[str, ...], lock_file: int) 
     project = ["--no-index", "--no-build-isolation", f"--editable={ROOT}"]
     if call([*pip, *options, *locked], settings, lock_file) or call([*pip, *options, *project], settings, lock_file):
         raise SetupFailed(
-            "installing failed (pip's message is above). Set-up needs the network once: pypi.org and"
-            " files.pythonhosted.org, or the index that pip is configured to use. The same command starts again."
+            "installing failed (pip's message is above). Set-up needs the network once, for the package index that pip"
+            " uses. The same command starts again."
         )
 
 

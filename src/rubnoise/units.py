@@ -228,13 +228,9 @@ def _split(text: str, kind: Kind) -> tuple[str, str]:
             raise QuantityError("no unit", f'right form: "{text} {kind.unit}"')
         raise QuantityError("not a number and a unit", right_form)
     number, gap, unit = match.groups()
-    if not gap and unit != "%":
-        raise QuantityError("no space between number and unit", _spaced(number, unit))
+    if not gap and unit[0] in "./*^":
+        raise QuantityError("not a number and a unit", right_form)
     return number, unit
-
-
-def _spaced(number: str, unit: str) -> str:
-    return f'write "{number} {unit}"' if _UNIT.fullmatch(unit) else f'a number, a space, a unit: "{LENGTH.example}"'
 
 
 def _without_comma(text: str) -> str:

@@ -2,9 +2,11 @@
 
 import json
 import os
+import pty
 import signal
 import subprocess
 import sys
+import termios
 import time
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
@@ -14,6 +16,7 @@ from typing import Any
 from unittest.mock import patch
 
 import h5py
+import pytest
 
 from rubnoise.cli.app import main
 from tests.architecture.sources import ROOT
@@ -119,6 +122,37 @@ def stop(run: "subprocess.Popen[str]", *numbers: signal.Signals) -> Answer:
         run.send_signal(number)
     out, err = run.communicate(timeout=60)
     return Answer(code=run.returncode, out=out, err=err)
+
+
+def begin_on_terminal(
+    arguments: list[str], columns: int = 0, **environment: str
+) -> tuple["subprocess.Popen[bytes]", int]:
+    """Start a program on a terminal of its own, so many columns wide; return it and our end of that terminal."""
+    try:
+        ours, theirs = pty.openpty()
+    except OSError as problem:
+        pytest.skip(f"this system gives no pseudo-terminal: {problem}")
+    termios.tcsetwinsize(theirs, (24 if columns else 0, columns))
+    there = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    program = subprocess.Popen(arguments, stdin=theirs, stdout=theirs, stderr=theirs, env=there | environment)
+    os.close(theirs)
+    return program, ours
+
+
+def read_terminal(ours: int) -> bytes:
+    """Return what a terminal got since it was last read; nothing where the program has ended."""
+    try:
+        return os.read(ours, 65536)
+    except OSError:  # what Linux says when the other end is closed
+        return b""
+
+
+def shown_on_terminal(arguments: list[str], columns: int = 0, **environment: str) -> tuple[int, str]:
+    """Return the exit code of a program on a terminal, and all that the terminal got."""
+    program, ours = begin_on_terminal(arguments, columns, **environment)
+    shown = b"".join(iter(lambda: read_terminal(ours), b""))
+    os.close(ours)
+    return program.wait(), shown.decode()
 
 
 def columns(path: Path) -> dict[str, bytes]:

@@ -185,7 +185,7 @@ def test_rows_that_are_damaged_are_refused(result: Path, column: str, value: flo
 def test_a_scenario_is_no_result(here: Path) -> None:
     answer = call("compare", SLIDER)
     assert answer.code == 2
-    assert "is not an HDF5 file" in answer.err
+    assert "is a scenario, not a result" in answer.err
 
 
 def test_exit_codes_reach_the_shell(result: Path) -> None:

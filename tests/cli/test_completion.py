@@ -33,6 +33,11 @@ def test_formats_are_completed(here: Path, word: str) -> None:
     assert _completed("bash", "export", "--to", word).out.split() == ["parquet"]
 
 
+@pytest.mark.parametrize("words", [("run", "--engine", "ba"), ("sweep", "--engine", "ba")])
+def test_engines_are_completed(here: Path, words: tuple[str, ...]) -> None:
+    assert _completed("bash", *words).out.split() == ["batch"]
+
+
 def test_pictures_are_completed(here: Path) -> None:
     assert _completed("bash", "plot", "x.h5", "hi").out.split() == ["histogram"]
 

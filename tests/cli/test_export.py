@@ -23,7 +23,7 @@ from rubnoise.storage.export import export, plan
 from rubnoise.storage.export_csv import heading
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
-from tests.cli.terminal import begin, call, names, stop
+from tests.cli.terminal import begin, call, command, names, spawn, stop
 from tests.format.runs import BARE, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
@@ -153,6 +153,49 @@ def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) ->
 def test_the_output_may_be_named(here: Path, rows: Any, kind: str) -> None:
     assert call("export", "run.h5", "--to", kind, "--group", "trace", "-o", "here.dat").code == 0
     assert names(here) == ["here.dat", "run.h5"]
+
+
+@pytest.mark.parametrize("group", TABLES)
+def test_csv_on_standard_output_is_what_a_file_holds(here: Path, rows: Any, group: str) -> None:
+    answer = spawn("export", "run.h5", "--to", "csv", "--group", group, "-o", "-")
+    assert (answer.code, answer.err) == (0, "")
+    assert names(here) == ["run.h5"]
+    assert call("export", "run.h5", "--to", "csv", "--group", group).code == 0
+    assert answer.out == (here / f"run_{group}.csv").read_text(encoding="ascii")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--to", "parquet", "--group", "trace"), "only CSV goes to standard output; parquet is binary"),
+        (("--to", "netcdf"), "only CSV goes to standard output; netcdf is binary"),
+        (("--to", "csv"), "-: one csv file holds one group; say which with --group junctions|trace|slider"),
+        (("--to", "csv", "--group", "trace", "--force"), "--force replaces files; standard output is none"),
+    ],
+)
+def test_what_standard_output_does_not_take_is_refused(
+    here: Path, rows: Any, words: tuple[str, ...], said: str
+) -> None:
+    answer = call("export", "run.h5", *words, "-o", "-")
+    assert (answer.code, answer.out) == (2, "")
+    assert said in " ".join(re.sub("[│\\s]+", " ", answer.err).split())
+    assert names(here) == ["run.h5"]
+
+
+def test_an_unfinished_run_is_not_printed(here: Path, rows: Any) -> None:
+    with h5py.File(here / "run.h5", "r+") as file:
+        file["provenance"].attrs["finished"] = np.bytes_(b"\0")
+    answer = call("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-")
+    assert (answer.code, answer.out) == (2, "")
+    assert "unfinished" in answer.err
+
+
+def test_who_reads_standard_output_may_leave_and_a_full_one_is_told(here: Path, rows: Any) -> None:
+    printed = " ".join(command("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-"))
+    left = subprocess.run(["sh", "-c", f"{printed} | head -2"], capture_output=True, text=True, check=True)
+    assert (len(left.stdout.splitlines()), left.stderr) == (2, "")
+    full = subprocess.run(["sh", "-c", f"{printed} > /dev/full"], capture_output=True, text=True, check=False)
+    assert (full.returncode, full.stderr) == (1, "output: No space left on device\n")
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -93,6 +93,18 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
 }
 
 
+@pytest.mark.parametrize(
+    "words", [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("animate",), ("listen",)]
+)
+def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[str, ...]) -> None:
+    answer = call(words[0], SLIDER, *words[1:])
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == (
+        f"{SLIDER}: is a scenario, not a result; `rubnoise check {SLIDER}` says what follows from it,"
+        " `rubnoise run` runs it\n"
+    )
+
+
 @pytest.mark.parametrize("case", SPOILT)
 def test_a_file_that_is_no_result_gets_one_line(result: Path, case: str) -> None:
     spoil, said = SPOILT[case]

@@ -108,13 +108,21 @@ def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
     [
         ("folder", "folder: no folder of a sweep: it has no index.h5\n"),
         ("missing.h5", "missing.h5: no such file or directory\n"),
-        ("../given/contact.toml", "../given/contact.toml: is not an HDF5 file; `rubnoise run` makes one\n"),
+        ("NO_DIR", "NO_DIR: no such file or directory\n"),
+        (
+            "../given/contact.toml",
+            (
+                "../given/contact.toml: is a scenario, not a result; `rubnoise check ../given/contact.toml` says what"
+                " follows from it, `rubnoise run` runs it\n"
+            ),
+        ),
     ],
 )
 def test_what_is_no_result_is_refused(here: Path, path: str, said: str) -> None:
     (here / "folder").mkdir()
-    answer = call("plot", path)
-    assert (answer.code, answer.out, answer.err) == (2, "", said)
+    for what in ((), ("trace",), ("x",)) if path in ("missing.h5", "NO_DIR") else ((), ("trace",)):
+        answer = call("plot", path, *what)
+        assert (answer.code, answer.out, answer.err) == (2, "", said)
     assert names(here) == ["folder"]
 
 

@@ -2,10 +2,8 @@
 
 import io
 import os
-import pty
 import re
 import signal
-import subprocess
 import time
 from pathlib import Path
 
@@ -14,7 +12,7 @@ import pytest
 
 from rubnoise.cli.progress import Watcher, announce_compilation
 from rubnoise.simulation import kernels
-from tests.cli.terminal import LONGEST, command
+from tests.cli.terminal import LONGEST, begin_on_terminal, command, read_terminal, shown_on_terminal
 
 SLIDER = Path("../given/slider.toml")
 LINE = re.compile(
@@ -23,38 +21,12 @@ LINE = re.compile(
 )
 
 
-def _begun(arguments: list[str], environment: dict[str, str]) -> tuple["subprocess.Popen[bytes]", int]:
-    """Start a program on a terminal of its own; return it and our end of that terminal."""
-    try:
-        ours, theirs = pty.openpty()
-    except OSError as problem:
-        pytest.skip(f"this system gives no pseudo-terminal: {problem}")
-    program = subprocess.Popen(arguments, stdin=theirs, stdout=theirs, stderr=theirs, env=os.environ | environment)
-    os.close(theirs)
-    return program, ours
-
-
-def _read(ours: int) -> bytes:
-    try:
-        return os.read(ours, 65536)
-    except OSError:  # what Linux says when the other end is closed
-        return b""
-
-
-def _shown(arguments: list[str], **environment: str) -> tuple[int, str]:
-    """Return the exit code of a program on a terminal, and all that the terminal got."""
-    program, ours = _begun(arguments, environment)
-    shown = b"".join(iter(lambda: _read(ours), b""))
-    os.close(ours)
-    return program.wait(), shown.decode()
-
-
 def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
     arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=100 mm")
-    code, first = _shown(arguments, NUMBA_CACHE_DIR=str(tmp_path))
+    code, first = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))
     assert code == 0
     assert first.count("Compiling the kernels") == 1
-    code, second = _shown(arguments, NUMBA_CACHE_DIR=str(tmp_path))
+    code, second = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))
     assert code == 0
     assert "Compiling" not in second
     for shown in (first, second):
@@ -77,7 +49,7 @@ def _check_progress(shown: str) -> None:
 
 @pytest.mark.parametrize("option", ["-q", "--json"])
 def test_a_terminal_sees_no_progress_where_silence_was_asked_for(here: Path, option: str) -> None:
-    code, shown = _shown(command("run", SLIDER, option, "--set", "strength.mean=0.1 MPa"))
+    code, shown = shown_on_terminal(command("run", SLIDER, option, "--set", "strength.mean=0.1 MPa"))
     assert code == 0
     assert "alive" not in shown
     assert "Compiling" not in shown
@@ -85,11 +57,11 @@ def test_a_terminal_sees_no_progress_where_silence_was_asked_for(here: Path, opt
 
 
 def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(here: Path) -> None:
-    run, ours = _begun(command("run", SLIDER, *LONGEST), {})
-    assert b"counting the births" in _read(ours)
+    run, ours = begin_on_terminal(command("run", SLIDER, *LONGEST))
+    assert b"counting the births" in read_terminal(ours)
     time.sleep(0.2)
     run.send_signal(signal.SIGINT)
-    shown = b"".join(iter(lambda: _read(ours), b""))
+    shown = b"".join(iter(lambda: read_terminal(ours), b""))
     os.close(ours)
     assert run.wait(60) == 130
     assert b"stopped by a signal" in shown

@@ -82,6 +82,36 @@ def test_the_engine_may_be_chosen_and_is_kept(here: Path) -> None:
     answer = call("run", SHORT, "--engine", "evnts", "--force")
     assert answer.code == 2
     assert 'did you mean "events"?' in answer.err
+    assert answer.err.startswith("--engine: error: run.engine: ")
+
+
+@pytest.mark.parametrize("command", ["run", "sweep"])
+def test_what_is_wrong_with_an_option_is_told_of_that_option(here: Path, command: str) -> None:
+    words = ("--seed", "-1") if command == "run" else ("--engine", "bach")
+    file = SHORT
+    if command == "sweep":
+        (file := here.parent / "given" / "s.toml").write_text(f"{CONTACT}[sweep]\nreplicates = 4\n", encoding="utf-8")
+    answer = call(command, file, *words)
+    assert (answer.code, answer.out) == (2, "")
+    key = {"--seed": "run.seed", "--engine": "run.engine"}[words[0]]
+    first, typed, caret, _hint = answer.err.splitlines()
+    assert first.startswith(f"{words[0]}: error: {key}: ")
+    assert typed.strip() == " ".join(words)
+    assert typed.index(words[1]) == caret.index("^")
+    assert "--set" not in answer.err
+    assert names(here) == []
+
+
+def test_a_sweep_is_pointed_to_its_command(here: Path) -> None:
+    (file := here.parent / "given" / "s.toml").write_text(f"{CONTACT}[sweep]\nreplicates = 4\n", encoding="utf-8")
+    assert "rubnoise sweep runs all of it" in call("run", file).err
+    assert "rubnoise run makes this one run" in call("sweep", SHORT).err
+
+
+def test_a_number_and_its_unit_need_no_space_between_them(here: Path) -> None:
+    assert call("run", SHORT, "-o", "x.h5", "--set", "sliding.distance=0.2mm").code == 0
+    assert call("run", SHORT, "-o", "y.h5", "--set", "sliding.distance=200 um").code == 0
+    assert columns(here / "x.h5") == columns(here / "y.h5")
 
 
 def test_an_existing_result_is_refused_and_untouched(here: Path) -> None:

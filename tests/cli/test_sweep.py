@@ -256,7 +256,7 @@ def test_one_run_is_no_sweep_and_no_folder_is_none(here: Path) -> None:
     answer = call("sweep", "../given/contact.toml")
     assert (answer.code, answer.err) == (
         2,
-        "../given/contact.toml: no sweep: it has no table [sweep], and is one run\n",
+        "../given/contact.toml: no sweep: it has no table [sweep]; rubnoise run makes this one run\n",
     )
     assert "no folder of a sweep: it has no index.h5" in call("info", here).err
 

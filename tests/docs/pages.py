@@ -23,9 +23,10 @@ class Example:
 
 
 def pages() -> list[str]:
-    """Return the pages whose examples are run, relative to the root."""
-    docs = sorted(path.name for path in (ROOT / "docs").glob("*.md"))
-    return ["README.md", *(f"docs/{name}" for name in docs if name not in ELSEWHERE)]
+    """Return the pages whose examples are run, relative to the root: the README, then those of its table, in order."""
+    table = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## Where to look\n")[2]
+    listed = dict.fromkeys(re.findall(r"\]\((docs/[\w-]+\.md)\)", table))
+    return ["README.md", *(page for page in listed if page.removeprefix("docs/") not in ELSEWHERE)]
 
 
 def examples(page: str) -> Iterator[Example]:

@@ -1,10 +1,13 @@
-"""Every example in the README, the docs and the docstrings does what it says, in a folder of its own."""
+"""Every example in the README, the docs and the docstrings does what it says, those of all pages in one folder."""
 
 import doctest
 import pkgutil
+import re
 import subprocess
 from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
+from shlex import shlex, split
 from textwrap import dedent
 from typing import Any
 
@@ -12,7 +15,8 @@ import pytest
 
 import rubnoise
 from tests.architecture.sources import ROOT
-from tests.docs.pages import examples, pages
+from tests.cli.terminal import Answer, call
+from tests.docs.pages import ELSEWHERE, Example, examples, pages
 
 PAGES = {name: list(examples((ROOT / name).read_text(encoding="utf-8"))) for name in pages()}
 MODULES = [module.name for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise.")]
@@ -23,18 +27,45 @@ DOCTESTS = [
     for test in doctest.DocTestFinder(exclude_empty=True).find(import_module(name))
     if test.examples
 ]
+OPENED = re.compile(r'\b(?:open|open_sweep|File)\("(\w+)')
+"""Results and sweeps that an example in Python reads."""
+WITHOUT_INPUT = {"new", "figures", "claims"}
+
+
+def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
+    for page, found in PAGES.items():
+        names: dict[str, Any] = {"__name__": "__main__"}
+        for example in found:
+            _play(example, page, names)
+
+
+def _play(example: Example, page: str, names: dict[str, Any]) -> None:
+    if example.kind == "python":
+        # Blank lines in front, so that a traceback names the line of the page.
+        exec(compile("\n" * (example.line - 1) + example.text, str(ROOT / page), "exec"), names)  # noqa: S102
+        return
+    words = list(shlex(example.text, posix=True, punctuation_chars=True))
+    if any(word[0] in "|<>&;()" for word in words) or words[0] != "rubnoise":
+        done = subprocess.run(["sh", "-c", example.text], capture_output=True, text=True, check=False)
+        answer = Answer(code=done.returncode, out=done.stdout, err=done.stderr)
+    else:
+        answer = call(*split(example.text)[1:])
+    assert answer.code == 0, f"{page}:{example.line}: {example.text}\n{answer.err}"
 
 
 @pytest.mark.parametrize("page", [name for name, found in PAGES.items() if found])
-def test_a_page_holds_what_it_says(workplace: Path, page: str) -> None:
-    names: dict[str, Any] = {"__name__": "__main__"}
+def test_a_page_reads_nothing_that_only_another_page_makes(page: str) -> None:
+    there = {"fig5"}  # the README's first command makes it, and every page may begin there
     for example in PAGES[page]:
         if example.kind == "python":
-            # Blank lines in front, so that a traceback names the line of the page.
-            exec(compile("\n" * (example.line - 1) + example.text, str(ROOT / page), "exec"), names)  # noqa: S102
+            read, made = OPENED.findall(example.text), set[str]()
         else:
-            done = subprocess.run(["sh", "-c", example.text], capture_output=True, text=True, check=False)
-            assert done.returncode == 0, f"{page}:{example.line}: {example.text}\n{done.stderr}"
+            words = split(example.text)
+            command, first = words[1], words[2] if len(words) > 2 else "-"
+            read = [] if command in WITHOUT_INPUT or first.startswith(("-", "scenarios/")) else [Path(first).stem]
+            made = {Path(name).stem for option, name in pairwise(words) if option in ("-o", "new")} | set(read)
+        assert set(read) <= there, f"{page}:{example.line}: {example.text}"
+        there |= made
 
 
 @pytest.mark.parametrize("test", DOCTESTS, ids=lambda test: test.name)
@@ -43,6 +74,11 @@ def test_a_docstring_holds_what_it_says(workplace: Path, test: doctest.DocTest) 
     options = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
     doctest.DocTestRunner(optionflags=options).run(test, out=told.append, clear_globs=False)
     assert told == [], "".join(told)
+
+
+def test_every_page_is_in_the_table_of_the_readme() -> None:
+    docs = {f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE}
+    assert set(pages()) == {"README.md"} | docs
 
 
 def test_there_are_examples() -> None:

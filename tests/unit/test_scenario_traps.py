@@ -39,6 +39,8 @@ def shown(head: str, line: str, marked: str, hint: str = "") -> str:
         ('["20 mm"]', "needs a number with a unit, not a list", 'right form: "0.2 um"'),
         ("1979-05-27", "needs a number with a unit, not a date or time", 'right form: "0.2 um"'),
         ("20 mm", "a value with a unit needs quotation marks", 'write "20 mm"'),
+        ("20mm", "a value with a unit needs quotation marks", 'write "20 mm"'),
+        ("2e4um", "a value with a unit needs quotation marks", 'write "2e4 um"'),
         ('"1e31 um"', "too large", "possible: 1e-09 um to 1e+30 um"),
     ],
 )
@@ -324,7 +326,7 @@ def test_a_sweep_is_refused_where_one_run_is_wanted() -> None:
         "run.toml:30: error: sweep: a sweep is many runs, and one scenario is wanted here",
         "[sweep]",
         "sweep",
-        "rubnoise check lists its points; without this table the file is one run",
+        "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run",
     )
 
 

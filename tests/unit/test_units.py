@@ -72,6 +72,10 @@ def test_working_unit_and_example_of_a_kind_are_of_that_kind(kind: Kind) -> None
         (" 0.1 um ", LENGTH, Fraction(1, 10)),
         ("20 %", RATIO, Fraction(1, 5)),
         ("20%", RATIO, Fraction(1, 5)),
+        ("5mm", LENGTH, Fraction(5000)),
+        ("1e3um", LENGTH, Fraction(1000)),
+        ("200um^2", AREA, Fraction(200)),
+        ("0.05N*s/m", DAMPING, Fraction(1, 20)),
     ],
 )
 def test_a_quantity_is_converted_exactly_and_rounded_once(text: str, kind: Kind, exact: Fraction) -> None:
@@ -102,7 +106,8 @@ KNOWN = "a length, time, mass, force or pressure, such as um, s, kg, N, MPa"
         ("-Infinity", "not a finite number", 'right form: "0.2 um"'),
         ("20", "no unit", 'right form: "20 um"'),
         ("1e5", "no unit", 'right form: "1e5 um"'),
-        ("5um", "no space between number and unit", 'write "5 um"'),
+        ("5.um", "not a number and a unit", 'right form: "0.2 um"'),
+        ("5/um", "not a number and a unit", 'right form: "0.2 um"'),
         ("1_000 um", "an underscore in a number", 'write "1000 um"'),
         ("0x10 um", "not a decimal number", 'right form: "0.2 um"'),
         ("1e1000 um", "an exponent of more than three digits", 'right form: "0.2 um"'),

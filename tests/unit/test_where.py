@@ -29,6 +29,8 @@ CHOSEN = {
     "diameter>=6": [2, 3, 4, 5],
     "diameter > 6 um": [3, 4, 5],
     "diameter > 0.006 mm": [3, 4, 5],
+    "diameter > 6um": [3, 4, 5],
+    "diameter>6um and complete": [4],
     "6000 nm < diameter": [3, 4, 5],
     "diameter == 6": [2],
     "diameter != 6e0 µm": [0, 1, 3, 4, 5],
@@ -78,7 +80,6 @@ REFUSED = {
     "diameter = 6": ('"=" is no comparison', "=", "equality is written =="),
     "diameter => 6": ('"=>" is no comparison', "=>", "the comparisons are < <= > >= == !="),
     "diameter <> 6": ('"<>" is no comparison', "<>", "the comparisons are < <= > >= == !="),
-    "diameter > 6um": ("no space between number and unit", "6um", "write 6 um"),
     "diameter > 6 mm^2": ('"mm^2" is the unit of an area, a length is needed', "6 mm^2", "right form: 6 um"),
     "diameter > 6 foo": (
         'unknown unit "foo"',

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from shlex import join
-from typing import Final
+from typing import Any, Final
 
 from rubnoise.api.running import run
 from rubnoise.api.summarising import keep_summary
@@ -44,17 +44,18 @@ def run_sweep(
     jobs: int | None = None,
     cluster: str | None = None,
     shard: str | None = None,
+    security: Any = None,
 ) -> SweepResult:
     """Carry out every run of a sweep that is not done yet, and open the folder: ``run_sweep("fig7.toml", "fig7")``.
 
     ``jobs`` processes share the work, one for each processor by default; with ``cluster`` the workers of a Dask
-    scheduler do, told by its address or its file; ``shard`` "2/8" does the second eighth. A run that fails does not
-    keep others from being made: ask ``.failures``. Raises ScenarioRefused, OutputRefused for a folder of something
-    else, in use or on a disk without room, Refused for more runs at once than memory holds, ExtraMissing without the
-    library of a cluster.
+    scheduler do, told by its address or its file, over TLS where ``security`` is a ``distributed.Security``; ``shard``
+    "2/8" does the second eighth. A run that fails does not keep others from being made: ask ``.failures``. Raises
+    ScenarioRefused, OutputRefused for a folder of something else, in use or on a disk without room, Refused for more
+    runs at once than memory holds, ExtraMissing without the library of a cluster.
     """
     sweep = file if isinstance(file, Sweep) else load_sweep(file)
-    carry_out(sweep, folder, jobs=jobs, cluster=cluster, shard=shard)
+    carry_out(sweep, folder, jobs=jobs, cluster=cluster, shard=shard, security=security)
     return open_sweep(folder)
 
 
@@ -65,6 +66,7 @@ def carry_out(
     jobs: int | None = None,
     cluster: str | None = None,
     shard: str | None = None,
+    security: Any = None,
     command: Sequence[str] | None = None,
     watch: Watch = lambda _standing: None,
 ) -> Ending:
@@ -74,7 +76,7 @@ def carry_out(
     """
     place = SweepFolder(Path(folder).absolute())
     part = None if shard is None else Shard.of(shard)
-    workers = _workers(jobs, cluster)
+    workers = _workers(jobs, cluster, security)
     place.check()
     command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
     here = 0 if cluster is not None else jobs or processors()
@@ -94,11 +96,13 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _workers(jobs: int | None, cluster: str | None) -> Callable[[], AbstractContextManager[Workers]]:
+def _workers(jobs: int | None, cluster: str | None, security: Any) -> Callable[[], AbstractContextManager[Workers]]:
     if cluster is not None:
         if jobs is not None:
             raise Refused("--jobs: the workers of a cluster are its own; leave one of --jobs and --cluster out")
-        return partial(Cluster, cluster)
+        return partial(Cluster, cluster, security)
+    if security is not None:
+        raise Refused("security: is for a cluster, and none is named")
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
         raise Refused(f"--jobs: {jobs} is no number of processes from 1 to {MOST_JOBS}")
     return partial(Pool, jobs or processors())

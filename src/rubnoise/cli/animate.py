@@ -35,6 +35,7 @@ def command(
     from rubnoise.cli.lengths import distance
     from rubnoise.cli.progress import watching
     from rubnoise.cli.results import finished_run
+    from rubnoise.cli.terminal import sentence
     from rubnoise.figures.animation import Film
     from rubnoise.figures.film import write_film
     from rubnoise.figures.stretch import Stretch
@@ -48,7 +49,8 @@ def command(
         with whole_file(path, force=force) as part:
             write_film(part, film, kind, lambda: watcher(0.0, 0, 0))
     count, shown = film.distances.size, film.stretch
-    print(f"{path}: {count} frames, {shown.start:g} to {shown.stop:g} um of sliding, {size(path.stat().st_size)}")
+    stretch = f"{shown.start:g} to {shown.stop:g} um of sliding"
+    print(sentence(f"{path}: {count} frames, {stretch}, {size(path.stat().st_size)}"))
 
 
 def _kind(path: Path, *, force: bool) -> "Kind":

@@ -30,6 +30,7 @@ from rubnoise.cli import (
     theory,
     verify,
 )
+from rubnoise.cli.helping import Command
 from rubnoise.cli.showing import Commands, escaping
 from rubnoise.cli.starting import collect_garbage_seldom
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
@@ -43,26 +44,26 @@ app = Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
-app.command("run")(run.command)
-app.command("resume")(resume.command)
-app.command("sweep")(sweep.command)
-app.command("check")(check.command)
-app.command("info")(info.command)
+app.command("run", cls=Command)(run.command)
+app.command("resume", cls=Command)(resume.command)
+app.command("sweep", cls=Command)(sweep.command)
+app.command("check", cls=Command)(check.command)
+app.command("info", cls=Command)(info.command)
 # Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others.
-app.command("junction", context_settings={"ignore_unknown_options": True})(junction.command)
-app.command("junctions")(junctions.command)
-app.command("compare")(compare.command)
+app.command("junction", cls=Command, context_settings={"ignore_unknown_options": True})(junction.command)
+app.command("junctions", cls=Command)(junctions.command)
+app.command("compare", cls=Command)(compare.command)
 app.command("verify", cls=verify.BareCount)(verify.command)
-app.command("plot")(plot.command)
-app.command("animate")(animate.command)
-app.command("theory")(theory.command)
-app.command("figures")(figures.command)
-app.command("claims")(claims.command)
-app.command("listen")(listen.command)
-app.command("teach")(teach.command)
-app.command("export")(export.command)
-app.command("new")(new.command)
-app.command("schema")(schema.command)
+app.command("plot", cls=Command)(plot.command)
+app.command("animate", cls=Command)(animate.command)
+app.command("theory", cls=Command)(theory.command)
+app.command("figures", cls=Command)(figures.command)
+app.command("claims", cls=Command)(claims.command)
+app.command("listen", cls=Command)(listen.command)
+app.command("teach", cls=Command)(teach.command)
+app.command("export", cls=Command)(export.command)
+app.command("new", cls=Command)(new.command)
+app.command("schema", cls=Command)(schema.command)
 
 for registered in app.registered_commands:
     for annotation in getattr(registered.callback, "__annotations__", {}).values():

@@ -63,23 +63,26 @@ def _quantity(quantity: "Quantity") -> dict[str, Any]:
 def described(claims: tuple["Claim", ...]) -> list[str]:
     """Return all claims as lines to print."""
     from rubnoise.cli.layout import remark
+    from rubnoise.cli.terminal import headed
 
     lines = []
     for claim in claims:
         lines += [f"{claim.where}: {claim.verdict.value}", remark(claim.says)]
-        lines += [f"  {'':<{_LABEL}}{'printed':>8} {'simulated (95 %)':>20} {'exact':>9}"]
+        lines += [headed(f"  {'':<{_LABEL}}", f"{'printed':>8} {'simulated (95 %)':>20} {'exact':>9}")]
         lines += [line for quantity in claim.quantities for line in _lines(quantity)]
         lines += [remark(claim.because), ""]
     return lines[:-1]
 
 
 def _lines(quantity: "Quantity") -> list[str]:
+    from rubnoise.cli.terminal import headed
+
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     numbers = f"{printed:>8} {_with_interval(quantity):>20} {quantity.exact:>9.4g}"
     if len(label) < _LABEL:
-        return [f"  {label:<{_LABEL}}{numbers}"]
-    return [f"  {label}", f"  {'':<{_LABEL}}{numbers}"]
+        return [headed(f"  {label:<{_LABEL}}", numbers)]
+    return [f"  {label}", headed(f"  {'':<{_LABEL}}", numbers)]
 
 
 def _with_interval(quantity: "Quantity") -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, Agreement
 from rubnoise.analysis.comparing.findings import Comparison, Identity
 from rubnoise.cli.layout import number, printable, remark
+from rubnoise.cli.terminal import headed
 
 UNITS = {
     "birth_gap": "um",
@@ -45,10 +46,12 @@ def described(found: Comparison, file: Path) -> Iterator[str]:
     for part in found.parts:
         if part.figures:
             heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading
-            yield f"\n{heading:<34}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
+            yield ""
+            yield headed(f"{heading:<34}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7} ")
             yield from (_figure(figure, found) for figure in part.figures)
     if found.identities:
-        yield f"\n{'exact but for rounding':<34}{'off by':>13}{'allowed':>14}"
+        yield ""
+        yield headed(f"{'exact but for rounding':<34}", f"{'off by':>13}{'allowed':>14}  ")
         yield from map(_identity, found.identities)
     if found.left_out:
         yield "\nleft out"
@@ -77,11 +80,12 @@ def label(name: str) -> str:
 
 def _figure(figure: Agreement, found: Comparison) -> str:
     unit = "" if figure.name.endswith(PLAIN) else _unit(figure.name)
-    row = f"  {label(figure.name) + (f' ({unit})' if unit else ''):<32}{number(figure.observed):>13}"
+    name = label(figure.name) + (f" ({unit})" if unit else "")
     expected = "" if figure.expected is None else number(figure.expected)
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
     z = "" if figure.z is None else _score(figure.z)
-    return f"{row}{expected:>14}{error:>11}{z:>7}{'*' if figure.name in found.outside else ''}"
+    star = "*" if figure.name in found.outside else " "
+    return headed(f"  {name:<32}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}{star}")
 
 
 def _score(z: float) -> str:
@@ -91,7 +95,7 @@ def _score(z: float) -> str:
 
 def _identity(each: Identity) -> str:
     name = label(each.name) + (f" ({each.units})" if each.units else "")
-    return f"  {name:<32}{each.deviation:>13.3g}{each.allowed:>14.3g}{'' if each.holds else ' *'}"
+    return headed(f"  {name:<32}", f"{each.deviation:>13.3g}{each.allowed:>14.3g}{'  ' if each.holds else ' *'}")
 
 
 def _unit(name: str) -> str:

@@ -1,10 +1,13 @@
 """`rubnoise export`: a result for tools that read no HDF5."""
 
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+STANDARD_OUTPUT = Path("-")
 
 
 class Kind(StrEnum):
@@ -26,30 +29,52 @@ class Group(StrEnum):
 def command(
     file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
     *,
-    kind: Annotated[Kind, typer.Option("--to", help="The format.", show_default=False)],
-    group: Annotated[Group | None, typer.Option(help="One group of the run; all of them when left out.")] = None,
+    kind: Annotated[Kind, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT", show_default=False)],
+    group: Annotated[
+        Group | None,
+        typer.Option(help="One group of the run: junctions, trace or slider; all when left out.", metavar="GROUP"),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="The file to write; RUN_GROUP.csv and so on, here, when left out.", metavar="OUT"
+            "-o",
+            "--output",
+            help="The file to write, - for standard output (CSV); RUN_GROUP.csv and so on, here, when left out.",
+            metavar="OUT",
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
     """Write a result as CSV (units in the names), Parquet or netCDF (units beside them).
 
-    CSV and Parquet files hold one group each, a netCDF file holds all.
+    CSV and Parquet files hold one group each, a netCDF file holds all. -o - prints one group as CSV.
 
     Example: rubnoise export fig5.h5 --to csv --group trace -o trace.csv
     """
     from rubnoise.cli.layout import grouped, size
     from rubnoise.cli.progress import watching
-    from rubnoise.storage.export import export, plan
+    from rubnoise.storage.export import export, plan, print_csv
     from rubnoise.storage.reader import open_run
 
+    printed = output == STANDARD_OUTPUT
+    if printed:
+        _check_printable(kind, force=force)
     with open_run(file) as run, watching(1.0, shown=False) as watcher:
         exports = plan(run, kind.value, group=group and group.value, output=output)
+        if printed:
+            print_csv(run, exports[0].groups[0], sys.stdout, between=lambda: watcher(0.0, 0, 0))
+            return
         export(run, exports, force=force, between=lambda: watcher(0.0, 0, 0))
         for each in exports:
             rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in each.groups)
             print(f"{each.path}: {rows}, {size(each.path.stat().st_size)}")
+
+
+def _check_printable(kind: Kind, *, force: bool) -> None:
+    """Refuse what makes no sense on standard output."""
+    if kind is not Kind.CSV:
+        raise typer.BadParameter(
+            f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it: name a file"
+        )
+    if force:
+        raise typer.BadParameter("--force replaces files; standard output is none")

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rubnoise.cli.choices import pictures
+
 if TYPE_CHECKING:
     from rubnoise.cli.status import StatusLine
     from rubnoise.figures.style import Format
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 def command(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="fig2, fig3 ... fig9, or all.", metavar="[FIG]...", show_default=False),
+        typer.Argument(help="fig2, fig3 ... fig9, or all.", metavar="FIG", show_default=False),
     ] = None,
     *,
     folder: Annotated[
@@ -22,7 +24,12 @@ def command(
     ] = Path("figures"),
     formats: Annotated[
         list[str] | None,
-        typer.Option("--format", help="png, pdf or svg, more than once for several; all three when left out."),
+        typer.Option(
+            "--format",
+            help="png, pdf or svg, more than once for several; all three when left out.",
+            metavar="FORMAT",
+            autocompletion=pictures,
+        ),
     ] = None,
     scenarios: Annotated[
         Path | None,

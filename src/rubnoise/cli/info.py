@@ -88,9 +88,10 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     from rubnoise.cli import derivation
     from rubnoise.cli.layout import agreement_table, grouped, line, printable, size
+    from rubnoise.cli.terminal import sentence
 
     lines = [
-        f"{answer['file']}: {printable(answer['title'])}",
+        sentence(f"{answer['file']}: {printable(answer['title'])}"),
         line("written by", answer["source"]),
         line("from, to", f"{answer['started']}, {answer['finished']}"),
         line("command", answer["command"], whole=True),

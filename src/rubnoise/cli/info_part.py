@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from rubnoise.cli.layout import grouped, line, printable, size
+from rubnoise.cli.terminal import sentence
 from rubnoise.errors import resume_hint
 from rubnoise.storage.unfinished import look
 
@@ -34,7 +35,7 @@ def described(answer: dict[str, Any]) -> list[str]:
     rows = ", ".join(f"{grouped(done[name])} of {grouped(whole[name])} {name}" for name in whole)
     hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
     return [
-        f"{answer['file']}: {printable(answer['title'])}, unfinished",
+        sentence(f"{answer['file']}: {printable(answer['title'])}, unfinished"),
         line("written by", answer["source"]),
         line("from", answer["started"]),
         line("command", answer["command"], whole=True),

@@ -12,6 +12,7 @@ from rubnoise.analysis.where import condition, did_you_mean
 from rubnoise.analysis.where_tree import Node
 from rubnoise.cli.junction_text import state_names
 from rubnoise.cli.layout import grouped, number, printable
+from rubnoise.cli.terminal import groups_that_fit
 from rubnoise.errors import Refused
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage.export_csv import heading
@@ -103,14 +104,17 @@ def _table(found: Found) -> Iterator[str]:
     cells = [[_cell(c.name, value) for c, value in zip(found.columns, row, strict=True)] for row in found.values()]
     names = [column.name for column in found.columns]
     units = ["" if column.units == "1" else column.units for column in found.columns]
-    widths = [max(map(len, column)) for column in zip(names, units, *cells, strict=True)]
-    for line in (names, units, *cells):
-        padded = (_aligned(name, cell, width) for name, cell, width in zip(names, line, widths, strict=True))
-        yield ("  " + "  ".join(padded)).rstrip()
+    widths = [max(map(len, column)) + 2 for column in zip(names, units, *cells, strict=True)]
+    for place, group in enumerate(groups_that_fit(widths)):
+        if place:
+            yield ""
+        for line in (names, units, *cells):
+            if not place or any(line[n] for n in group):  # no line of units where none has one
+                yield "".join(_aligned(names[n], line[n], widths[n]) for n in group).rstrip()
 
 
 def _aligned(name: str, cell: str, width: int) -> str:
-    return cell.ljust(width) if name == "state" else cell.rjust(width)
+    return f"  {cell.ljust(width - 2)}" if name == "state" else cell.rjust(width)
 
 
 def _cell(name: str, value: float) -> str:

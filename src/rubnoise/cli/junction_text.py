@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from textwrap import wrap
 
 from rubnoise.analysis.life import Life
-from rubnoise.cli.layout import WIDTH, grouped, number, printable
+from rubnoise.cli.layout import grouped, number, printable
+from rubnoise.cli.terminal import filled, headed
 from rubnoise.record.rows import JunctionState
 
 UNITS = {"distance": "um", "time": "s", "area": "um^2", "force": "uN"}
@@ -32,7 +32,7 @@ def curve_lines(life: Life) -> Iterator[str]:
 
 
 def described(life: Life, file: Path) -> Iterator[str]:
-    """Yield the life in words and numbers, at most 80 columns wide."""
+    """Yield the life in words and numbers."""
     state = ", ".join(words for bit, words in STATES.items() if bit in life.state) or "a complete life"
     yield f"{printable(str(file))}: junction {life.number} of 0 to {life.rows - 1}, {state}"
     yield ""
@@ -64,11 +64,11 @@ def _event(name: str, life: Life, distance: float) -> str:
         after += "   before the start"
     elif distance > life.record_end:
         after += "   after the end"
-    return f"{_line(name, distance, 'um'):<31}{after}".rstrip()
+    return headed(f"{_line(name, distance, 'um'):<31}", after)
 
 
 def _line(name: str, value: float, unit: str, after: str = "") -> str:
-    return f"  {name:<22}{number(value):>13} {unit}{after}"
+    return headed(f"  {name:<22}{number(value):>13} {unit}", after)
 
 
 def _peak(life: Life) -> Iterator[str]:
@@ -98,4 +98,5 @@ def _others(life: Life) -> Iterator[str]:
     yield f"  alive beside it: {grouped(rows.size)}" + (", row numbers" if rows.size else "")
     named = ", ".join(str(row) for row in rows[:MOST_NAMED].tolist())
     more = f" and {grouped(rows.size - MOST_NAMED)} more (--json names all)" if rows.size > MOST_NAMED else ""
-    yield from wrap(named + more, WIDTH, initial_indent="    ", subsequent_indent="    ")
+    if rows.size:
+        yield filled(named + more, "    ", "    ")

@@ -15,8 +15,8 @@ def command(
     where: Annotated[
         str | None,
         typer.Option(
-            help="Only rows for which this holds: columns, numbers (with units), < <= > >= == !=, and, or, not, ( ),"
-            " and the states complete, alive_at_start, alive_at_end, ended_early.",
+            help="Only rows for which this holds: columns, numbers (with units), < <= > >= == !=, and, or, not,"
+            " parentheses, and the states complete, alive_at_start, alive_at_end, ended_early.",
             metavar="CONDITION",
         ),
     ] = None,

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable
 from math import isfinite
-from textwrap import fill
 
 from rubnoise.analysis.agreement import Agreement
+from rubnoise.cli.terminal import filled, headed, width
 
-WIDTH = 80
-LABEL_WIDTH = 30
+LABEL_WIDTH, SHORTER_LABEL_WIDTH, NARROW = 30, 25, 72
+"""Columns of labels before their values, and the same on terminals of fewer columns than the last."""
+
 WORTH_A_WARNING = 0.1
 """Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
 
@@ -22,20 +23,13 @@ UNITS = {
 
 def line(label: str, value: str, *, whole: bool = False) -> str:
     """Return one labelled value, indented below its heading; a long one on several lines unless it is kept whole."""
-    head = f"  {label:<{LABEL_WIDTH}}"
-    return head + printable(value) if whole else _filled(printable(value), head, " " * len(head))
+    head = f"  {label:<{LABEL_WIDTH if width() >= NARROW else SHORTER_LABEL_WIDTH}}"
+    return head + printable(value) if whole else filled(printable(value), head, " " * len(head)) or head.rstrip()
 
 
 def remark(text: str) -> str:
     """Return a sentence below the values."""
-    return _filled(text, "  ", "    ")
-
-
-def _filled(text: str, first: str, others: str) -> str:
-    broken = fill(
-        text, WIDTH, initial_indent=first, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
-    )
-    return broken or first.rstrip()
+    return filled(text, "  ", "    ")
 
 
 def printable(text: str) -> str:
@@ -105,7 +99,7 @@ def too_short_for_motion(decays: float, needed: float) -> str:
 
 def agreement_table(figures: Iterable[Agreement]) -> list[str]:
     """Return a table of measured beside exact figures, with z-scores where there are any."""
-    heading = f"  {'':<33}{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}"
+    heading = headed(f"  {'':<33}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}")
     return [heading, *map(_row, figures)]
 
 
@@ -115,7 +109,7 @@ def _row(figure: Agreement) -> str:
     expected = "" if figure.expected is None else number(figure.expected)
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
     z = "" if figure.z is None else f"{figure.z:+.2f}"
-    return f"  {label:<33}{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}".rstrip()
+    return headed(f"  {label:<33}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}")
 
 
 def _unit(name: str) -> str:

@@ -28,13 +28,15 @@ def command(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="The file to write; else RUN_WHAT.wav, here.", metavar="WAV")
     ] = None,
-    what: Annotated[What, typer.Option(help="What is heard.")] = What.VELOCITY,
+    what: Annotated[
+        What, typer.Option(help="What is heard: velocity, force or displacement.", metavar="WHAT")
+    ] = What.VELOCITY,
     speed_up: Annotated[float, typer.Option("--speed-up", help="How much faster than it happened.", metavar="X")] = 1.0,
     seconds: Annotated[
         float | None,
         typer.Option(help="How much of it, as heard, from the start; else all.", metavar="S", show_default=False),
     ] = None,
-    rate: Annotated[Rate, typer.Option(help="Samples a second.")] = Rate.VIDEO,
+    rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Write what a slider does as sound: band-limited, mean removed, peak at -3 dB, its physical scale in the file.

@@ -6,6 +6,7 @@ from rubnoise import __version__
 from rubnoise.analysis.hearing import Hearing
 from rubnoise.analysis.sound import Level, Sound
 from rubnoise.cli.layout import grouped, line, number, remark
+from rubnoise.cli.terminal import sentence
 from rubnoise.storage.wave_file import BITS
 
 
@@ -31,7 +32,7 @@ def told(path: Path, sound: Sound, level: Level) -> list[str]:
     """Return what was written, its scale, and what of it can be heard."""
     rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
     return [
-        f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}",
+        sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"),
         line("speed-up", number(sound.speed_up)),
         line("full scale", f"{number(level.full_scale)} {sound.units}, the loudest sample 3 dB below"),
         line("mean, taken away", f"{number(level.mean)} {sound.units}"),

@@ -8,6 +8,7 @@ from pathlib import Path
 from rubnoise.errors import Refused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import Scenario, load
+from rubnoise.scenario.layers import OptionOverride
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 
 _HDF5 = b"\x89HDF"
@@ -15,8 +16,8 @@ _HDF5 = b"\x89HDF"
 
 def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine: str | None = None) -> tuple[str, ...]:
     """Return KEY=VALUE changes, those of the options that stand for a key among them."""
-    named = {"run.seed": seed, "run.engine": engine}
-    return (*(changes or ()), *(f"{key}={value}" for key, value in named.items() if value is not None))
+    named = (("--seed", "run.seed", seed), ("--engine", "run.engine", engine))
+    return (*(changes or ()), *(OptionOverride(*each) for each in named if each[-1] is not None))
 
 
 def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:

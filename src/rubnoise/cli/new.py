@@ -16,6 +16,7 @@ def command(
 
     Example: rubnoise new contact.toml
     """
+    from rubnoise.cli.terminal import sentence
     from rubnoise.errors import OutputRefused
     from rubnoise.scenario.template import template
     from rubnoise.storage.whole import whole_file
@@ -24,4 +25,4 @@ def command(
         raise OutputRefused(f"{file}: exists already, and is left as it is; choose another name")
     with whole_file(file, force=False) as part:
         part.write_text(template(), encoding="utf-8", newline="\n")
-    print(f"{file}: written; `rubnoise check {file}` says what it means, `rubnoise run {file}` runs it")
+    print(sentence(f"{file}: written; `rubnoise check {file}` says what it means, `rubnoise run {file}` runs it"))

@@ -21,9 +21,11 @@ def tell(
 
 def _print_result(result: "Run", path: Path, seconds: float) -> None:
     from rubnoise.cli import layout
+    from rubnoise.cli.terminal import sentence
 
     rows, ticks = layout.grouped(len(result.junctions)), layout.grouped(len(result.trace))
-    print(f"{path}: {rows} junctions, {ticks} ticks, {layout.size(path.stat().st_size)}, in {seconds:.1f} s")
+    size = layout.size(path.stat().st_size)
+    print(sentence(f"{path}: {rows} junctions, {ticks} ticks, {size}, in {seconds:.1f} s"))
     print("\n".join(layout.agreement_table(result.summary)))
     for doubt in _doubts(result):
         print(layout.remark(f"warning: {doubt}"), file=sys.stderr)

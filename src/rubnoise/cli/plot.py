@@ -41,6 +41,7 @@ def command(
         str | None,
         typer.Argument(
             help=f"Of a run, the picture: {', '.join(What)}. Of a sweep, the quantity, such as displacement_std.",
+            metavar="WHAT",
             autocompletion=complete,
             show_default="trace, or displacement_std or real_contact_area_std",
         ),
@@ -69,12 +70,23 @@ def command(
     from rubnoise.regular_file import is_folder
 
     ends = distance("--from", start), distance("--to", stop)
+    _refuse_missing(file)  # which of the two it should have been says what may be drawn of it
     if is_folder(file):
         if ends != (None, None):
             raise typer.BadParameter("--from and --to are for the stretch of one run")
         _plot_sweep(file, what, output, force=force)
     else:
         _plot_run(file, _picture(what), output, ends, force=force)
+
+
+def _refuse_missing(file: Path) -> None:
+    from rubnoise.errors import RunFileRefused
+
+    try:
+        file.stat()
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+        raise RunFileRefused(f"{file}: {reason.lower()}") from problem
 
 
 def _picture(what: str | None) -> What:

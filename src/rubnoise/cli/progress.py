@@ -10,6 +10,7 @@ from pathlib import Path
 from types import FrameType
 from typing import ParamSpec
 
+from rubnoise.cli.terminal import cut
 from rubnoise.errors import RunStopped
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -42,7 +43,7 @@ class Watcher:
         now = time.monotonic()
         if self._shown and now - self._shown_at >= _BETWEEN:
             self._shown_at = now
-            self._write(self._text(distance, junctions, live) + self._rest(distance, now))
+            self._write(self._text(distance, junctions, live, self._rest(distance, now)))
         if self._began is None or self._origin == 0.0 < distance:
             # The first panel is slow where kernels are compiled for it: the time to go is told from the second on.
             self._began, self._origin = now, distance
@@ -58,10 +59,12 @@ class Watcher:
         if self._shown:
             self._write("counting the births")
 
-    def _text(self, distance: float, junctions: int, live: int) -> str:
+    def _text(self, distance: float, junctions: int, live: int, rest: str) -> str:
         share = min(distance / self._distance, 1.0)
         reached, whole = distance / 1000.0, self._distance / 1000.0
-        return f"{share:4.0%}  {reached:.6g} of {whole:.6g} mm  {junctions:,} junctions, {live:,} alive"
+        text = f"{share:4.0%}  {reached:.6g} of {whole:.6g} mm"
+        longer = f"{text}  {junctions:,} junctions, {live:,} alive{rest}"
+        return longer if cut(longer, sys.stderr) == longer else text + rest
 
     def _rest(self, distance: float, now: float) -> str:
         if self._began is None or distance <= self._origin or self._origin == 0.0:
@@ -70,6 +73,7 @@ class Watcher:
         return f"  {clock(rest)} to go"
 
     def _write(self, text: str) -> None:
+        text = cut(text, sys.stderr)
         sys.stderr.write("\r" + text.ljust(self._width))
         sys.stderr.flush()
         self._width = len(text)

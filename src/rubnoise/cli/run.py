@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rubnoise.cli.choices import engines
 from rubnoise.cli.progress import interrupted_at_once
 
 if TYPE_CHECKING:
@@ -22,12 +23,21 @@ def command(
             "-o", "--output", help="The result file; FILE's name with .h5, here, when left out.", metavar="OUT.h5"
         ),
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of the random streams, in place of the file's.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Seed of the random streams, in place of the file's.", metavar="N")
+    ] = None,
     changes: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Change a key, e.g. --set interface.mean_junction_count=50.", metavar="KEY=VALUE"),
+        typer.Option("--set", help="Change a key, e.g. --set sliding.distance=5mm.", metavar="KEY=VALUE"),
     ] = None,
-    engine: Annotated[str | None, typer.Option(help="Engine, in place of the file's.")] = None,
+    engine: Annotated[
+        str | None,
+        typer.Option(
+            help="events or batch, in place of the file's; both give the same bits.",
+            metavar="ENGINE",
+            autocompletion=engines,
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Check everything, run nothing, write nothing.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,

@@ -8,6 +8,11 @@ from typing import Any, TextIO
 
 from typer.core import TyperGroup
 
+from rubnoise.cli.helping import texts, without_types
+
+_PREFIX = "Value error, "
+"""What the library puts before its own words about a value."""
+
 
 def escaped(text: str) -> str:
     """Return a text with its lines, and all else that does not print as itself escaped: controls, bidi overrides.
@@ -55,6 +60,14 @@ def escaping() -> Iterator[None]:
 class Commands(TyperGroup):
     """The commands, whose output is escaped; help and usage, which come from the library, are coloured by it."""
 
+    def __init__(self, *, help: str | None = None, **rest: Any) -> None:  # noqa: A002  (click's name)
+        """Make the group of commands (see click)."""
+        super().__init__(help=texts(rest.get("rich_markup_mode") == "rich", help, rest.get("params")), **rest)
+
+    def get_params(self, ctx: Any) -> Any:
+        """Return the options (see click)."""
+        return without_types(super().get_params(ctx))
+
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command that prints escaped text (see click)."""
         name, command, rest = super().resolve_command(ctx, args)
@@ -89,5 +102,6 @@ def _escaped_usage() -> Iterator[None]:
         yield
     except Exception as problem:
         if isinstance(getattr(problem, "message", None), str):
-            problem.message = escaped(problem.message).replace("\n", "\\n")  # type: ignore[attr-defined]
+            told = problem.message.removeprefix(_PREFIX)  # type: ignore[attr-defined]
+            problem.message = escaped(told).replace("\n", "\\n")  # type: ignore[attr-defined]
         raise

@@ -4,6 +4,8 @@ import sys
 from types import TracebackType
 from typing import Self
 
+from rubnoise.cli.terminal import cut
+
 
 class StatusLine:
     """Shows what it is told, each text in place of the one before; nothing at all where ``shown`` is False."""
@@ -27,6 +29,7 @@ class StatusLine:
     def tell(self, text: str) -> None:
         """Show a text in place of what is there."""
         if self._shown:
+            text = cut(text, sys.stderr)
             sys.stderr.write("\r" + text.ljust(self._width))
             sys.stderr.flush()
             self._width = len(text)

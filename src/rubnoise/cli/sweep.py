@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rubnoise.cli.choices import engines
 from rubnoise.cli.progress import interrupted_at_once
 
 if TYPE_CHECKING:
@@ -25,13 +26,25 @@ def command(
     ] = None,
     jobs: Annotated[
         int | None,
-        typer.Option("--jobs", "-j", help="Processes; as many as processors when left out.", show_default=False),
+        typer.Option(
+            "--jobs", "-j", help="Processes; as many as processors when left out.", metavar="N", show_default=False
+        ),
     ] = None,
     cluster: Annotated[
         str | None,
         typer.Option(
             help="A Dask scheduler: its address or its scheduler file.", metavar="ADDRESS", show_default=False
         ),
+    ] = None,
+    authority: Annotated[
+        Path | None,
+        typer.Option("--tls-ca-file", help="Speak TLS with the cluster: certificate of its authority.", metavar="PEM"),
+    ] = None,
+    certificate: Annotated[
+        Path | None, typer.Option("--tls-cert", help="The certificate to show there.", metavar="PEM")
+    ] = None,
+    key: Annotated[
+        Path | None, typer.Option("--tls-key", help="Its key, where it is not in the same file.", metavar="PEM")
     ] = None,
     shard: Annotated[
         str | None,
@@ -41,7 +54,14 @@ def command(
         list[str] | None,
         typer.Option("--set", help="Change a key, e.g. --set sweep.replicates=40.", metavar="KEY=VALUE"),
     ] = None,
-    engine: Annotated[str | None, typer.Option(help="Engine, in place of the file's.")] = None,
+    engine: Annotated[
+        str | None,
+        typer.Option(
+            help="events or batch, in place of the file's; both give the same bits.",
+            metavar="ENGINE",
+            autocompletion=engines,
+        ),
+    ] = None,
     merge: Annotated[bool, typer.Option("--merge", help="In the end put everything into one file, merged.h5.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
@@ -58,6 +78,7 @@ def command(
     from rubnoise.cli.progress import announce_compilation, on_terminal
     from rubnoise.cli.sweep_progress import watching_sweep
 
+    security = _security(authority, certificate, key, cluster)
     sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
     shown = on_terminal() and not quiet and not as_json
@@ -70,12 +91,26 @@ def command(
             jobs=jobs,
             cluster=cluster,
             shard=shard,
+            security=security,
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
     _tell(sweep, place, ending, merged=_merged(place) if merge else None, as_json=as_json, quiet=quiet)
     if ending.known.count("failed"):
         raise typer.Exit(1)
+
+
+def _security(authority: Path | None, certificate: Path | None, key: Path | None, cluster: str | None) -> Any:
+    """Return how to speak with a cluster, None where no option says anything of it."""
+    if authority is None and certificate is None and key is None:
+        return None
+    if cluster is None:
+        raise typer.BadParameter("--tls-ca-file, --tls-cert and --tls-key are for --cluster")
+    if authority is None or certificate is None:
+        raise typer.BadParameter("--tls-ca-file and --tls-cert go together")
+    from rubnoise.sweep.cluster import security_of
+
+    return security_of(authority, certificate, key)
 
 
 def _merged(folder: Path) -> Path:

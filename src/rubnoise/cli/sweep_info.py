@@ -37,10 +37,11 @@ def described(answer: Mapping[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     from rubnoise.cli.layout import grouped, line, printable, size
     from rubnoise.cli.sweep import failures
+    from rubnoise.cli.terminal import sentence
 
     states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
     lines = [
-        f"{answer['folder']}: {printable(answer['title'])}",
+        sentence(f"{answer['folder']}: {printable(answer['title'])}"),
         line("written by", f"{answer['source']}, {answer['written']}"),
         line("command", answer["command"], whole=True),
         line("points", grouped(answer["points"])),

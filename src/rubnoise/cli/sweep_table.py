@@ -6,12 +6,14 @@ from textwrap import wrap
 from typing import Any
 
 from rubnoise.cli.layout import about, grouped, line, printable
+from rubnoise.cli.terminal import groups_that_fit
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.occupancy import expected_junction_rows
 
 MOST_ROWS = 100
 LONGEST_CELL = 16
+NUMBER_WIDTH = 5
 HEADINGS = {
     "calibrated_diameter": "d_m (um)",
     "real_contact_area_mean": "area mean (um^2)",
@@ -75,10 +77,13 @@ def _table(keys: Sequence[str], points: Sequence[Mapping[str, Any]]) -> Iterator
     widths = [max(map(len, [*heading.split(), *(row[n] for row in rows)])) + 2 for n, heading in enumerate(headings)]
     above = [wrap(heading, width - 2) for heading, width in zip(headings, widths, strict=True)]
     # From the bottom up, so that the words end on the line above the rows.
-    for words in reversed(list(zip_longest(*map(reversed, above), fillvalue=""))):
-        yield _joined("", words, widths)
-    for number, row in enumerate(rows, 1):
-        yield _joined(str(number), row, widths)
+    over = [("", *words) for words in reversed(list(zip_longest(*map(reversed, above), fillvalue="")))]
+    lines = [*over, *((str(number), *row) for number, row in enumerate(rows, 1))]
+    widths = [NUMBER_WIDTH, *widths]
+    for place, group in enumerate(groups_that_fit(widths)):
+        if place:
+            yield ""
+        yield from ("".join(f"{line[n]:>{widths[n]}}" for n in group).rstrip() for line in lines)
 
 
 def _figures(point: Mapping[str, Any]) -> list[str]:
@@ -89,7 +94,3 @@ def _figures(point: Mapping[str, Any]) -> list[str]:
 def _cell(value: Any) -> str:
     text = printable(str(value))
     return text if len(text) <= LONGEST_CELL else f"{text[: LONGEST_CELL - 3]}..."
-
-
-def _joined(number: str, cells: Sequence[str], widths: Sequence[int]) -> str:
-    return "".join([f"{number:>5}", *(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))]).rstrip()

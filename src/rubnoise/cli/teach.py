@@ -14,7 +14,7 @@ def command(
         Path | None,
         typer.Argument(
             help="A scenario file, or a result to replay; the paper's Figure 5 when left out.",
-            metavar="[SCENARIO | RUN.h5]",
+            metavar="SCENARIO|RUN.h5",
             show_default=False,
         ),
     ] = None,
@@ -31,6 +31,7 @@ def command(
     Example: rubnoise teach scenarios/paper/fig5.toml -o lesson.html
     """
     from rubnoise.cli.layout import size
+    from rubnoise.cli.terminal import sentence
     from rubnoise.lesson.page import page
     from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario.shipped import shipped
@@ -43,7 +44,7 @@ def command(
     text = page(scenario.title or source.stem, settings_of(scenario), record)
     with whole_file(output, force=force) as part:
         part.write_text(text, encoding="utf-8")
-    print(f"{output}: {size(output.stat().st_size)}; a browser opens it, with or without a network")
+    print(sentence(f"{output}: {size(output.stat().st_size)}; a browser opens it, with or without a network"))
 
 
 def _read(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from rubnoise.cli.layout import WORTH_A_WARNING, line, number, one_way_warning, printable, remark
+from rubnoise.cli.terminal import sentence
 
 COLUMN: Final = 19
 LINES_SHOWN: Final = 6
@@ -41,7 +42,7 @@ CURVES: Final = {
 def described(heading: str, calibration: str, answer: dict[str, Any]) -> list[str]:
     """Return what theory says, as lines to print under a heading."""
     return [
-        printable(heading),
+        sentence(printable(heading)),
         "",
         *_moment_lines(calibration, answer),
         *_slider_lines(answer.get("slider")),
@@ -95,7 +96,7 @@ def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
 
 
 def _table(heading: str, columns: dict[str, Sequence[float | None]]) -> Iterator[str]:
-    yield from ("", heading)
+    yield from ("", sentence(heading))
     yield "  " + "".join(f"{name:>{COLUMN}}" for name in columns)
     for row in zip(*columns.values(), strict=True):
         yield "  " + "".join(f"{_shown(value):>{COLUMN}}" for value in row)

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
-from typer.core import TyperCommand
+
+from rubnoise.cli.helping import Command
 
 if TYPE_CHECKING:
     from rubnoise.analysis.verifying.findings import Check, Difference, Verification
@@ -16,7 +17,7 @@ BLOCKS: Final = 8
 REGENERATE: Final = "--regenerate"
 
 
-class BareCount(TyperCommand):
+class BareCount(Command):
     """A command whose option --regenerate may stand without a number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Self
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.regular_file import NotRegular, read_at_most
@@ -105,6 +105,36 @@ class Setting(Overlay):
         return Place(source=self.name, line=0, text=self.text, start=start, end=end, rank=self.rank)
 
 
+class OptionOverride(str):
+    """An override that is typed as an option of its own: `--seed 7` for `run.seed=7`."""
+
+    __slots__ = ("option",)
+    option: str
+
+    def __new__(cls, option: str, key: str, value: object) -> Self:
+        """Keep the option beside the KEY=VALUE that it stands for."""
+        self = super().__new__(cls, f"{key}={value}")
+        self.option = option
+        return self
+
+
+@dataclass(frozen=True)
+class OptionSetting(Setting):
+    """One override that is typed as an option of its own; its name is that option, which its places show."""
+
+    def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
+        """Return the value behind the option."""
+        return self._shown(len(self.name) + 1, None)
+
+    def key_place(self, path: Path) -> Place:  # noqa: ARG002  (one key)
+        """Return the option."""
+        return self._shown(0, len(self.name))
+
+    def _shown(self, start: int, end: int | None) -> Place:
+        text = f"{self.name} {self._halves[1]}"
+        return Place(source=self.name, line=0, text=text, start=start, end=end or len(text), rank=self.rank)
+
+
 @dataclass(frozen=True)
 class Values(Source):
     """Values given in Python, which stand in no line."""
@@ -151,7 +181,7 @@ def from_values(values: Mapping[str, Any], name: str) -> Layers:
 def _layered(files: list[Source], problems: list[Problem], overrides: Sequence[str]) -> Layers:
     # In a report the file that was asked for comes first, then what it extends, then the settings.
     files = [replace(source, rank=len(files) - 1 - n) for n, source in enumerate(files)]
-    settings = [Setting(_setting_name(text), text, len(files) + n) for n, text in enumerate(overrides)]
+    settings = [_setting(text, len(files) + n) for n, text in enumerate(overrides)]
     sources = (*files, *settings)
     problems = [replace(p, place=replace(p.place, rank=_rank(sources, p))) for p in problems]
     return Layers(
@@ -165,8 +195,10 @@ def _rank(sources: Iterable[Source], problem: Problem) -> int:
     return next(source.rank for source in sources if source.name == problem.place.source)
 
 
-def _setting_name(text: str) -> str:
-    return f"{SET} {text.partition('=')[0].strip()}"
+def _setting(text: str, rank: int) -> Setting:
+    if isinstance(text, OptionOverride):
+        return OptionSetting(text.option, text, rank)
+    return Setting(f"{SET} {text.partition('=')[0].strip()}", text, rank)
 
 
 def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:

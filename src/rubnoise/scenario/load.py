@@ -47,7 +47,7 @@ def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
 
 
 def _many(given: Layers) -> Problem:
-    hint = "rubnoise check lists its points; without this table the file is one run"
+    hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
     message = "a sweep is many runs, and one scenario is wanted here"
     return Problem(path=(keys.SWEEP,), message=message, place=given.key_place((keys.SWEEP,)), hint=hint)
 

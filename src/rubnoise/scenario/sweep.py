@@ -117,7 +117,7 @@ def load_either(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> 
 def _refuse_one(given: Layers) -> None:
     if given.problems:
         raise ScenarioRefused(report(given.problems))
-    raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep], and is one run")
+    raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep]; rubnoise run makes this one run")
 
 
 def _checked(given: Layers) -> Sweep:

@@ -13,7 +13,9 @@ _POSITION = re.compile(r"(.*?) \(at (?:line (\d+), column (\d+)|end of document)
 _AT_END = "(at end of document)"
 _KEY = re.compile(r"[ \t]*\[.*|[^#=]+=")
 _COMMA_NUMBER = re.compile(r"=\s*([+-]?[0-9]+),([0-9]+)\s*([^\s#\"']*)")
-_BARE_QUANTITY = re.compile(r"=\s*([+-]?[0-9][0-9.eE+-]*)\s+([A-Za-z\u00b5\u03bc%][^=#\"']*?)\s*(?:#.*)?$")
+_BARE_QUANTITY = re.compile(
+    r"=\s*(?!0[xob])([+-]?[0-9][0-9.+-]*(?:[eE][+-]?[0-9]+)?)\s*([A-Za-z\u00b5\u03bc%][^=#\"']*?)\s*(?:#.*)?$"
+)
 _BARE_WORD = re.compile(r"=\s*([A-Za-z][A-Za-z-]*)\s*(?:#.*)?$")
 # A part of a dotted key: possessive, so that no text makes the search go back.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import disk_usage
-from typing import Final, Literal
+from typing import Final, Literal, TextIO
 
 from rubnoise.errors import OutputRefused, Refused, needing
 from rubnoise.storage.output import check_output
@@ -63,6 +63,15 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
     writers = {each.kind: _writer(each.kind) for each in exports}
     for each in exports:
         _export(file, each, writers[each.kind], force=force, between=between)
+
+
+def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[], None]) -> None:
+    """Write one group of an open run as CSV to a text stream, such as standard output; Refused as by ``export``."""
+    from rubnoise.storage.export_csv import write_lines
+
+    if not file.provenance["finished"]:
+        raise refusal(file.path)
+    write_lines(stream, Table.of(file, group), between)
 
 
 def _check(file: RunFile, each: Export, *, force: bool) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, TextIO
 
 from rubnoise.storage.schema import Column, Scalar
 from rubnoise.storage.table import Table
@@ -23,9 +23,14 @@ def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], betwee
     """Write one table; of its origin CSV has no place to tell."""
     del origin
     (table,) = tables
-    row = ",".join(["%r"] * len(table.columns)) + "\n"
     with path.open("w", encoding="ascii", newline="") as stream:
-        stream.write(",".join(map(heading, table.columns)) + "\n")
-        for _, panel in table.panels(PANEL_ROWS):
-            stream.writelines(map(row.__mod__, zip(*(values.tolist() for values in panel), strict=True)))
-            between()
+        write_lines(stream, table, between)
+
+
+def write_lines(stream: TextIO, table: Table, between: Callable[[], None]) -> None:
+    """Write the lines of one table to an open text stream, a panel of rows at a time."""
+    row = ",".join(["%r"] * len(table.columns)) + "\n"
+    stream.write(",".join(map(heading, table.columns)) + "\n")
+    for _, panel in table.panels(PANEL_ROWS):
+        stream.write("".join(map(row.__mod__, zip(*(values.tolist() for values in panel), strict=True))))
+        between()

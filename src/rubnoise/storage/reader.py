@@ -218,12 +218,15 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
         found = os.pread(descriptor, len(SIGNATURE), 0)
     except BlockingIOError as problem:
         raise NotRegular(path) from problem
-    if found != SIGNATURE:
+    if found == SIGNATURE:
+        return
+    if os.fstat(descriptor).st_size == 0:
+        raise RunFileRefused(f"is empty; {REMEDY}")
+    if os.fspath(path).endswith(".toml"):
         raise RunFileRefused(
-            f"is empty; {REMEDY}"
-            if os.fstat(descriptor).st_size == 0
-            else "is not an HDF5 file; `rubnoise run` makes one"
+            f"is a scenario, not a result; `rubnoise check {path}` says what follows from it, `rubnoise run` runs it"
         )
+    raise RunFileRefused("is not an HDF5 file; `rubnoise run` makes one")
 
 
 def _share(descriptor: int) -> None:

@@ -1,5 +1,8 @@
 """Workers of a Dask cluster, wherever they are, as long as they see the same folder."""
 
+import json
+import os
+import ssl
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -16,6 +19,58 @@ PATIENCE: Final = 30.0
 _COUNTED_EVERY: Final = 1.0
 
 
+TLS: Final = "tls://"
+
+
+def security_of(
+    authority: str | os.PathLike[str], certificate: str | os.PathLike[str], key: str | os.PathLike[str] | None
+) -> Any:
+    """Return a ``distributed.Security`` that speaks to nobody but who shows a certificate of this authority.
+
+    All are files in PEM format; the key may stand in the file of the certificate. Raises ExtraMissing, and Refused for
+    files that are missing or do not belong together.
+    """
+    files = {"tls_ca_file": authority, "tls_client_cert": certificate} | ({"tls_client_key": key} if key else {})
+    for option, file in zip(("--tls-ca-file", "--tls-cert", "--tls-key"), files.values(), strict=False):
+        _check_readable(option, file)
+    security = _library().Security(require_encryption=True, **{name: os.fspath(file) for name, file in files.items()})
+    try:
+        security.get_connection_args("client")
+    except ssl.SSLError as problem:
+        reason = (problem.reason or str(problem)).lower().replace("_", " ")
+        raise Refused(f"--tls-ca-file, --tls-cert, --tls-key: of no use together: {reason}") from problem
+    return security
+
+
+def _check_readable(option: str, file: str | os.PathLike[str]) -> None:
+    try:
+        with Path(file).open("rb"):
+            return
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+        raise Refused(f"{option}: {file}: {reason.lower()}") from problem
+
+
+def _library() -> Any:
+    with needing("cluster", "--cluster"):
+        return import_module("distributed")
+
+
+def _address(scheduler: str, *, encrypted: bool) -> str:
+    """Return where a scheduler listens, told by its address or by the file in which it wrote that."""
+    address = scheduler
+    if Path(scheduler).is_file():
+        try:
+            address = str(json.loads(Path(scheduler).read_bytes())["address"])
+        except (OSError, ValueError, KeyError, TypeError) as problem:
+            raise Refused(f"{scheduler}: is no file of a scheduler") from problem
+    if not encrypted:
+        return address
+    if "://" in address and not address.startswith(TLS):
+        raise Refused(f"{scheduler}: does not use TLS: its address is {address}")
+    return address if address.startswith(TLS) else TLS + address
+
+
 class Cluster:
     """The workers of a scheduler, told by its address or by the file in which it wrote that.
 
@@ -25,13 +80,19 @@ class Cluster:
     ahead = 1
     most = 1_000_000
 
-    def __init__(self, scheduler: str) -> None:
-        """Find the scheduler; raises ExtraMissing without the library, Refused where nobody answers."""
-        with needing("cluster", "--cluster"):
-            client = import_module("distributed").Client
-        where = {"scheduler_file": scheduler} if Path(scheduler).is_file() else {"address": scheduler}
+    def __init__(self, scheduler: str, security: Any = None) -> None:
+        """Find the scheduler; raises ExtraMissing without the library, Refused where none answers.
+
+        ``security``: a ``distributed.Security``, by which all that is said goes over TLS; without it what Dask's own
+        configuration says.
+        """
+        dask = _library()
+        where = _address(scheduler, encrypted=security is not None)
+        security = security or dask.Security()
+        if where.startswith(TLS) and not (security.tls_ca_file and security.tls_client_cert):
+            raise Refused(f"{scheduler}: uses TLS; --tls-ca-file, --tls-cert and --tls-key name the files for it")
         try:
-            self._client: Any = client(**where, timeout=PATIENCE, set_as_default=False)
+            self._client: Any = dask.Client(where, timeout=PATIENCE, set_as_default=False, security=security)
         except (OSError, ValueError) as problem:
             raise Refused(f"{scheduler}: no scheduler answers there: {problem}") from problem
         self._executor: Any = self._client.get_executor(pure=False)
