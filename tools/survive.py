@@ -16,6 +16,7 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
 from survival.cost import cost  # noqa: E402
 from survival.finding import Outcome  # noqa: E402
+from survival.flips import flips  # noqa: E402
 from survival.full import full  # noqa: E402
 from survival.kills import kills  # noqa: E402
 from survival.power import power  # noqa: E402
@@ -30,6 +31,7 @@ TORTURES: Mapping[str, tuple[Torture, int]] = {
     "power": (power, 1000),
     "sweeps": (sweeps, 1000),
     "full": (full, 100),
+    "flips": (flips, 1200),
     "signals": (signals, 200),
     "cost": (cost, 10),
 }

@@ -140,10 +140,12 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     with make_part(paths.part, paths.making, describe()) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
         assert part.marks(dict.fromkeys(rows, 0))
-    with open_part(paths.part) as part:
+    with open_run(paths.part, strict=True) as found, open_part(paths.part, found) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
-        part.completion({}, "2026-01-02T03:05:00Z").commit(part.descriptor)
+        ending = part.completion({}, "2026-01-02T03:05:00Z")
+        ending.carry_out(part.descriptor)
+        part.check(ending)
     with open_run(paths.part) as run:
         assert run.damaged() == ()
         assert run.column("trace", "distance").tobytes() == rows["trace"]["distance"].tobytes()

@@ -230,6 +230,18 @@ def test_a_changed_value_shows_in_the_hash(path: Path) -> None:
         assert run.damaged() == ("/slider/velocity",)
 
 
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+@pytest.mark.parametrize("size", [100, 5000, 60_000])
+def test_a_changed_bit_in_a_text_shows_however_long_it_is(tmp_path: Path, size: int, compression: Compression) -> None:
+    description = describe(scenario_toml="x" * size, compression=compression)
+    write_run(tmp_path / "run.h5", description, random_rows(description))
+    content = bytearray((tmp_path / "run.h5").read_bytes())
+    content[content.index(b"x" * size) + size // 2] ^= 1
+    (tmp_path / "run.h5").write_bytes(content)
+    with open_run(tmp_path / "run.h5") as run, pytest.raises(RunFileRefused, match=r"run\.h5: damaged: .*checksum"):
+        str(run.provenance["scenario_toml"])
+
+
 def test_attributes_are_read_only_when_plain(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file["summary"].attrs["note"] = "of variable length"
@@ -306,7 +318,7 @@ def test_a_file_cut_short_while_it_is_open_is_refused(path: Path) -> None:
 
 def test_a_run_forgotten_is_closed(path: Path) -> None:
     run = open_run(path)
-    descriptor = run._descriptor
+    descriptor = run.descriptor
     os.fstat(descriptor)
     del run
     with pytest.raises(OSError, match="Bad file descriptor"):

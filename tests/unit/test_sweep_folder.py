@@ -138,6 +138,20 @@ def test_one_writer_or_several_shards(folder: SweepFolder) -> None:
         folder.writing(first).__enter__()
 
 
+def test_no_lock_outlives_its_holder(folder: SweepFolder) -> None:
+    with folder.writing(Shard.of("1/2")):
+        with folder.writing(Shard.of("2/2")), folder.alone_at("index"):
+            assert _locks(folder) == [".index.lock", ".shard-1-of-2.lock", ".shard-2-of-2.lock", ".sweep.lock"]
+        assert _locks(folder) == [".shard-1-of-2.lock", ".sweep.lock"]
+    with folder.writing(None):
+        assert _locks(folder) == [".sweep.lock"]
+    assert _locks(folder) == []
+
+
+def _locks(folder: SweepFolder) -> list[str]:
+    return sorted(path.name for path in folder.root.rglob("*.lock"))
+
+
 def test_shards_are_parts_of_the_whole_whatever_the_order(sweep: Sweep) -> None:
     points = expand(sweep)
     parts = [Shard(number=n, count=5).of_points(points, points) for n in range(1, 6)]

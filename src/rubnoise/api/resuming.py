@@ -11,19 +11,26 @@ from rubnoise.api.describing import named_constants
 from rubnoise.api.playing import play
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
-from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, resume_hint
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.run import extent
 from rubnoise.simulation.state import State
+from rubnoise.storage.budget import expected
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
+from rubnoise.storage.reader import RunFile
 from rubnoise.storage.resuming import examined, settle
 from rubnoise.storage.unfinished import paths_of
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 
 MOST_DIFFERENCES = 3
+
+MOST_TIMES, MOST_MORE = 4, 10**6
+"""Births are counted, 60 ns each, only where at most so many times the rows of a part, and so many more, are expected.
+
+No run is that far off by chance."""
 
 
 def resume(part: str | os.PathLike[str], *, force: bool = False, watch: Watch | None = None) -> Run:
@@ -40,8 +47,7 @@ def resume(part: str | os.PathLike[str], *, force: bool = False, watch: Watch | 
 
 def distance_of(part: str | os.PathLike[str]) -> float:
     """Return the sliding distance in um of a run that did not finish; refused as by `resume`."""
-    scenario = build(_begun(part).scenario_resolved)
-    return scenario.model().distance
+    return _stored(_begun(part), str(part)).model().distance
 
 
 def _begun(part: str | os.PathLike[str]) -> RunDescription:
@@ -87,7 +93,7 @@ def go_on(
     paths = OutputPaths.of(path)
     try:
         with sole_writer(paths):
-            whole = settle(paths, force=force)
+            whole = settle(paths, _check, force=force)
         if not whole:
             scenario = _scenario(description, f"{path}.part", engine)
             with RunWriter(path, None, force=force) as writer:
@@ -100,6 +106,18 @@ def go_on(
     return open_result(path)
 
 
+def _check(run: RunFile) -> None:
+    """Refuse a part that says it is whole, and is not what it says (see verify)."""
+    from rubnoise.analysis.verification import verify  # which few runs need
+
+    try:
+        wrong = [str(check.first) for check in verify(run).different]
+    except (ArithmeticError, ValueError, IndexError) as problem:
+        wrong = [" ".join(str(problem).split())]
+    if wrong:
+        raise RunFileRefused(f"{run.path}: damaged: {wrong[0]}; rubnoise run --force starts over")
+
+
 def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
     """Return what a watch is told of a state: distance reached in um, junctions born, live count."""
     return (0.0, 0, 0) if state is None else (max(state.ticks - 1, 0) * tick, state.junctions, len(state.live))
@@ -107,7 +125,7 @@ def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
 
 def _scenario(description: RunDescription, part: str, engine: str | None) -> Scenario:
     """Return the scenario of a run; raises Refused where going on with it here would not give the same numbers."""
-    scenario = build(description.scenario_resolved)
+    scenario = _stored(description, part)
     for reason in _obstacles(scenario, description):
         made_by = description.provenance.software.get("rubnoise", "of another version")
         raise Refused(f"{part}: {reason}; rubnoise {made_by} goes on with it, rubnoise run --force starts over")
@@ -116,16 +134,34 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
     return replace(scenario, run=scenario.run.model_copy(update={"engine": engine}))
 
 
+def _stored(description: RunDescription, part: str) -> Scenario:
+    """Return the scenario that a part keeps; raises RunFileRefused where it is none."""
+    try:
+        return build(description.scenario_resolved)
+    except (ScenarioRefused, AttributeError, TypeError, ValueError) as problem:
+        raise RunFileRefused(f"{part}: the scenario in the file is none that can be run") from problem
+
+
 def _obstacles(scenario: Scenario, description: RunDescription) -> Iterator[str]:
     model, origin = scenario.model(), description.provenance
-    if origin.stream_version != STREAM_VERSION:
+    if origin.seed != scenario.run.seed:
+        yield f"has seed {origin.seed}, and its scenario has {scenario.run.seed}"
+    elif origin.stream_version != STREAM_VERSION:
         yield f"has random numbers of stream version {origin.stream_version}, and here they are of {STREAM_VERSION}"
     elif origin.calibrated_diameter != model.calibrated_diameter:
         yield f"has calibrated diameter {origin.calibrated_diameter!r} um, here it is {model.calibrated_diameter!r} um"
     elif dict(origin.propagator_constants) != named_constants(model):
         yield "has other constants of the slider's step than here"
-    elif description.extent != extent(model, origin.seed):
+    elif not _has_its_rows(scenario, description):
         yield "has another number of rows than here"
+
+
+def _has_its_rows(scenario: Scenario, description: RunDescription) -> bool:
+    """Whether a part has as many rows as its run; births are only counted where there are not far too many."""
+    rows, likely = description.extent, expected(scenario)
+    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * rows.junctions + MOST_MORE:
+        return False
+    return rows == extent(scenario.model(), scenario.run.seed)
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:

@@ -22,7 +22,7 @@ START_SECONDS: Final = 60.0
 PROGRAM: Final = "from rubnoise.storage.attendant import attend; attend()"
 CHANNEL: Final = 0
 LENGTH_BYTES: Final = 8
-WORDS: "Final[dict[LookName, bytes]]" = {"survey": b"?", "inventory": b"*"}
+WORDS: "Final[dict[LookName, bytes]]" = {"survey": b"?", "inventory": b"*", "inspection": b"!"}
 """What is sent along with a descriptor: which look is wanted."""
 
 

@@ -1,6 +1,5 @@
 """One column of a file on its way to disk: gathered to large pieces, hashed and written at its offset."""
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,10 +11,13 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
-from rubnoise.storage.structure import Place
+from rubnoise.storage.place import Place
 
 PIECE_BYTES: Final = 1 << 15
 """Bytes that wait at most: to touch more memory for the first time costs more than the calls that it saves."""
+
+READ_BYTES: Final = 1 << 20
+"""Bytes that are read at a time, into the same memory, where a whole column is only hashed."""
 
 Bytes = NDArray[np.uint8]
 
@@ -107,6 +109,17 @@ class ColumnFile:
         self.flush()
         return self._running().hexdigest()
 
+    def stored_digest(self) -> str:
+        """Return the same of the whole column as its file has it now."""
+        running, left, place = xxhash.xxh3_128(), self._bytes(self.rows), self._place.offset
+        target = np.empty(min(READ_BYTES, left), dtype=np.uint8).data
+        while left:
+            piece = target[: min(READ_BYTES, left)]
+            self._fill(piece, place)
+            running.update(piece)
+            left, place = left - len(piece), place + len(piece)
+        return running.hexdigest()
+
     def panels(self, size: int, rows: int | None = None) -> Iterator[NDArray[Any]]:
         """Read the column back, or its first ``rows``, ``size`` rows at a time."""
         self.flush()
@@ -165,11 +178,13 @@ class ColumnFile:
     def _read(self, first: int, end: int, size: int | None = None) -> Iterator[NDArray[Any]]:
         size = size or PIECE_BYTES // self._dtype.itemsize
         for start in range(first, end, size):
-            count = self._bytes(min(size, end - start))
-            data = os.pread(self._descriptor, count, self._place.offset + self._bytes(start))
-            if len(data) != count:
-                raise RubnoiseError("the part file was cut short meanwhile")
-            yield np.frombuffer(data, dtype=self._dtype)
+            panel = np.empty(min(size, end - start), dtype=self._dtype)
+            self._fill(panel.view(np.uint8).data, self._place.offset + self._bytes(start))
+            yield panel
+
+    def _fill(self, target: memoryview, place: int) -> None:
+        if disk.read_into(self._descriptor, target, place) != len(target):
+            raise RubnoiseError("the part file was cut short meanwhile")
 
     def _bytes(self, rows: int) -> int:
         return rows * self._dtype.itemsize

@@ -1,33 +1,39 @@
 """A raw part file rewritten in gzip chunks, at publication."""
 
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 
 import h5py
 
+from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.pages import Unfailing
 from rubnoise.storage.part import Part, new_file
+from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import CHUNK_ROWS, Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
+from rubnoise.storage.written import Written
 
 
-def compress_part(
+@contextmanager
+def compressed(
     part: Part,
-    paths: OutputPaths,
+    making: Path,
     description: RunDescription,
     summary: Mapping[str, Scalar],
     finished: str,
     between: Callable[[], None],
-) -> None:
-    """Write a compressed copy of a whole part under a passing name and put it in the part's place.
+) -> Iterator[int]:
+    """Write a compressed copy of a whole part under a passing name and yield it, open, read back and on the disk.
 
-    Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, and
-    RubnoiseError where rows are missing; the part is left as it was.
+    Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, NotAsWritten
+    where the disk has another file, and RubnoiseError where rows are missing; the part is left as it was.
     """
     digests = part.digests()
-    with new_file(paths.making) as descriptor:
+    with new_file(making) as descriptor:
         target = Unfailing(descriptor)
         try:
             with h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file:
@@ -37,8 +43,8 @@ def compress_part(
         finally:
             target.settle()
         disk.sync(descriptor)
-        disk.rename(paths.making, paths.part)
-        disk.sync_folder(paths.part.parent)  # before the journal goes: without it the raw part would begin at its start
+        _check(making, Written.of(os.fstat(descriptor), description, part.columns(), summary, finished))
+        yield descriptor
 
 
 def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
@@ -48,3 +54,13 @@ def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
             file[group][name][first : first + panel.size] = panel
             first += panel.size
             between()
+
+
+def _check(path: Path, written: Written) -> None:
+    """Read a compressed file once; raises NotAsWritten unless it says and holds what was written."""
+    try:
+        with open_run(path, strict=True) as run:
+            if not written.is_in(run) or run.damaged():
+                raise disk.NotAsWritten("its compressed copy")
+    except RunFileRefused as refusal:
+        raise disk.NotAsWritten("its compressed copy") from refusal

@@ -1,14 +1,27 @@
-"""Every call by which a result reaches the disk: one place to watch them, to count them, or to let them fail.
+"""Every call by which a result reaches the disk or comes from it: one place to watch, to count, or to let them fail.
 
-Whoever writes calls these as ``disk.sync(...)``, by the name of the module, so that a test can put others in their
-place. Nothing here is clever: each is one call of the system, or one repeated until it is done.
+Other modules call these as ``disk.sync(...)``, by the name of the module, so that a test can put others in their
+place. Nothing here is clever: each is one call of the system, or one repeated until it is done. A system may read or
+write less than it was asked for (POSIX allows it, and network disks do it).
 """
 
+import errno
 import os
 import sys
 from pathlib import Path
 
-LARGEST_WRITE = 1 << 30
+from rubnoise.errors import RubnoiseError
+
+LARGEST = 1 << 30
+"""Bytes in one call at most: some systems take no more."""
+
+
+class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
+    """A file that is, on the disk, not what was written to it; the text names what of it."""
+
+    def __str__(self) -> str:
+        """Say so."""
+        return f"{super().__str__()} is on the disk not what was written"
 
 
 def create(path: Path) -> int:
@@ -26,11 +39,44 @@ def close(descriptor: int) -> None:
     os.close(descriptor)
 
 
+def read_into(descriptor: int, target: memoryview, offset: int) -> int:
+    """Fill a contiguous buffer of bytes from an offset, however many calls the system needs for it.
+
+    Return how many bytes there were: fewer than the buffer has only where the file ends before.
+    """
+    done = 0
+    while done < len(target):
+        count = os.preadv(descriptor, [target[done : done + LARGEST]], offset + done)
+        if not count:
+            break
+        done += count
+    return done
+
+
+def read(descriptor: int, size: int, offset: int) -> bytes:
+    """Return so many bytes from an offset, or all that there are where the file ends before (see `read_into`)."""
+    content = bytearray(size)
+    return bytes(content[: read_into(descriptor, memoryview(content), offset)])
+
+
 def write_all(descriptor: int, data: memoryview, offset: int) -> None:
     """Write all of a contiguous buffer of bytes at an offset, however many calls the system needs for it."""
     while data:
-        written = os.pwrite(descriptor, data[:LARGEST_WRITE], offset)
+        written = _some(os.pwrite(descriptor, data[:LARGEST], offset))
         data, offset = data[written:], offset + written
+
+
+def append_all(descriptor: int, data: memoryview) -> None:
+    """Write all of a contiguous buffer of bytes to a pipe, or at the end of a file that is open for appending."""
+    while data:
+        data = data[_some(os.write(descriptor, data[:LARGEST])) :]
+
+
+def _some(written: int) -> int:
+    """Return a count of bytes; raises OSError for none, which would be tried for ever."""
+    if not written:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+    return written
 
 
 def resize(descriptor: int, size: int) -> None:

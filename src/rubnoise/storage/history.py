@@ -15,12 +15,16 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
 from rubnoise.simulation.state import State
 from rubnoise.storage.columns import Mark
+from rubnoise.storage.ending import Ending
 from rubnoise.storage.journal import Frame, frames
 from rubnoise.storage.layout import Name, RunDescription
 
 VERSION: Final = 1
 MOST_COMMITS: Final = 4096
 """Commits that are remembered at most: of those long ago every other one is forgotten, again and again."""
+
+LATEST: Final = 253_402_300_800.0
+"""Seconds from 1970 to the end of the year 9999: of no later moment there is a date."""
 
 _HEAD: Final = struct.Struct("<dI")
 _MARK: Final = struct.Struct("<Q16s")
@@ -46,7 +50,7 @@ class History:
     run: str | None = None
     columns: tuple[Name, ...] = ()
     commits: list[Commit] = field(default_factory=list)
-    ending: bytes | None = None
+    ending: Ending | None = None
     begun: int = 0
 
     @classmethod
@@ -75,7 +79,7 @@ class History:
             if len(self.commits) > MOST_COMMITS:
                 del self.commits[: MOST_COMMITS // 2 : 2]
         else:
-            self.ending = frame.content
+            self.ending = Ending.unpacked(frame.content)
 
 
 def state_at(path: Path, commit: Commit) -> State:
@@ -117,6 +121,8 @@ def _refusing(path: Path) -> Iterator[None]:
 
 def _unpacked(frame: Frame, columns: Sequence[Name]) -> Commit:
     moment, count = _HEAD.unpack_from(frame.content)
+    if not 0.0 <= moment < LATEST:
+        raise ValueError(f"a commit at {moment} s since 1970")
     told = _HEAD.size + count * _MARK.size
     marks = [Mark(rows=rows, digest=digest) for rows, digest in _MARK.iter_unpack(frame.content[_HEAD.size : told])]
     length = len(frame.content) - told

@@ -3,15 +3,18 @@
 What is read are files of ours in a folder of ours, which the index names; each is opened by the door for run files.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import h5py
 import numpy as np
+import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.errors import RunFileRefused
+from rubnoise.storage import disk
 from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_scale, describe_column
 from rubnoise.storage.index_file import open_index
 from rubnoise.storage.named_run import open_named
@@ -23,12 +26,65 @@ COPIED: Final = ("points", RUNS, SUMMARIES)
 _UNNUMBERED: Final = tuple(column for column in JUNCTIONS.columns if column.name != "junction")
 
 
+class _Filling:
+    """Datasets filled in the order of their rows, with a hash of each, to be read back."""
+
+    def __init__(self) -> None:
+        self._hashes: dict[str, xxhash.xxh3_128] = {}
+
+    def write(self, dataset: h5py.Dataset, values: NDArray[Any], first: int, row: int | None = None) -> None:
+        """Write values from a place on; ``row``: in that row, where a dataset has several."""
+        piece = slice(first, first + values.size)
+        dataset[piece if row is None else (row, piece)] = values
+        self._hashes.setdefault(dataset.name, xxhash.xxh3_128()).update(values.data)
+
+    def note(self, dataset: h5py.Dataset) -> None:
+        """Take a dataset of another file for one that was filled with the same."""
+        self._hashes[dataset.name] = _hash(dataset)
+
+    def check(self, path: Path) -> None:
+        """Read all of it back, and every attribute, which HDF5 compares with its checksums; raises NotAsWritten."""
+        try:
+            with h5py.File(path, "r") as file:
+                file.visititems(_read_attributes)
+                for name, digest in self._hashes.items():
+                    _check(name, _hash(file[name]).digest() == digest.digest())
+        except (OSError, RuntimeError, LookupError, ValueError) as problem:
+            raise disk.NotAsWritten("its structure") from problem
+
+
+def _check(name: str, same: bool) -> None:  # noqa: FBT001
+    if not same:
+        raise disk.NotAsWritten(name)
+
+
+def _read_attributes(_name: str, found: h5py.HLObject) -> None:
+    for name in found.attrs:
+        found.attrs.get_id(name)
+
+
+def _hash(dataset: h5py.Dataset) -> xxhash.xxh3_128:
+    """Return the hash of a dataset, read in panels of its rows."""
+    digest = xxhash.xxh3_128()
+    if dataset.ndim == 1:
+        places: Iterable[Any] = (slice(first, first + CHUNK_ROWS) for first in range(0, dataset.size, CHUNK_ROWS))
+    elif dataset.ndim == 2:
+        rows, columns = dataset.shape
+        places = ((r, slice(first, first + CHUNK_ROWS)) for r in range(rows) for first in range(0, columns, CHUNK_ROWS))
+    else:
+        places = range(len(dataset))
+    for place in places:
+        digest.update(dataset[place].tobytes())
+    return digest
+
+
 def write_merged(path: Path, index: Path) -> None:
     """Write a file that needs no other: tables and traces as in the index, and /junctions with the run of each.
 
-    Memory does not grow with the length of runs. Raises RunFileRefused where a result cannot be read, OSError where the
-    disk fails.
+    Memory does not grow with the length of runs. Raises RunFileRefused where a result cannot be read or is damaged,
+    OSError where the disk fails, NotAsWritten where what was written is not read back.
     """
+    filling = _Filling()
     results = _results(index)  # the door for strangers' files looks at the index before HDF5 has it in this process
     with h5py.File(index, "r") as given, h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
         for name, value in given.attrs.items():
@@ -36,9 +92,12 @@ def write_merged(path: Path, index: Path) -> None:
         for name in COPIED:
             if name in given:
                 given.copy(name, file)
+                for dataset in given[name].values():
+                    filling.note(dataset)
         for number in given.get(TRACES, ()):
-            _write_stack(file, given[TRACES][number], number, results)
-        _write_junctions(file, results)
+            _write_stack(file, given[TRACES][number], number, results, filling)
+        _write_junctions(file, results, filling)
+    filling.check(path)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,55 +127,72 @@ def _result(path: Path, run_id: str) -> _Result:
         return _Result(path=path, junctions=run.extent.junctions, columns=columns)
 
 
-def _write_stack(file: h5py.File, given: h5py.Group, number: str, results: dict[int, _Result]) -> None:
+def _write_stack(
+    file: h5py.File, given: h5py.Group, number: str, results: dict[int, _Result], filling: _Filling
+) -> None:
     for name, datasets in given.items():
         owner = file.create_group(f"{TRACES}/{number}/{name}", track_order=True)
         group = next(group for group in GROUPS if group.name == name)
         rows = datasets[RUN.name][:]
         about, *rest = (column for column in group.columns if column.name in datasets)
         runs = create_scale(owner, RUN, rows)
-        with open_run(results[int(rows[0])].path) as first:
-            ticks = create_scale(owner, about, first.column(name, about.name))
+        with open_run(results[int(rows[0])].path) as one:
+            ticks = create_scale(owner, about, one.column(name, about.name))
         filled = [_empty(owner, column, (rows.size, ticks.size)) for column in rest]
         for dataset in filled:
             attach(dataset, runs, ticks)
         for place, row in enumerate(rows):
             with open_run(results[int(row)].path) as run:
-                _fill(filled, rest, run, name, place)
+                for dataset, column in zip(filled, rest, strict=True):
+                    for first, values in _panels(run, name, column.name):
+                        filling.write(dataset, values, first, place)
 
 
-def _fill(datasets: Sequence[h5py.Dataset], columns: Sequence[Column], run: RunFile, group: str, place: int) -> None:
-    for dataset, column in zip(datasets, columns, strict=True):
-        for first, values in _panels(run, group, column.name):
-            dataset[place, first : first + values.size] = values
-
-
-def _write_junctions(file: h5py.File, results: dict[int, _Result]) -> None:
+def _write_junctions(file: h5py.File, results: dict[int, _Result], filling: _Filling) -> None:
     """Write the junctions of all runs, one run after another, with the row of the run and the number within it."""
     total = sum(result.junctions for result in results.values())
     owner = file.create_group(JUNCTIONS.name, track_order=True)
     names = frozenset[str]().union(*(result.columns for result in results.values()))
     number = next(column for column in JUNCTIONS.columns if column.name == "junction")
-    stored = [column for column in _UNNUMBERED if column.name in names]
-    datasets = {column.name: _empty(owner, column, (total,)) for column in (RUN, number, *stored)}
+    columns = (number, *(column for column in _UNNUMBERED if column.name in names))
+    datasets = {column.name: _empty(owner, column, (total,)) for column in (RUN, *columns)}
     start = 0
     for row, result in results.items():
         with open_run(result.path) as run:
-            stop = start + result.junctions
-            datasets[RUN.name][start:stop] = row
-            for column in (number, *stored):
-                if column.name in result.columns:
-                    for first, values in _panels(run, JUNCTIONS.name, column.name):
-                        datasets[column.name][start + first : start + first + values.size] = values
-            start = stop
+            for column in (RUN, *columns):
+                for place, values in _junctions(run, row, column):
+                    filling.write(datasets[column.name], values, start + place)
+        start += result.junctions
 
 
 def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
+    """Yield a column with the first row of each panel; raises RunFileRefused at the end of one that is damaged."""
+    digest = xxhash.xxh3_128()
     for first in range(0, run.rows(group), CHUNK_ROWS):
-        yield first, run.column(group, name, first, first + CHUNK_ROWS)
+        values = run.column(group, name, first, first + CHUNK_ROWS)
+        digest.update(values.data)
+        yield first, values
+    if digest.hexdigest() != run.digest(group, name):
+        raise RunFileRefused(f"{run.path}: damaged: /{group}/{name} is not what its hash was taken of")
+
+
+def _junctions(run: RunFile, row: int, column: Column) -> Iterator[tuple[int, NDArray[Any]]]:
+    """Return a column of the junctions of a run, which may be the number of the run, or one that it does not have."""
+    if column.name in run.columns[JUNCTIONS.name]:
+        return _panels(run, JUNCTIONS.name, column.name)
+    return _same(row if column is RUN else _missing(column), column, run.extent.junctions)
+
+
+def _same(value: object, about: Column, count: int) -> Iterator[tuple[int, NDArray[Any]]]:
+    """Yield a column that has one value in all of its rows, as `_panels` does."""
+    for first in range(0, count, CHUNK_ROWS):
+        yield first, np.full(min(CHUNK_ROWS, count - first), value, dtype=about.dtype)
+
+
+def _missing(about: Column) -> float | int:
+    return np.nan if np.dtype(about.dtype).kind == "f" else 0
 
 
 def _empty(owner: h5py.Group, about: Column, shape: tuple[int, ...]) -> h5py.Dataset:
-    kind = np.dtype(about.dtype)
-    missing = np.nan if kind.kind == "f" else 0
-    return describe_column(owner.create_dataset(about.name, shape, kind, fillvalue=missing), about)
+    empty = owner.create_dataset(about.name, shape, np.dtype(about.dtype), fillvalue=_missing(about))
+    return describe_column(empty, about)

@@ -1,21 +1,16 @@
 """Where a result may be written: what is refused before anything is created, and how a file gets its final name."""
 
-import fcntl
 import os
 import shutil
 import stat
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from time import monotonic, sleep
-from typing import Final, Self
+from typing import Self
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage import disk
-
-PATIENCE_SECONDS: Final = 0.3
-"""Longer than it takes to see whether a lock is held, and to let go of one that a killed run has left to a copy."""
+from rubnoise.storage import disk, lock
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +39,8 @@ class OutputPaths:
 def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool = False) -> OutputPaths:
     """Return the names for a result, or raise OutputRefused with the reason; creates nothing.
 
+    Where a result or a part is in the way, the lock file that a killed run has left beside it goes.
+
     Refused are a folder that is missing or not writable, anything at the path that is no regular file, and, unless
     ``force``, a file that exists already, be it whole or, unless ``unfinished``, the part of a run that did not finish.
     """
@@ -57,37 +54,30 @@ def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool 
     except (OSError, ValueError) as problem:
         raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
     if not force:
-        _check_absent(paths, unfinished=unfinished)
+        try:
+            _check_absent(paths, unfinished=unfinished)
+        except OutputRefused:
+            lock.remove_stale(paths.lock)
+            raise
     return paths
 
 
 @contextmanager
 def sole_writer(paths: OutputPaths) -> Iterator[None]:
     """Hold the lock of a result; raises OutputRefused while another process writes it."""
-    descriptor = _locked(paths)
-    try:
+    with ExitStack() as held:
+        try:
+            held.enter_context(lock.holding(paths.lock))
+        except lock.Held as problem:
+            raise OutputInUse(f"{paths.final}: another process is writing it") from problem
+        except OSError as problem:
+            raise OutputRefused(f"{paths.final}: cannot be locked: {_reason(problem)}") from problem
         yield
-    finally:
-        # Removed while still held: who waits with the same inode open sees that the name is gone and starts over.
-        disk.remove(paths.lock)
-        os.close(descriptor)
 
 
 def is_being_written(paths: OutputPaths) -> bool:
     """Whether a process holds the lock of a result; nothing is created, and nobody is kept from writing."""
-    try:
-        descriptor = os.open(paths.lock, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    finally:
-        os.close(descriptor)
-    return False
+    return lock.is_held(paths.lock)
 
 
 _SMALLER = "a shorter sliding.distance or a longer output.tick makes it smaller"
@@ -110,11 +100,18 @@ def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
         ) from problem
 
 
-def give_final_name(paths: OutputPaths, *, force: bool, durable: bool = True) -> None:
+def give_final_name(paths: OutputPaths, checked: int, *, force: bool, durable: bool = True) -> None:
     """Rename the whole part file to its final name and, where it shall be ``durable``, see the folder onto the disk.
 
-    Without ``force`` a file that appeared meanwhile is left alone: RubnoiseError, and the part stays.
+    ``checked`` is the open file that was found whole: another one that bears the name of the part by now is left as it
+    is, and not published (OutputSwappedError). Without ``force`` a file that appeared meanwhile under the final name is
+    left alone, too (OutputAppearedError), and the part stays.
     """
+    if not is_file(paths.part, os.fstat(checked)):
+        raise OutputSwappedError(
+            f"{paths.part}: another file has taken its place during the run; it is left as it is, and {paths.final} is"
+            " not written"
+        )
     if force:
         disk.rename(paths.part, paths.final)
     else:
@@ -134,7 +131,15 @@ def _rename_to_absent(paths: OutputPaths) -> None:
         # File systems without hard links offer no rename that spares an existing file either.
         disk.rename(paths.part, paths.final)
     else:
-        disk.remove(paths.part)
+        with suppress(OSError):  # the result has its name: a second one that stays makes it no less whole
+            disk.remove(paths.part)
+
+
+def is_file(path: Path, file: os.stat_result) -> bool:
+    """Whether a name is that of a certain file."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(path.lstat(), file)
+    return False
 
 
 class OutputInUse(OutputRefused):
@@ -143,6 +148,10 @@ class OutputInUse(OutputRefused):
 
 class OutputAppearedError(RubnoiseError):
     """Somebody else created the output file during the run."""
+
+
+class OutputSwappedError(RubnoiseError):
+    """Somebody else has put another file in the place of the part during the run."""
 
 
 def _check_folder(folder: Path) -> None:
@@ -175,47 +184,6 @@ def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
         raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
     if not unfinished and _mode(paths.part) is not None:
         raise OutputRefused(f"{paths.part}: of a run that goes on or was stopped (--force replaces a stopped one)")
-
-
-def _locked(paths: OutputPaths) -> int:
-    """Return the descriptor of the lock file, locked, and sure to be the one that the name stands for."""
-    while True:
-        descriptor = _open_lock(paths)
-        try:
-            _lock(descriptor)
-            if _same_file(descriptor, paths.lock):
-                return descriptor
-        except BlockingIOError as problem:
-            os.close(descriptor)
-            raise OutputInUse(f"{paths.final}: another process is writing it") from problem
-        except OSError as problem:
-            os.close(descriptor)
-            raise OutputRefused(f"{paths.lock}: cannot be locked: {_reason(problem)}") from problem
-        os.close(descriptor)
-
-
-def _lock(descriptor: int) -> None:
-    """Lock a file, also where somebody holds it only for a moment more."""
-    deadline = monotonic() + PATIENCE_SECONDS
-    while monotonic() < deadline:
-        with suppress(BlockingIOError):
-            return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        sleep(PATIENCE_SECONDS / 100)
-    return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-def _open_lock(paths: OutputPaths) -> int:
-    try:
-        return os.open(paths.lock, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
-    except OSError as problem:
-        raise OutputRefused(f"{paths.final}: cannot be written: {_reason(problem)}") from problem
-
-
-def _same_file(descriptor: int, path: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(descriptor), path.stat())
-    except FileNotFoundError:
-        return False
 
 
 def _reason(problem: Exception) -> str:

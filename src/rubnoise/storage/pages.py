@@ -8,7 +8,7 @@ import io
 import os
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self
 
 from rubnoise.storage import disk
 
@@ -90,22 +90,33 @@ class Overlay(_Positioned):
             content[start : start + len(piece)] = piece
         return self._advance(len(source))
 
-    def changes(self) -> Iterator[tuple[int, memoryview]]:
-        """Yield where each changed page begins and what it holds now, in order, as far as the file goes."""
-        for page in sorted(self._pages):
-            start = page * PAGE
-            yield start, memoryview(self._pages[page])[: max(0, self._size - start)]
+    @classmethod
+    def of(cls, pieces: Iterable[tuple[int, bytes]], size: int) -> Self:
+        """Return a file of a size with pieces at their offsets, and zeros elsewhere."""
+        file = cls()
+        for offset, data in pieces:
+            file.seek(offset)
+            file.write(data)
+        file.truncate(size)
+        return file
+
+    def pieces(self, places: Iterable[range]) -> Iterator[tuple[int, bytes]]:
+        """Yield what the file holds at some places, each with its offset."""
+        for place in places:
+            self.seek(place.start)
+            yield place.start, self.read(len(place)) or b""
 
     def commit(self, descriptor: int) -> None:
         """Write every changed page to the descriptor and cut or extend the file to this one's size."""
-        for start, data in self.changes():
-            disk.write_all(descriptor, data, start)
+        for page in sorted(self._pages):
+            start = page * PAGE
+            disk.write_all(descriptor, memoryview(self._pages[page])[: max(0, self._size - start)], start)
         disk.resize(descriptor, self._size)
 
     def _beneath_at(self, page: int) -> bytes:
         if self._beneath is None:
             return _NOTHING
-        return os.pread(self._beneath, PAGE, page * PAGE).ljust(PAGE, b"\0")
+        return disk.read(self._beneath, PAGE, page * PAGE).ljust(PAGE, b"\0")
 
 
 class Unfailing(_Positioned):
@@ -117,10 +128,15 @@ class Unfailing(_Positioned):
         self._failure: OSError | None = None
 
     def readinto(self, buffer: "WriteableBuffer", /) -> int:
-        """Fill the buffer from the disk, with zeros beyond its end."""
+        """Fill the buffer from the disk, with zeros beyond its end and where the disk fails."""
         target = memoryview(buffer).cast("B")
-        found = os.pread(self._descriptor, len(target), self._position)
-        target[:] = found.ljust(len(target), b"\0")
+        found = 0
+        if self._failure is None:
+            try:
+                found = disk.read_into(self._descriptor, target, self._position)
+            except OSError as failure:
+                self._failure = failure
+        target[found:] = bytes(len(target) - found)
         self._position += len(target)
         return len(target)
 

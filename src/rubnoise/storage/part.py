@@ -1,5 +1,6 @@
 """The unfinished file: made whole in structure, then filled column by column while HDF5 is not open."""
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,15 +14,17 @@ from rubnoise.errors import RubnoiseError, RunFileRefused
 from rubnoise.record.sink import Columns, Sink
 from rubnoise.storage import disk
 from rubnoise.storage.columns import ColumnFile, Mark
+from rubnoise.storage.ending import Ending
 from rubnoise.storage.history import Commit
 from rubnoise.storage.layout import Name, RunDescription
 from rubnoise.storage.life_curve import life_curve
-from rubnoise.storage.output import reserve
+from rubnoise.storage.output import is_file, reserve
 from rubnoise.storage.pages import Overlay
+from rubnoise.storage.place import Place, between, digest_of
 from rubnoise.storage.pulse import pulse_of, stored_pulse
+from rubnoise.storage.reader import RunFile, refusing
 from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Scalar
-from rubnoise.storage.soundness import read_text
-from rubnoise.storage.structure import LIBRARY_VERSIONS, Place, complete, compose, places
+from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
 
 SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
@@ -45,25 +48,40 @@ def make_part(
         reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
         if durable:
             disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
-        part = Part(descriptor, columns, pulse_of(description.scenario_resolved), hashed=hashed)
+        part = Part(descriptor, columns, structure, pulse_of(description.scenario_resolved), hashed=hashed)
         disk.rename(making, path)
     return part
 
 
-def open_part(path: Path) -> "Part":
-    """Open a part file; its columns are found by reading its structure, however old the file is.
+def open_part(path: Path, run: RunFile) -> "Part":
+    """Open a part file whose structure has been read, and found to be one of ours: ``run`` is it, open for reading.
 
-    Raises RunFileRefused where nothing can be written to one of them.
+    Raises RunFileRefused where nothing can be written to a column, and where the file is not what was read.
     """
-    descriptor = disk.reopen(path)
+    with refusing(path):
+        descriptor = disk.reopen(path)
     try:
-        with h5py.File(Overlay(descriptor), "r", libver=LIBRARY_VERSIONS) as file:
-            columns = places(file)
-            pulse = stored_pulse(read_text(file["provenance"], "scenario_resolved"))
-        return Part(descriptor, columns, pulse)
+        with refusing(path):
+            structure = _structure(path, descriptor, run)
+            return Part(descriptor, run.places, structure, stored_pulse(run.provenance["scenario_resolved"]))
     except BaseException:
         disk.close(descriptor)
         raise
+
+
+def _structure(path: Path, descriptor: int, run: RunFile) -> Overlay:
+    """Return all of an open part that is no row."""
+    if not is_file(path, os.fstat(run.descriptor)) or not is_file(path, os.fstat(descriptor)):
+        raise RunFileRefused("another file has taken its place just now")
+    for (group, name), place in run.places.items():
+        if place.rows and not place.offset:
+            raise RunFileRefused(f"/{group}/{name} is compressed: nothing can be written to it any more")
+    size = os.fstat(descriptor).st_size
+    rest = between(run.places.values(), size)
+    pieces = [(place.start, disk.read(descriptor, len(place), place.start)) for place in rest]
+    if digest_of(pieces) != run.structure:
+        raise RunFileRefused("was changed just now")
+    return Overlay.of(pieces, size)
 
 
 @contextmanager
@@ -84,17 +102,25 @@ def new_file(path: Path, *, stays_open: bool = False) -> Iterator[int]:
 class Part:
     """A part file opened for rows, with its columns where its structure has them.
 
-    ``descriptor`` becomes its own, and is closed when the context ends. Without ``hashed`` its columns get no hashes.
-    Raises RunFileRefused for a column without a place.
+    ``descriptor`` becomes its own, and is closed when the context ends; ``structure`` is what the file has outside of
+    its rows, in memory, where no other program can change it. Without ``hashed`` its columns get no hashes.
     """
 
-    def __init__(self, descriptor: int, columns: Mapping[Name, Place], pulse: Pulse, *, hashed: bool = True) -> None:
+    def __init__(
+        self,
+        descriptor: int,
+        columns: Mapping[Name, Place],
+        structure: Overlay,
+        pulse: Pulse,
+        *,
+        hashed: bool = True,
+    ) -> None:
         self.descriptor = descriptor
+        self._places = columns
+        self._structure = structure
         self._hashed = hashed
         self._columns: dict[str, dict[str, ColumnFile]] = {}
         for (group, name), place in columns.items():
-            if place.rows and not place.offset:
-                raise RunFileRefused(f"/{group}/{name} has no place of its own: nothing can be written to it any more")
             self._columns.setdefault(group, {})[name] = ColumnFile(descriptor, place, hashed=hashed)
         self.write(LIFE_CURVE.name, 0, life_curve(pulse.shape))
 
@@ -145,16 +171,27 @@ class Part:
                 sink.write(group, first, dict(zip(files, panels, strict=True)))
                 first += len(panels[0])
 
-    def completion(self, summary: Mapping[str, Scalar], finished: str) -> Overlay:
+    def completion(self, summary: Mapping[str, Scalar], finished: str) -> Ending:
         """Return the file with hashes, summary and the time of the end filled in, of which nothing is written yet.
 
         Raises RubnoiseError where rows are missing.
         """
         digests = self.digests()
-        changed = Overlay(self.descriptor)
-        with h5py.File(changed, "r+", libver=LIBRARY_VERSIONS) as file:
-            complete(file, digests, summary, finished)
-        return changed
+        try:
+            with h5py.File(self._structure, "r+", libver=LIBRARY_VERSIONS) as file:
+                complete(file, digests, summary, finished)
+        except (OSError, RuntimeError, LookupError, ValueError) as problem:  # of one that was not made here
+            raise RubnoiseError(f"HDF5 fails on the structure of the part: {problem}") from problem
+        size = self._structure.size
+        return Ending(tuple(self._structure.pieces(between(self._places.values(), size))), size)
+
+    def check(self, ending: Ending) -> None:
+        """Read the whole file once; raises NotAsWritten unless it has an ending, and every row that was written."""
+        if not ending.is_in(self.descriptor):
+            raise disk.NotAsWritten("its structure")
+        for (group, name), column in self.columns():
+            if column.stored_digest() != column.digest():
+                raise disk.NotAsWritten(f"/{group}/{name}")
 
     def digests(self) -> dict[Name, str]:
         """Return the hash of every column; raises RubnoiseError where rows are missing."""

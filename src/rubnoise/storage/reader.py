@@ -23,7 +23,9 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
-from rubnoise.storage.layout import row_count
+from rubnoise.storage import disk
+from rubnoise.storage.layout import Name, row_count
+from rubnoise.storage.place import DTYPES, Place, places_of
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
@@ -33,7 +35,6 @@ if TYPE_CHECKING:
     from rubnoise.storage.written import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
-DTYPES: Final = {(group.name, column.name): np.dtype(column.dtype) for group in GROUPS for column in group.columns}
 
 
 class TooNew(RunFileRefused):
@@ -57,7 +58,7 @@ class RunFile:
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
         """Take over the descriptor of a file, and what a survey found in it."""
         self.path = Path(path)
-        self._descriptor = descriptor
+        self.descriptor = descriptor
         self._found = found
         self.features: frozenset[Feature] = frozenset(found["features"])
         self._columns = {group: _stored(group, columns) for group, columns in found["columns"].items()}
@@ -91,6 +92,16 @@ class RunFile:
         """Whether the file was closed."""
         return not self._close.alive
 
+    @property
+    def places(self) -> dict[Name, Place]:
+        """Where the columns lie; those that are compressed have no place of their own."""
+        return places_of(self._found)
+
+    @property
+    def structure(self) -> str:
+        """A hash of all that is no row, where the file was opened strictly and is not compressed; else empty."""
+        return str(self._found.get("structure", ""))
+
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
         return next(iter(self._columns[group].values())).rows
@@ -103,7 +114,7 @@ class RunFile:
         column = self._columns[group][name]
         first, last, _ = slice(start, stop).indices(column.rows)
         with self._reading():
-            return column.read(self._descriptor, first, max(first, last))
+            return column.read(self.descriptor, first, max(first, last))
 
     @property
     def attributes(self) -> dict[str, Scalar]:
@@ -128,7 +139,7 @@ class RunFile:
     def inventory(self) -> "Inventory":
         """Return everything that there is in the file, ours or not; raises RunFileRefused where that cannot be told."""
         with self._reading():
-            return looked_at(self._descriptor, "inventory")["objects"]
+            return looked_at(self.descriptor, "inventory")["objects"]
 
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that are unreadable or do not have the hash written beside them; reads the whole file."""
@@ -138,6 +149,10 @@ class RunFile:
             for name in columns
             if not self._is_intact(group, name)
         )
+
+    def digest(self, group: str, name: str) -> str:
+        """Return the hash that is written beside a column; raises RunFileRefused where it cannot be read."""
+        return str(self._value(self._found["columns"][group][name]["digest"]))
 
     @contextmanager
     def _reading(self) -> Iterator[None]:
@@ -155,7 +170,7 @@ class RunFile:
 
     def _is_intact(self, group: str, name: str) -> bool:
         try:
-            return self._hash(group, name) == self._value(self._found["columns"][group][name]["digest"])
+            return self._hash(group, name) == self.digest(group, name)
         except RunFileRefused:
             return False
 
@@ -166,14 +181,15 @@ class RunFile:
         return digest.hexdigest()
 
 
-def open_run(path: str | os.PathLike[str], own: "Written | None" = None) -> RunFile:
+def open_run(path: str | os.PathLike[str], own: "Written | None" = None, *, strict: bool = False) -> RunFile:
     """Open a run file for reading, whoever made it.
 
-    ``own`` tells which file this process has written a moment ago: one that needs no caution. Raises RunFileRefused,
-    with the reason in one sentence, for a path that is missing or no regular file, a file that is not HDF5, not a run,
-    cut short or damaged; TooNew for one of a later format.
+    ``own`` tells which file this process has written a moment ago: one that needs no caution. With ``strict`` its
+    whole structure is read, and has to be what the program makes of what the file says of itself (see inspection).
+    Raises RunFileRefused, with the reason in one sentence, for a path that is missing or no regular file, a file that
+    is not HDF5, not a run, cut short or damaged; TooNew for one of a later format.
     """
-    descriptor, found = examined(path, own)
+    descriptor, found = examined(path, own, strict=strict)
     try:
         with refusing(path):
             _check_run(found)
@@ -188,14 +204,16 @@ def _check_run(found: Mapping[str, Any]) -> None:
         raise RunFileRefused("is the index of a sweep, not the result of a run")
 
 
-def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
+def examined(
+    path: str | os.PathLike[str], own: "Written | None" = None, *, strict: bool = False
+) -> tuple[int, dict[str, Any]]:
     """Return a descriptor of a file, locked for reading, and what a survey found in it; refused as by `open_run`."""
     with refusing(path):
         descriptor = open_regular(path)
         try:
             _check_signature(descriptor, path)
             _share(descriptor)
-            return descriptor, _surveyed(descriptor, own)
+            return descriptor, _surveyed(descriptor, own, strict=strict)
         except BaseException:
             os.close(descriptor)
             raise
@@ -215,7 +233,7 @@ def refusing(path: str | os.PathLike[str]) -> Iterator[None]:
 def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
     """Look before a child process is made: most wrong files show in their first bytes."""
     try:
-        found = os.pread(descriptor, len(SIGNATURE), 0)
+        found = disk.read(descriptor, len(SIGNATURE), 0)
     except BlockingIOError as problem:
         raise NotRegular(path) from problem
     if found == SIGNATURE:
@@ -239,12 +257,12 @@ def _share(descriptor: int) -> None:
         return  # where a file system has no locks, nobody else has one either
 
 
-def _surveyed(descriptor: int, own: "Written | None") -> dict[str, Any]:
+def _surveyed(descriptor: int, own: "Written | None", *, strict: bool) -> dict[str, Any]:
     """Return what a child process found in the file (see survey); raises RunFileRefused where it is not sound."""
     known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
     if known is not None and known.found is not None:
         return dict(known.found)
-    found = looked_at(descriptor, "survey", own=known is not None)
+    found = looked_at(descriptor, "inspection" if strict else "survey", own=known is not None)
     if "too_new" in found:
         version, source = found["too_new"], found["source"]
         raise TooNew(
@@ -279,7 +297,7 @@ def _answer(descriptor: int, look: "LookName", *, own: bool) -> bytes:
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:
     return {
         name: StoredColumn(
-            dtype=DTYPES[group, name],
+            dtype=np.dtype(DTYPES[group, name]),
             rows=place["rows"],
             offset=place.get("offset", 0),
             chunk_rows=place.get("chunk_rows", 0),

@@ -1,20 +1,21 @@
 """A part file taken up again: what of it is good, and from which state it goes on."""
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Self
 
-from rubnoise.errors import OutputRefused, RunFileRefused
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
-from rubnoise.storage.ending import carry_out
+from rubnoise.storage.described import described
+from rubnoise.storage.ending import Ending
 from rubnoise.storage.history import History, identity, state_at
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, give_final_name, reserve, sole_writer
 from rubnoise.storage.part import Part, open_part
-from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.unfinished import described
+from rubnoise.storage.reader import RunFile, open_run, refusing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,9 +38,9 @@ class TakenUp:
         """
         with mended(paths) as run:
             description = described(run)
-        history = _history(paths, description)
-        part = opening.enter_context(open_part(paths.part))
-        reserve(part.descriptor, paths.part.stat().st_size)
+            part = opening.enter_context(open_part(paths.part, run))
+        history = _history(paths, description, part)
+        reserve(part.descriptor, os.fstat(part.descriptor).st_size)
         commit = part.go_on_from(history.commits)
         return cls(
             part=part,
@@ -49,27 +50,35 @@ class TakenUp:
         )
 
 
-def settle(paths: OutputPaths, *, force: bool) -> bool:
+def settle(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool) -> bool:
     """Finish what needs no more rows; return whether there was nothing else to do. The lock must be held.
 
     That is a part that got its final name already, beside which it and its journal were left over, and one that is
-    whole and only lacks the name. Raises RunFileRefused for a part that cannot be read, OutputRefused where a file of
-    another run bears the name.
+    whole and only lacks the name, which it gets when ``check``, too, finds nothing wrong. Raises RunFileRefused for a
+    part that cannot be read or whose structure is damaged, OutputRefused where a file of another run bears the name.
     """
     with mended(paths) as run:
-        description, whole = described(run), bool(run.provenance["finished"]) and not run.damaged()
-    if paths.final.exists() and _is_result_of(paths, description):
-        disk.remove(paths.journal)
-        disk.remove(paths.part)
-    elif paths.final.exists() and not force:
-        raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
-    elif whole:
+        description = described(run)
+        if paths.final.exists() and _is_result_of(paths, description):
+            disk.remove(paths.journal)
+            disk.remove(paths.part)
+        elif paths.final.exists() and not force:
+            raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
+        elif run.provenance["finished"] and not run.damaged():
+            check(run)
+            _publish(paths, run, force=force)
+        else:
+            return False
+    return True
+
+
+def _publish(paths: OutputPaths, run: RunFile, *, force: bool) -> None:
+    try:
         _sync(paths)
         disk.remove(paths.journal)
-        give_final_name(paths, force=force)
-    else:
-        return False
-    return True
+        give_final_name(paths, run.descriptor, force=force)
+    except OSError as problem:
+        raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
 
 
 def examined(paths: OutputPaths) -> RunDescription:
@@ -83,15 +92,18 @@ def examined(paths: OutputPaths) -> RunDescription:
 
 @contextmanager
 def mended(paths: OutputPaths) -> Iterator[RunFile]:
-    """Open a part file, its last changes carried out where a kill came between them."""
+    """Open a part file, its last changes carried out where a kill came between them.
+
+    Raises RunFileRefused for one that cannot be read, or whose structure is not that of a part.
+    """
     history = History.read(paths.journal)
     if history.ending is not None:
         _mend(paths, history.run, history.ending)
-    with open_run(paths.part) as run:
+    with open_run(paths.part, strict=True) as run:
         yield run
 
 
-def _mend(paths: OutputPaths, run: str | None, ending: bytes) -> None:
+def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
     """Carry out the last changes, unless the part is seen to be of another run than the journal."""
     try:
         with open_run(paths.part) as found:
@@ -100,23 +112,30 @@ def _mend(paths: OutputPaths, run: str | None, ending: bytes) -> None:
         of_another = False
     if of_another:
         raise RunFileRefused(f"{paths.journal}: is of another run than the part file beside it (--force starts over)")
-    part = disk.reopen(paths.part)
-    try:
-        carry_out(part, ending)
-    finally:
-        disk.close(part)
+    with refusing(paths.part):
+        part = disk.reopen(paths.part)
+        try:
+            ending.carry_out(part)
+            disk.sync(part)
+        finally:
+            disk.close(part)
 
 
-def _history(paths: OutputPaths, description: RunDescription) -> History:
-    """Return what the journal tells of this run; nothing where it is of another one."""
+def _history(paths: OutputPaths, description: RunDescription, part: Part) -> History:
+    """Return what the journal tells of this run; nothing where it is of another one, or of other columns."""
     history = History.read(paths.journal)
-    return history if history.run == identity(description) else History()
+    is_of_this = history.run == identity(description) and list(history.columns) == part.names
+    return history if is_of_this else History()
 
 
 def _is_result_of(paths: OutputPaths, description: RunDescription) -> bool:
+    """Whether the final name is that of the part, or of a whole result of the same run."""
+    if paths.final.samefile(paths.part):
+        return True
     try:
         with open_run(paths.final) as run:
-            return bool(run.provenance["finished"]) and identity(described(run)) == identity(description)
+            is_of_it = bool(run.provenance["finished"]) and identity(described(run)) == identity(description)
+            return is_of_it and not run.damaged()
     except RunFileRefused:
         return False
 

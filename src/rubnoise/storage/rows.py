@@ -1,6 +1,5 @@
 """Rows of a stored column, read with plain reads from where a survey found them; HDF5 is not open."""
 
-import os
 import zlib
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -9,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage import disk
 
 Bytes = NDArray[np.uint8]
-LARGEST_READ: Final = 1 << 30
 REMEDY: Final = "copy it again, or run its scenario again"
 SHUFFLE_SKIPPED: Final = 1
 DEFLATE_SKIPPED: Final = 2
@@ -78,9 +77,5 @@ def _inflated(stored: Bytes, size: int) -> Bytes:
 
 def _fill(target: Bytes, descriptor: int, offset: int) -> None:
     """Fill an array with bytes of a file; raises RunFileRefused where it ends before."""
-    place = 0
-    while place < target.size:
-        count = os.preadv(descriptor, [target[place : place + LARGEST_READ].data], offset + place)
-        if not count:
-            raise RunFileRefused(f"cut short; {REMEDY}")
-        place += count
+    if disk.read_into(descriptor, target.data, offset) < target.size:
+        raise RunFileRefused(f"cut short; {REMEDY}")

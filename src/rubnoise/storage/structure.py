@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import Shape
 from rubnoise.storage.layout import Name, RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.place import Place
 from rubnoise.storage.provenance import Provenance, package_version
 from rubnoise.storage.pulse import pulse_of
 from rubnoise.storage.schema import (
@@ -19,7 +19,6 @@ from rubnoise.storage.schema import (
     CONVENTIONS,
     FORMAT,
     FORMAT_VERSION,
-    GROUPS,
     HASH,
     HASH_DIGITS,
     JUNCTION_AREA_FORMULAS,
@@ -32,15 +31,8 @@ from rubnoise.storage.seal import read_provenance, read_root, seal_of
 
 LIBRARY_VERSIONS = ("v110", "v110")
 GZIP_LEVEL = 4
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """Where the bytes of a contiguous column lie in its file; without rows they lie nowhere and the offset is 0."""
-
-    offset: int
-    rows: int
-    dtype: str
+ATTRIBUTES_IN_HEADER = 1 << 15
+"""More than any group has."""
 
 
 def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -> dict[Name, Place]:
@@ -56,11 +48,10 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
         rows = row_count(group, description.extent)
         for column, dataset in _compose_group(file, group, description.features, rows, compressed=compressed):
             places[group.name, column.name] = _place(dataset, column)
-    summary = file.create_group("summary", track_order=True)
-    put_text(summary, "NX_class", "NXcollection")
-    provenance = file.create_group("provenance")
+    _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
+    provenance = _create_notes(file, "provenance")
     for name, value in ({"NX_class": "NXcollection"} | provenance_attributes(description)).items():
-        _put(provenance.id, name, value)
+        _put(provenance, name, value)
     return places
 
 
@@ -74,24 +65,13 @@ def complete(
     owners = {group: h5py.h5g.open(file.id, group.encode()) for group, _ in digests}
     for (group, column), digest in digests.items():
         h5py.h5a.open(h5py.h5d.open(owners[group], column.encode()), HASH.encode()).write(*_text(digest))
+    _clear(h5py.h5g.open(file.id, b"summary"))
     for owner, values in (("summary", summary), ("provenance", {"finished": finished})):
         group = h5py.h5g.open(file.id, owner.encode())
         for name, value in values.items():
             _replace(group, name, value)
     seal = seal_of(read_root(file), dict(summary), read_provenance(file))
     _replace(h5py.h5g.open(file.id, b"provenance"), HASH, seal)
-
-
-def places(file: h5py.File) -> dict[Name, Place]:
-    """Return where every contiguous column of a file lies."""
-    return {
-        (group.name, column.name): _place(h5py.h5d.open(owner.id, column.name.encode()), column)
-        for group in GROUPS
-        if (owner := file.get(group.name)) is not None
-        for names in [set(owner)]
-        for column in group.columns
-        if column.name in names
-    }
 
 
 def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
@@ -140,6 +120,19 @@ def _create_group(file: h5py.File, name: str) -> h5py.h5g.GroupID:
     creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
     creation.set_obj_track_times(False)
     creation.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+    return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
+
+
+def _create_notes(file: h5py.File, name: str) -> h5py.h5g.GroupID:
+    """Create a group of attributes that remembers their order, and keeps all of them in its header.
+
+    HDF5 has checksums of headers, and none of a text of more than a page kept elsewhere, as it does by default.
+    Only what makes a header longer than 64 kB is kept elsewhere all the same.
+    """
+    creation = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    creation.set_obj_track_times(False)
+    creation.set_attr_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+    creation.set_attr_phase_change(ATTRIBUTES_IN_HEADER, 0)
     return h5py.h5g.create(file.id, name.encode(), gcpl=creation)
 
 
@@ -211,6 +204,15 @@ def text_bytes(text: str) -> bytes:
 def _put(owner: h5py.h5g.GroupID, name: str, value: Scalar | tuple[str, ...]) -> None:
     """Write a new attribute; by HDF5's own calls, as h5py's take longer than a short run."""
     _create(owner, name.encode(), *_stored(value))
+
+
+def _clear(notes: h5py.h5g.GroupID) -> None:
+    """Remove the figures that an earlier end has left in a summary."""
+    names: list[bytes] = []
+    h5py.h5a.iterate(notes, names.append)
+    for name in names:
+        if name != b"NX_class":
+            h5py.h5a.delete(notes, name)
 
 
 def _replace(owner: h5py.h5g.GroupID, name: str, value: Scalar) -> None:

@@ -32,15 +32,21 @@ from rubnoise.storage.soundness import (
 
 def survey(descriptor: int) -> bytes:
     """Return, as JSON, where the columns of an open file lie and what its attributes say, or why it is refused."""
+    return surveying(descriptor, lambda file, _: found_in(file, os.fstat(descriptor).st_size))
+
+
+def surveying(descriptor: int, find: Callable[[h5py.File, int], dict[str, Any]]) -> bytes:
+    """Return, as JSON, what is found in an open file by HDF5 and its descriptor, or why it is refused."""
     try:
         with h5py.File(Overlay(descriptor), "r") as file:
-            found = _found(file, os.fstat(descriptor).st_size)
-    except (RunFileRefused, OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as problem:
+            found = find(file, descriptor)
+    except (RunFileRefused, OSError, RuntimeError, LookupError, ValueError, TypeError, MemoryError) as problem:
         found = {"refused": _reason(problem)}
     return json.dumps(found, ensure_ascii=False).encode("utf-8", "backslashreplace")
 
 
-def _found(file: h5py.File, size: int) -> dict[str, Any]:
+def found_in(file: h5py.File, size: int) -> dict[str, Any]:
+    """Return what there is in a file of so many bytes; raises RunFileRefused and whatever HDF5 raises."""
     if _format(file) == index.FORMAT:
         return found_in_index(file, size)
     version = _version(file)

@@ -7,11 +7,11 @@ from typing import Literal
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
+from rubnoise.storage.described import described
 from rubnoise.storage.history import History
 from rubnoise.storage.output import OutputInUse, OutputPaths, sole_writer
 from rubnoise.storage.reader import InUse, TooNew, Unseen
 from rubnoise.storage.resuming import mended
-from rubnoise.storage.unfinished import described
 
 
 def settle(paths: Iterable[Path]) -> dict[Path, OSError]:
@@ -38,7 +38,7 @@ def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) 
     stays as it is.
     """
     paths = OutputPaths.of(path)
-    if kind != "torn" and not (paths.part.exists() or paths.journal.exists()):
+    if kind != "torn" and not any(each.exists() for each in (paths.part, paths.journal, paths.making, paths.lock)):
         return
     with suppress(OutputInUse), sole_writer(paths):
         if kind == "torn":
@@ -46,6 +46,7 @@ def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) 
         if kind == "whole" or not paths.part.exists() or _is_lost(paths):
             disk.remove(paths.part)
             disk.remove(paths.journal)
+        disk.remove(paths.making)
 
 
 def is_of_torn(refusal: RunFileRefused) -> bool:

@@ -1,20 +1,18 @@
 """A run that did not finish, as its part file and the journal beside it tell of it."""
 
-import json
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final
 
 from rubnoise.errors import Refused, RunFileRefused, resume_hint
-from rubnoise.record.sink import Extent
+from rubnoise.storage.described import described
 from rubnoise.storage.history import History, identity
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, is_being_written
-from rubnoise.storage.provenance import TIME, Provenance
-from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.provenance import TIME
+from rubnoise.storage.reader import open_run
 
 SUFFIX: Final = ".part"
 
@@ -37,7 +35,7 @@ class Unfinished:
     @property
     def share(self) -> float:
         """How much of the run's ticks is done, from 0 to 1."""
-        return self.ticks / self.description.extent.ticks
+        return self.ticks / max(self.description.extent.ticks, 1)
 
 
 def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
@@ -83,42 +81,7 @@ def _history(journal: Path) -> History:
         raise RunFileRefused(f"{journal}: {(problem.strerror or str(problem)).lower()}") from problem
 
 
-def described(run: RunFile) -> RunDescription:
-    """Return the description from which a run file was made; raises RunFileRefused where it cannot be told."""
-    about, origin = run.attributes, run.provenance
-    try:
-        scenario = json.loads(str(origin["scenario_resolved"]))
-        return RunDescription(
-            title=str(about["title"]),
-            extent=Extent(junctions=run.extent.junctions, ticks=run.extent.ticks, blocks=run.extent.blocks),
-            features=run.features,
-            compression=_compression(scenario),
-            scenario_toml=str(origin["scenario_toml"]),
-            scenario_resolved=scenario,
-            provenance=_provenance(origin),
-        )
-    except (ValueError, TypeError, RecursionError) as problem:
-        raise RunFileRefused(f"{run.path}: what it says of its run cannot be read") from problem
-
-
 def refusal(path: str | os.PathLike[str]) -> Refused:
     """Return what to raise where a whole result is wanted and the run did not finish."""
     hint = f"; {resume_hint(str(path))} with it" if Path(path).suffix == SUFFIX else ""
     return RunFileRefused(f"{path}: unfinished{hint}")
-
-
-def _compression(scenario: Mapping[str, Any]) -> Literal["none", "gzip"]:
-    return "gzip" if scenario.get("output", {}).get("compression") == "gzip" else "none"
-
-
-def _provenance(origin: Mapping[str, Any]) -> Provenance:
-    return Provenance(
-        software=json.loads(origin["software"]),
-        environment=json.loads(origin["environment"]),
-        seed=int(origin["seed"]),
-        stream_version=int(origin["stream_version"]),
-        calibrated_diameter=float(origin["calibrated_diameter"]),
-        propagator_constants=json.loads(origin["propagator_constants"]),
-        command=origin["command"],
-        started=origin["started"],
-    )

@@ -18,6 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final, NoReturn
 
+from rubnoise.storage import disk
 from rubnoise.storage.rows import REMEDY
 
 MEMORY_BYTES: Final = 256 * 1024**2
@@ -65,9 +66,7 @@ def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
         _let_go_but(descriptor, sending)
         _be_quiet()
         _be_small()
-        answer = memoryview(look(descriptor))
-        while answer:
-            answer = answer[os.write(sending, answer) :]
+        disk.append_all(sending, memoryview(look(descriptor)))
         code = 0
     finally:
         os._exit(code)

@@ -7,7 +7,14 @@ from pathlib import Path
 
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
-from rubnoise.storage.output import OutputAppearedError, check_output, give_final_name, sole_writer
+from rubnoise.storage.output import (
+    OutputAppearedError,
+    OutputPaths,
+    OutputSwappedError,
+    check_output,
+    give_final_name,
+    sole_writer,
+)
 
 
 @contextmanager
@@ -20,22 +27,34 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     paths = check_output(path, force=force)
     with sole_writer(paths):
         check_output(path, force=force)
-        try:
+        with _telling(paths), _new(paths.part) as descriptor:
             yield paths.part
-            _settle(paths.part)
-            give_final_name(paths, force=force)
-        except OutputAppearedError:
-            raise
-        except BaseException as problem:
-            disk.remove(paths.part)
-            if isinstance(problem, OSError):
-                raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
-            raise
+            disk.sync(descriptor)
+            give_final_name(paths, descriptor, force=force)
 
 
-def _settle(part: Path) -> None:
-    descriptor = os.open(part, os.O_RDONLY | os.O_CLOEXEC)
+@contextmanager
+def _new(part: Path) -> Iterator[int]:
+    """Make a file anew that others may write by its name; it goes where it does not get another name."""
+    disk.remove(part)
+    descriptor = disk.create(part)
     try:
-        disk.sync(descriptor)
+        yield descriptor
+    except (OutputAppearedError, OutputSwappedError):
+        raise
+    except BaseException:
+        disk.remove(part)
+        raise
     finally:
-        os.close(descriptor)
+        disk.close(descriptor)
+
+
+@contextmanager
+def _telling(paths: OutputPaths) -> Iterator[None]:
+    """Say of a disk that fails which file it is about."""
+    try:
+        yield
+    except OSError as problem:
+        raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
+    except disk.NotAsWritten as problem:
+        raise RubnoiseError(f"{paths.final}: writing failed: {problem}") from problem

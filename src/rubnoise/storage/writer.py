@@ -12,12 +12,18 @@ from rubnoise.record.sink import Columns, Sink
 from rubnoise.record.tally import WATCHED
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
-from rubnoise.storage.compress import compress_part
-from rubnoise.storage.ending import packed_ending
+from rubnoise.storage.compress import compressed
 from rubnoise.storage.history import packed_commit, packed_run
 from rubnoise.storage.journal import Journal
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import OutputAppearedError, OutputPaths, check_output, give_final_name, sole_writer
+from rubnoise.storage.output import (
+    OutputAppearedError,
+    OutputPaths,
+    check_output,
+    give_final_name,
+    is_file,
+    sole_writer,
+)
 from rubnoise.storage.part import Part, make_part
 from rubnoise.storage.provenance import now
 from rubnoise.storage.resuming import TakenUp
@@ -114,9 +120,9 @@ class RunWriter:
             if self._journal.begun and self.state is not None:
                 self._commit(self.state)
             finished, durable = now(), self._durable or self._journal.begun
-            self._complete(summary, finished, between, durable=durable)
-            self._name(durable=durable)
-            self.written = self._written(summary, finished)
+            with self._completed(summary, finished, between, durable=durable) as checked:
+                self._name(checked, durable=durable)
+                self.written = self._written(os.fstat(checked), summary, finished)
 
     def _begin(self, description: RunDescription, opening: ExitStack) -> None:
         """Make a new part; a journal of before goes first, for good, so that it never lies beside this part."""
@@ -124,6 +130,7 @@ class RunWriter:
             disk.remove(self._paths.journal)
             disk.sync_folder(self._paths.journal.parent)
         part = _make_part(self._paths, description, hashed=self._safe, durable=self._durable)
+        self._own = os.fstat(part.descriptor)
         opening.callback(self._discard)
         self._part = opening.enter_context(part)
         self._keep_journal(description, opening)
@@ -131,6 +138,7 @@ class RunWriter:
     def _take_up(self, opening: ExitStack) -> None:
         taken = TakenUp.of(self._paths, opening)
         self._part, self.state = taken.part, taken.state
+        self._own = os.fstat(taken.part.descriptor)
         self._keep_journal(taken.description, opening, taken.journal_bytes)
 
     def _keep_journal(self, description: RunDescription, opening: ExitStack, size: int = 0) -> None:
@@ -147,30 +155,39 @@ class RunWriter:
         self._keep_part = True
         self._committed_at = monotonic()
 
-    def _complete(
+    @contextmanager
+    def _completed(
         self, summary: Mapping[str, Scalar], finished: str, between: Callable[[], None], *, durable: bool
-    ) -> None:
+    ) -> Iterator[int]:
+        """Yield the whole part, open, when it has been read back and found to be what was written."""
         if self.description.compression == "gzip":
-            compress_part(self._part, self._paths, self.description, summary, finished, between)
+            with compressed(self._part, self._paths.making, self.description, summary, finished, between) as descriptor:
+                self._own = os.fstat(descriptor)
+                disk.rename(self._paths.making, self._paths.part)
+                # Before the journal goes: without it the raw part, were it still there, would begin at its start.
+                disk.sync_folder(self._paths.part.parent)
+                yield descriptor
             return
-        changed = self._part.completion(summary, finished)
+        ending, descriptor = self._part.completion(summary, finished), self._part.descriptor
         if self._safe:
-            self._journal.append("end", packed_ending(changed), durable=durable)
-        changed.commit(self._part.descriptor)
-        (disk.sync if durable else disk.begin_sync)(self._part.descriptor)
+            self._journal.append("end", ending.packed(), durable=durable)
+        ending.carry_out(descriptor)
+        (disk.sync if durable else disk.begin_sync)(descriptor)
+        if self._safe:
+            self._part.check(ending)
+        yield descriptor
 
-    def _written(self, summary: Mapping[str, Scalar], finished: str) -> Written:
-        file = self._paths.final.stat()
+    def _written(self, file: os.stat_result, summary: Mapping[str, Scalar], finished: str) -> Written:
         if self.description.compression == "gzip" or not self._safe:
             return Written(file)
         return Written.of(file, self.description, self._part.columns(), summary, finished)
 
-    def _name(self, *, durable: bool) -> None:
+    def _name(self, checked: int, *, durable: bool) -> None:
         # The part is whole and needs its journal no more; one that went last would be left over by a kill.
         self._journal.close()
         disk.remove(self._paths.journal)
         try:
-            give_final_name(self._paths, force=self._force, durable=durable)
+            give_final_name(self._paths, checked, force=self._force, durable=durable)
         except OutputAppearedError:
             self._keep_part = True
             raise
@@ -188,9 +205,11 @@ class RunWriter:
             stopped.kept = f"{self._path}{SUFFIX}"
 
     def _discard(self) -> None:
+        """Remove what is left, but no file of others that bears the name of the part."""
         if not self._keep_part:
             disk.remove(self._paths.journal)
-            disk.remove(self._paths.part)
+            if is_file(self._paths.part, self._own):
+                disk.remove(self._paths.part)
 
     @contextmanager
     def _telling(self) -> Iterator[None]:
@@ -198,10 +217,15 @@ class RunWriter:
         try:
             yield
         except OSError as problem:
-            text = f"{self._paths.final}: writing failed: {problem.strerror or problem}"
-            if self._keep_part:
-                text += f"; when that is mended, {resume_hint(f'{self._path}{SUFFIX}')}"
-            raise RubnoiseError(text) from problem
+            raise RubnoiseError(self._failed(problem.strerror or str(problem))) from problem
+        except disk.NotAsWritten as problem:
+            raise RubnoiseError(self._failed(str(problem))) from problem
+
+    def _failed(self, reason: str) -> str:
+        text = f"{self._paths.final}: writing failed: {reason}"
+        if self._keep_part:
+            text += f"; when that is mended, {resume_hint(f'{self._path}{SUFFIX}')}"
+        return text
 
 
 def _make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool, durable: bool) -> Part:

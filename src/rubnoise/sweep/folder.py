@@ -1,11 +1,10 @@
 """The folder of a sweep: which file is what, who may write there, and what is known of its runs."""
 
-import fcntl
 import json
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Self
@@ -14,6 +13,7 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario.points import Case, Point, run_id
 from rubnoise.scenario.sweep import Sweep
+from rubnoise.storage import lock
 from rubnoise.storage.whole import whole_file
 from rubnoise.sweep.identity import FORMAT, FORMAT_VERSION, difference, identity, manifest_text
 from rubnoise.sweep.journal import Entry, Stamp, entries
@@ -109,7 +109,7 @@ class SweepFolder:
 
     def is_at_work(self) -> bool:
         """Whether a process carries out the sweep, or a shard of it, just now; nothing is created."""
-        return any(map(_is_held, [self.root / ".sweep.lock", *self.root.glob(".shard-*.lock")]))
+        return any(map(lock.is_held, [self.root / ".sweep.lock", *self.root.glob(".shard-*.lock")]))
 
     def claim(self, sweep: Sweep) -> None:
         """Make the folder that of a sweep, or see that it is; raises OutputRefused with the difference."""
@@ -173,7 +173,7 @@ class SweepFolder:
     @contextmanager
     def alone_at(self, what: str) -> Iterator[None]:
         """Hold one file of the folder, when whoever holds it now is done with it."""
-        with _locked(self.root / f".{what}.lock", shared=False, wait=True):
+        with _locked(self.root / f".{what}.lock", patience=None):
             yield
 
     @contextmanager
@@ -188,53 +188,18 @@ class SweepFolder:
                 if shard is None:
                     yield
                 else:
-                    with _locked(self.root / f".shard-{shard.number}-of-{shard.count}.lock", shared=False):
+                    with _locked(self.root / f".shard-{shard.number}-of-{shard.count}.lock"):
                         yield
-        except _Busy as busy:
+        except lock.Held as busy:
             raise OutputRefused(f"{self.root}: another process is at work on this sweep") from busy
 
 
-class _Busy(Exception):  # noqa: N818  (no failure: somebody is there)
-    """Somebody holds the lock."""
-
-
 @contextmanager
-def _locked(path: Path, *, shared: bool, wait: bool = False) -> Iterator[None]:
-    """Hold a lock that goes with its process; its file stays, since others may be waiting with it open."""
-    descriptor = _opened(path)
-    try:
-        _lock(descriptor, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | (0 if wait else fcntl.LOCK_NB), path)
+def _locked(path: Path, *, shared: bool = False, patience: float | None = lock.PATIENCE_SECONDS) -> Iterator[None]:
+    """Hold a lock of the folder; raises lock.Held, and OutputRefused where there can be none."""
+    with ExitStack() as held:
+        try:
+            held.enter_context(lock.holding(path, shared=shared, patience=patience))
+        except OSError as problem:
+            raise OutputRefused(f"{path.parent}: cannot be locked: {problem.strerror}") from problem
         yield
-    finally:
-        os.close(descriptor)
-
-
-def _is_held(path: Path) -> bool:
-    """Whether a process holds a lock alone."""
-    try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError as problem:
-        return isinstance(problem, BlockingIOError)  # where a file system has no locks, nobody has one
-    finally:
-        os.close(descriptor)
-    return False
-
-
-def _opened(path: Path) -> int:
-    try:
-        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
-    except OSError as problem:
-        raise OutputRefused(f"{path.parent}: cannot be written: {problem.strerror}") from problem
-
-
-def _lock(descriptor: int, how: int, path: Path) -> None:
-    try:
-        fcntl.flock(descriptor, how)
-    except BlockingIOError as problem:
-        raise _Busy from problem
-    except OSError as problem:
-        raise OutputRefused(f"{path}: cannot be locked: {problem.strerror}") from problem

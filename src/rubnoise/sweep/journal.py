@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused
 from rubnoise.regular_file import open_stream
+from rubnoise.storage import disk
 from rubnoise.sweep.rows import Row
 
 SYNC_EVERY: Final = 1.0
@@ -59,7 +60,7 @@ class Journal:
         self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         self._synced = time.monotonic()
         size = os.fstat(self._descriptor).st_size
-        if size and os.pread(self._descriptor, 1, size - 1) != b"\n":
+        if size and disk.read(self._descriptor, 1, size - 1) != b"\n":
             self._write(b"\n")
 
     def __enter__(self) -> Self:
@@ -83,8 +84,7 @@ class Journal:
         self._synced = time.monotonic()
 
     def _write(self, line: bytes) -> None:
-        while line:
-            line = line[os.write(self._descriptor, line) :]
+        disk.append_all(self._descriptor, memoryview(line))
 
 
 def entries(path: Path) -> Iterator[Entry]:
