@@ -127,8 +127,19 @@ def test_another_seed_is_another_run(contact: Any) -> None:
 
 
 def test_a_seed_may_come_from_an_array(contact: Any) -> None:
-    found, expected = (rubnoise.simulate(contact, seed=seed) for seed in (np.arange(8)[7], 7))
-    assert np.array_equal(found["junctions"]["diameter"], expected["junctions"]["diameter"])
+    expected = rubnoise.simulate(contact, seed=7)
+    for seed in (np.arange(8)[7], np.uint8(7), np.array(7)):
+        found = rubnoise.simulate(contact, seed=seed)
+        assert np.array_equal(found["junctions"]["diameter"], expected["junctions"]["diameter"])
+
+
+def test_a_junction_may_be_asked_for_by_the_numbers_of_numpy(contact: Any) -> None:
+    run = rubnoise.simulate(contact)
+    for number in (np.int64(3), np.uint8(3), np.array(3)):
+        assert run.junction(number) == run.junction(3)
+        assert type(run.junction(number).number) is int
+    with pytest.raises(TypeError, match="cannot be interpreted as an integer"):
+        run.junction(3.0)
 
 
 @pytest.mark.parametrize("seed", [-1, 2**53, 1.5, True, "7"])

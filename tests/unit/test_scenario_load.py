@@ -3,9 +3,12 @@
 import json
 import os
 import pickle
+from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Fixed, Normal
@@ -297,6 +300,66 @@ def test_python_may_give_numbers_in_working_units() -> None:
     assert scenario.model().tick_count == 200_000
     assert scenario.output.tick.exact == Fraction(1, 10)
     assert scenario.model().sizes == loads(WHOLE).model().sizes
+
+
+NUMBERS_OF_NUMPY = (np.float64, np.float32, np.float16, np.longdouble, np.int64, np.int32, np.uint8, np.array)
+
+
+@pytest.mark.parametrize("number", NUMBERS_OF_NUMPY, ids=lambda kind: kind.__name__)
+def test_python_may_give_the_numbers_of_numpy(number: Callable[[float], Any]) -> None:
+    def values(kind: Callable[[float], Any], whole: Callable[[int], Any], text: Callable[[str], Any]) -> dict[str, Any]:
+        return {
+            "format": whole(1),
+            "title": text("x"),
+            "interface": {"mean_real_contact_area": kind(200), "mean_junction_count": kind(20)},
+            "diameter": {"law": text("normal"), "spread": text("0.2 um")},
+            "sliding": {"distance": kind(100), "speed": text("1 mm/s")},
+            "strength": {"mean": kind(250)},
+            "slider": {"mass": kind(5), "stiffness": kind(200), "damping_ratio": kind(2)},
+            "run": {"seed": whole(7)},
+        }
+
+    scenario = build(values(number, np.uint16, np.str_))
+    assert scenario == build(values(float, int, str))
+    assert type(scenario.run.seed) is int
+    assert json.dumps(scenario.resolved()) == json.dumps(build(values(float, int, str)).resolved())
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (np.bool_(1), "not a boolean"),
+        (np.float64("nan"), "not a finite number"),
+        (np.float32("inf"), "not a finite number"),
+        (np.array([1.0]), "not a value of type ndarray"),
+        (np.complex128(1.0), "not a value of type complex"),
+        (np.datetime64("2020-01-01"), "not a date or time"),
+        (np.float64(-1.0), "must be above 0"),
+        (None, "not a value of type NoneType"),
+        (b"1 um", "not a value of type bytes"),
+        ({}, "not a table"),
+    ],
+    ids=str,
+)
+def test_what_is_no_number_is_called_what_it_is(value: object, told: str) -> None:
+    values = {"interface": {"mean_real_contact_area": 200, "mean_junction_count": 20}, "sliding": {"distance": value}}
+    with pytest.raises(ScenarioRefused, match=rf"^<python>: error: sliding\.distance: .*{told}"):
+        build(values)
+
+
+class Shown(float):
+    """A number that shows itself as no other."""
+
+    def __repr__(self) -> str:
+        return "a number"
+
+
+def test_a_number_may_show_itself_as_it_likes() -> None:
+    values = {
+        "interface": {"mean_real_contact_area": Shown(200), "mean_junction_count": Shown(20)},
+        "sliding": {"distance": Shown(100)},
+    }
+    assert build(values).interface.mean_real_contact_area.exact == 200
 
 
 @pytest.mark.parametrize("value", [True, float("nan"), None, [1.0], -1.0, 1e300])

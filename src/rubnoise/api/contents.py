@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from operator import index
 from typing import TYPE_CHECKING
 
 from rubnoise.api.columns import Columns
@@ -52,7 +53,7 @@ class Contents(ABC):
 
     def junction(self, number: int) -> Junction:
         """Return one junction by its row number, reading that row; raises IndexError where there is no such row."""
-        columns = self.junctions
+        columns, number = self.junctions, index(number)
         if not 0 <= number < len(columns):
             there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
             raise IndexError(f"junction {number}: the run has {there}")

@@ -4,10 +4,9 @@ import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import index
 from pathlib import Path
 from typing import cast
-
-import numpy as np
 
 from rubnoise.api.describing import describe
 from rubnoise.api.playing import play
@@ -89,11 +88,11 @@ def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
     """Return the scenario with another seed, so that what is kept of it says what was run."""
     if seed is None:
         return scenario
-    if not _is_seed(seed):
+    try:
+        # A fraction would be cut by the generator, and the file would name a seed that nobody can run again.
+        number = -1 if isinstance(seed, bool) else index(seed)
+    except TypeError:
+        number = -1
+    if not 0 <= number < SEED_LIMIT:
         raise ScenarioRefused(f"run.seed: {seed} is no whole number from 0 to {SEED_LIMIT - 1}")
-    return replace(scenario, run=scenario.run.model_copy(update={"seed": int(seed)}))
-
-
-def _is_seed(value: object) -> bool:
-    # A fraction would be cut by the generator, and the file would name a seed that nobody can run again.
-    return isinstance(value, int | np.integer) and not isinstance(value, bool) and 0 <= int(value) < SEED_LIMIT
+    return replace(scenario, run=scenario.run.model_copy(update={"seed": number}))

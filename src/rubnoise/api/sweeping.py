@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
+from operator import index
 from pathlib import Path
 from shlex import join
 from typing import Any, Final
@@ -103,9 +104,9 @@ def _workers(jobs: int | None, cluster: str | None, security: Any) -> Callable[[
         return partial(Cluster, cluster, security)
     if security is not None:
         raise Refused("security: is for a cluster, and none is named")
-    if jobs is not None and not 1 <= jobs <= MOST_JOBS:
+    if jobs is not None and not 1 <= index(jobs) <= MOST_JOBS:
         raise Refused(f"--jobs: {jobs} is no number of processes from 1 to {MOST_JOBS}")
-    return partial(Pool, jobs or processors())
+    return partial(Pool, processors() if jobs is None else index(jobs))
 
 
 def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Callable[[Point], Row]:

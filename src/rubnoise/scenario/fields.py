@@ -7,6 +7,7 @@ import re
 import unicodedata
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from datetime import date, datetime, time
 from difflib import get_close_matches
 from fractions import Fraction
 from math import isfinite
@@ -99,7 +100,8 @@ class Measure(Field):
             return None
         if reason := _no_double(value):
             raise Unfit(reason)
-        return Quantity(Fraction(repr(value)), self.kinds[0])
+        # By way of Python's own type: a subclass may show itself otherwise.
+        return Quantity(Fraction(repr(int(value) if isinstance(value, int) else float(value))), self.kinds[0])
 
     def _text(self, value: Any) -> Quantity:
         if not isinstance(value, str):
@@ -228,8 +230,16 @@ def _no_double(value: float) -> str:
 
 
 def _named(value: Any) -> str:
-    names: dict[type, str] = {bool: "a boolean", str: "a text", int: "a number", float: "a number", list: "a list"}
-    return names.get(type(value), "a table" if isinstance(value, dict) else "a date or time")
+    names: dict[type, str] = {
+        bool: "a boolean",
+        str: "a text",
+        int: "a number",
+        float: "a number",
+        list: "a list",
+        dict: "a table",
+        **dict.fromkeys((date, datetime, time), "a date or time"),
+    }
+    return names.get(type(value), f"a value of type {type(value).__name__}")
 
 
 def _unquoted_hint(value: Any) -> str:

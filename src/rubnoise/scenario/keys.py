@@ -93,9 +93,11 @@ def _explained(layers: Layers, path: Path, kind: str, error: Exception | None) -
         yield _unknown(layers, path)
     elif isinstance(error, Unfit):
         yield Problem(path=path, message=str(error), place=layers.value_place(path), hint=error.hint)
-    else:
+    elif kind.startswith(("model", "dict")):
         hint = f"a line [{path[0]}] with its keys below" if path else ""
         yield Problem(path=path, message="needs a table", place=layers.value_place(path), hint=hint)
+    else:
+        yield Problem(path=path, message=f"cannot be read: {error or kind}", place=layers.value_place(path))
 
 
 def _unknown(layers: Layers, path: Path) -> Problem:

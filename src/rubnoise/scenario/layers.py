@@ -4,8 +4,11 @@ import os
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path as FilePath
 from typing import Any, Self
+
+import numpy as np
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.regular_file import NotRegular, read_at_most
@@ -141,10 +144,10 @@ class Values(Source):
 
     values: Mapping[str, Any] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def data(self) -> dict[str, Any]:
-        """The values, in tables of their own."""
-        return _merged([self.values])
+        """The values, in tables of their own and as Python has them."""
+        return _plain(self.values)
 
     def value_place(self, path: Path) -> Place:  # noqa: ARG002  (one key or none)
         """Return the name alone."""
@@ -270,6 +273,16 @@ def _merged(layers: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     for layer in layers:
         _merge(merged, layer)
     return merged
+
+
+def _plain(value: Any) -> Any:
+    """Return tables in dicts of their own, and numbers and texts of numpy, alone or in an array of 0-d, as Python's."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, np.generic | np.ndarray) and value.ndim == 0:
+        item = value.item()
+        return float(item) if isinstance(item, np.floating) else item  # extended doubles, which Python lacks
+    return value
 
 
 def _merge(below: dict[str, Any], above: Mapping[str, Any]) -> None:
