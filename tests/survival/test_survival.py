@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from survival import cost, full, kills, power, signals, sweeps, writes
+from survival import cost, flips, full, kills, power, signals, sweeps, writes
 from survival.recording import Recording
 from survival.stories import SHORT, SMALL, Story
 
@@ -12,6 +12,7 @@ from rubnoise.storage import disk, resuming, writer
 from rubnoise.storage.history import History
 from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
+from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.sweep import found
 
@@ -95,6 +96,23 @@ def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest
     assert any("exists already" in finding for finding in sweeps.sweeps(60, seed=3, stories=(BARE,)).findings)
 
 
+def test_bits_that_turn_get_no_final_name() -> None:
+    outcome = flips.flips(24, seed=3, stories=(BARE, COMPRESSED))
+    assert outcome.findings == []
+    assert outcome.counts["published"] > 0 < outcome.counts["whole: exit code 2"]
+
+
+def test_a_gate_that_lets_all_pass_is_found_by_bits_that_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    def summary(path: Path) -> list[range]:
+        place = path.read_bytes().find(b"real_contact_area_mean")
+        return [range(max(place, 0), max(place, 0) + 100)]
+
+    monkeypatch.setattr(flips, "_metadata", summary)
+    monkeypatch.setattr("rubnoise.api.resuming._check", lambda _: None)
+    monkeypatch.setattr(resuming, "open_run", lambda path, strict=False: open_run(path))
+    assert any("published, and verify says 2" in finding for finding in flips.flips(9, 3, (BARE,)).findings)
+
+
 def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:
     outcome = full.full(2, seed=3, stories=(BARE,), every=61)
     assert outcome.findings == []
@@ -102,7 +120,7 @@ def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:
 
 
 def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    def removing(paths: OutputPaths, *, force: bool, durable: bool) -> None:
+    def removing(paths: OutputPaths, _checked: int, *, force: bool, durable: bool) -> None:
         disk.remove(paths.final)
         disk.rename(paths.part, paths.final)
 
