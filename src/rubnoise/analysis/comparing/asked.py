@@ -49,14 +49,15 @@ def asked_findings(model: Model, cubes: Cubes) -> list[Finding]:
     N_jm/(2 d_m) C E[d^3], where C d^3 is the integral over a life. That has to be what `asked_area` says, with E[d^3]
     as the law has it, and with the mean over those that were born.
     """
-    rate = model.mean_junction_count / (2.0 * model.calibrated_diameter)
-    found: list[Finding] = [_identity("asked_mean_count", (model.birth_rate / rate,), model.mean_junction_count, "")]
     integral = LIFE_INTEGRALS.get(model.pulse.shape)
     if integral is None:
-        return [*found, LeftOut(name="asked_mean_area", reason="of this pulse only the program knows the mean area")]
-    asked = asked_area(model, integral)
+        return [LeftOut(name="asked", reason="no second source has the mean area of this pulse")]
+    rate, asked = model.mean_junction_count / (2.0 * model.calibrated_diameter), asked_area(model, integral)
     means = area_cumulants(model).mean, rate * integral * model.sizes.moment(3)
-    found.append(_identity("asked_mean_area", (mean / asked for mean in means), asked, "um^2"))
+    found: list[Finding] = [
+        _identity("asked_mean_count", (model.birth_rate / rate,), model.mean_junction_count, ""),
+        _identity("asked_mean_area", (mean / asked for mean in means), asked, "um^2"),
+    ]
     if not cubes.count:
         return [*found, too_short("asked_area_from_rows", model.mean_birth_spacing)]
     return [*found, _from_rows(model, cubes, rate * integral, asked)]
