@@ -14,7 +14,6 @@ import pytest
 import rubnoise
 from rubnoise.analysis import sound
 from rubnoise.analysis.hearing import Hearing
-from rubnoise.analysis.sound import PEAK
 from rubnoise.analysis.spectra import Spectrum
 from rubnoise.storage.reader import RunFile
 from tests.cli.terminal import begin, call, names, stop
@@ -68,7 +67,7 @@ def test_the_file_tells_the_physical_scale(result: Path, here: Path, what: str) 
     assert told == {"quantity": what, "unit": unit, "speed_up": "1.0", "sample_rate": "48000", "run": "x.h5"}
     assert f"{scale:.7g} {unit}, the loudest sample 3 dB below" in answer.out
     samples = _samples(here / "a.wav")
-    assert np.abs(samples).max() == pytest.approx(PEAK, abs=1e-6)
+    assert np.abs(samples).max() == pytest.approx(10.0 ** (-3.0 / 20.0), abs=1e-6)
     with h5py.File(result) as file:
         values = file["slider"][{"force": "friction_force"}.get(what, what)][:]
     # Every 24th sample lies at every 5th tick; what is above 0.9 of the ticks' half may be missing.

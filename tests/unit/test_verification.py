@@ -192,6 +192,7 @@ def test_one_bit_of_one_value_is_seen_though_its_hash_is_right(result: Path, col
     flip(result, column, row)
     found = {check.name: check for check in asked(result, ALL_BLOCKS).different}
     assert "hashes" not in found
+    assert LOWEST_BIT[column] in found
     seen = found[LOWEST_BIT[column]].first
     assert seen is not None
     assert seen.row == row
@@ -291,6 +292,7 @@ def test_a_life_moved_by_a_rounding_is_missed_where_it_is_made_again(unequal: Pa
         ("junctions/diameter", 900, float("inf"), "diameters"),
         ("junctions/death_distance", 900, float("-inf"), "lives"),
         ("junctions/shear_strength", 900, 0.0, "strengths"),
+        ("junctions/state", 900, 2, "states"),
         ("junctions/state", 900, 4, "states"),
         ("junctions/state", 900, 8, "states"),
         ("trace/real_contact_area", 700, float("nan"), "areas"),
@@ -307,6 +309,7 @@ def test_what_cannot_be_is_told_and_breaks_nothing(
 ) -> None:
     put(unequal, column, row, value)
     found = {each.name: each for each in asked(unequal, ALL_BLOCKS).different}
+    assert check in found
     assert found[check].first is not None
 
 

@@ -43,7 +43,7 @@ MUTANTS = (
     ),
     one(
         "neighbours that were born before left out",
-        "test_shares_of_all_that_are_alive_add_up",
+        "test_of_a_simulated_run_all_lives_sum_up_to_the_trace",
         "np.flatnonzero((birth <= stop) & (death >= start))",
         "np.flatnonzero((birth <= stop) & (birth >= start))",
     ),
@@ -55,13 +55,13 @@ MUTANTS = (
     ),
     one(
         "full overlap not verified",
-        "test_one_bit_of_one_value_is_seen_though_its_hash_is_right",
+        "test_one_bit_of_one_value_is_seen_though_its_hash_is_right[junctions/max_area]",
         'notes.equal("/junctions/max_area", panel.first, panel["max_area"], max_area(diameter))',
         "",
     ),
     one(
         "ends of lives not verified against the run's end",
-        "test_one_bit_of_one_value_is_seen_though_its_hash_is_right",
+        "test_what_cannot_be_is_told_and_breaks_nothing[junctions/state-900-2-states]",
         "AT_END * (death > model.distance)",
         "AT_END * ((state & AT_END) != 0)",
     ),

@@ -46,7 +46,7 @@ CLI = (
     ),
     one(
         "text that steers a terminal",
-        "test_escaped_text_is_printable_and_keeps_what_was",
+        "test_only_what_is_printed_meanwhile_is_escaped",
         'c if c.isprintable() or c == "\\n" else',
         'c if c.isprintable() or c in "\\n\\x1b" else',
     ),

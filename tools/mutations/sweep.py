@@ -7,7 +7,7 @@ from mutations.mutant import one
 MUTANTS = (
     one(
         "changed lines of a journal believed",
-        "test_a_changed_byte_is_noticed",
+        "test_a_changed_byte_is_noticed[0]",
         "return len(digest) == _DIGITS and digest == xxhash.xxh3_64_hexdigest(text).encode()",
         "return len(digest) == _DIGITS",
     ),
