@@ -71,6 +71,20 @@ def test_spreads_lie_about_the_exact_ones_by_their_errors(spreads: list[Spread])
     assert np.abs(_z(spreads, 1.15)).max() > 4.0  # what is 15 % off is noticed
 
 
+def test_four_replicates_halve_the_error_of_one(tmp_path: Path) -> None:
+    errors = []
+    for replicates in (1, 4):
+        (tmp_path / "fig7.toml").write_text(
+            f'format = 1\nextends = "{PAPER / "fig7.toml"}"\n[sliding]\ndistance = "300 um"\n[sweep]\n'
+            f"replicates = {replicates}\n[sweep.grid]\ninterface.mean_junction_count = [10]\n"
+            'interface.mean_real_contact_area = ["100 um^2"]\n',
+            encoding="utf-8",
+        )
+        (spread,) = spreads_of(Sources(folder=tmp_path), "fig7.toml")
+        errors.append(spread.standard_error)
+    assert errors[0] == pytest.approx(2.0 * errors[1], rel=1e-12)
+
+
 def test_the_law_is_that_of_one_size() -> None:
     assert pytest.approx(1.2298, abs=5e-5) == fig7.LAW
 

@@ -91,7 +91,7 @@ FIGURES = (
     ),
     one(
         "replicates with the error of one",
-        "test_spreads_lie_about_the_exact_ones_by_their_errors",
+        "test_four_replicates_halve_the_error_of_one",
         "standard_errors(model).std / sqrt(len(variances))",
         "standard_errors(model).std",
     ),
