@@ -1,12 +1,16 @@
-"""A disk that fails at each call in turn, and a small one that somebody fills up: one line, no half file, no crash."""
+"""A disk that fails at each call in turn, or does less than it was asked for; a small one that somebody fills up.
+
+What fails is told in one line, without a crash and without half a file; what is only short changes nothing.
+"""
 
 import errno
 import json
 import os
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -22,8 +26,13 @@ from survival.command import command
 from survival.finding import Outcome
 from survival.recording import CHANGING, NAMING, OPENING
 from survival.stories import NAME, SMALL, Story, chance, contents, differences, judged
+from survival.writes import recorded
 
-CALLS = (*OPENING, *CHANGING, *NAMING)
+READING = ("read_into",)
+CALLS = (*OPENING, *CHANGING, *NAMING, *READING)
+SHORT = ("preadv", "pwrite", "write")
+"""Calls of the system that may do less than they are asked for; POSIX allows it, and network disks do it."""
+
 FAILURES = (errno.ENOSPC, errno.EIO)
 OLDER = b"a result of before"
 SCENARIO = "x.toml"
@@ -67,15 +76,51 @@ class Counter:
         return call >= at if self._for_ever else call == at
 
 
+class Shorter:
+    """Counts the calls by which the system reads and writes, and lets one do half of it, or all from one on."""
+
+    def __init__(self, at: int | None = None, *, for_ever: bool = False) -> None:
+        """Begin at no call."""
+        self.calls = 0
+        self._at = at
+        self._for_ever = for_ever
+
+    @contextmanager
+    def counting(self) -> Iterator[None]:
+        """Count, and do less."""
+        with ExitStack() as patches:
+            for name in SHORT:
+                patches.enter_context(patch.object(os, name, self._counted(name, getattr(os, name))))
+            yield
+
+    def _counted(self, name: str, real: Callable[..., int]) -> Callable[..., int]:
+        def called(descriptor: int, given: Any, *more: Any) -> int:
+            self.calls += 1
+            if self._at is not None and (self.calls - 1 == self._at or (self._for_ever and self.calls > self._at)):
+                given = [_half(given[0])] if name == "preadv" else _half(given)
+            return real(descriptor, given, *more)
+
+        return called
+
+
+def _half(data: Any) -> memoryview:
+    view = memoryview(data).cast("B")
+    return view[: max(len(view) // 2, 1)]
+
+
 def full(
     count: int, seed: int, stories: Sequence[Story] = SMALL, every: int = 1, calls: Sequence[int] | None = None
 ) -> Outcome:
-    """Let each call fail in each way, or each of some, and fill a disk so many times."""
+    """Let each call fail in each way and be short, or each of some, and fill a disk so many times."""
     outcome = Outcome()
     for story in stories:
         for call in calls or range(0, calls_of(story), every):
             for way in range(4):
                 _failing(outcome, story, call, FAILURES[way % 2], for_ever=way > 1)
+        for start in starts_of(story):
+            for call in calls or range(0, start.short_calls, every):
+                for for_ever in (False, True) if call % 8 == 0 else (False,):
+                    _short(outcome, start, call, for_ever=for_ever)
     try:
         with small_disk() as folder:
             for turn in range(count):
@@ -88,6 +133,45 @@ def full(
 def words(story: Story, *more: str) -> list[str]:
     """Return the words of a run of a story whose scenario lies in the folder."""
     return ["run", SCENARIO, "-o", NAME, "-q", "--set", f"run.engine={story.engine}", *more]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """From where a run is begun or gone on with: the files that are there, and the words that do it."""
+
+    name: str
+    story: Story
+    files: Mapping[str, bytes]
+    words: Sequence[str]
+
+    @cached_property
+    def short_calls(self) -> int:
+        """How many calls there are by which the system reads and writes."""
+        counter = Shorter()
+        with self.folder() as folder, counter.counting(), committing(0.0):
+            command(self.words, folder)
+        return counter.calls
+
+    @contextmanager
+    def folder(self) -> Iterator[Path]:
+        """Yield a folder with the files."""
+        with TemporaryDirectory(prefix="rubnoise-") as name:
+            for path, content in self.files.items():
+                (Path(name) / path).write_bytes(content)
+            yield Path(name)
+
+
+def starts_of(story: Story) -> Iterator[Start]:
+    """Yield a run from its beginning, one from where it was stopped half-way, and one that only lacks its name."""
+    scenario = {SCENARIO: story.text.encode()}
+    yield Start(name="run", story=story, files=scenario, words=words(story))
+    recording = recorded(story)
+    whole = next(n for n, call in enumerate(recording.calls) if call == ("remove", f"{NAME}.part.journal"))
+    for name, moment in (("half-way", whole // 2), ("whole", whole)):
+        with TemporaryDirectory(prefix="rubnoise-") as folder:
+            recording.after_kill(Path(folder), moment)
+            files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+        yield Start(name=name, story=story, files=scenario | files, words=["resume", f"{NAME}.part", "-q"])
 
 
 @contextmanager
@@ -133,6 +217,23 @@ def _failing(outcome: Outcome, story: Story, call: int, number: int, *, for_ever
         ending = isolated(task)
         outcome.count(f"{errno.errorcode[number]}: exit code {ending.code}")
         for wrong in (*_told(ending), *_kept(folder, story, ending, older=older), *_afterwards(folder, story)):
+            outcome.find(f"{where}: {wrong}")
+
+
+def _short(outcome: Outcome, start: Start, call: int, *, for_ever: bool) -> None:
+    """Let a call do half of what it is asked for: nothing may come of it."""
+    where = f"{start.story.name}, {start.name}, short {'from' if for_ever else 'at'} call {call}"
+
+    def task() -> int:
+        with Shorter(call, for_ever=for_ever).counting(), committing(0.0):
+            return command(start.words, folder)
+
+    with start.folder() as folder:
+        ending = isolated(task)
+        outcome.count(f"short, {start.name}: exit code {ending.code}")
+        if fault := ending.fault(0):
+            outcome.find(f"{where}: {fault}: {ending.err}")
+        for wrong in judged(folder, start.story, others=SCENARIO.__eq__):
             outcome.find(f"{where}: {wrong}")
 
 
