@@ -10,9 +10,11 @@ from pathlib import Path
 import numba
 import pytest
 
-from rubnoise.cli.progress import Watcher, announce_compilation
+from rubnoise.cli.progress import Watcher, announce_compilation, watching_reads
 from rubnoise.simulation import kernels
+from rubnoise.storage.reader import open_run
 from tests.cli.terminal import LONGEST, begin_on_terminal, command, read_terminal, shown_on_terminal
+from tests.format.runs import attempt
 
 SLIDER = Path("../given/slider.toml")
 LINE = re.compile(
@@ -108,3 +110,25 @@ def test_an_hour_is_told_as_such(monkeypatch: pytest.MonkeyPatch) -> None:
         clock.now += seconds
         watcher(distance, 10, 3)
     assert screen.getvalue().endswith("alive  2:46:20 to go")
+
+
+def test_a_long_look_through_a_file_is_shown_where_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    clock, screen = Clock(), io.StringIO()
+    monkeypatch.setattr("rubnoise.cli.progress.time.monotonic", clock)
+    monkeypatch.setattr("sys.stderr", screen)
+    attempt(tmp_path / "run.h5")
+    with open_run(tmp_path / "run.h5") as run:
+        with watching_reads(run, shown=True):
+            for seconds, stop in [(0.5, 1), (0.6, 2), (0.01, 3), (0.2, 4)]:
+                clock.now += seconds
+                run.column("trace", "distance", 0, stop)
+            assert screen.getvalue().split("\r") == [
+                "", "/trace/distance: 2 of 11 rows", "/trace/distance: 4 of 11 rows",
+            ]  # fmt: skip
+        assert re.fullmatch(r"\r +\r", screen.getvalue()[-31:])
+        shown = len(screen.getvalue())
+        clock.now += 9.0
+        run.column("trace", "distance")
+        with watching_reads(run, shown=False):
+            run.column("trace", "distance")
+        assert len(screen.getvalue()) == shown

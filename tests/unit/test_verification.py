@@ -1,6 +1,7 @@
 """Results of every kind are verified, and none that has been changed is, down to one bit of one value."""
 
 import json
+from collections import Counter
 from pathlib import Path
 from shutil import copy
 from typing import Any
@@ -131,6 +132,16 @@ def test_kinds_reach_what_they_are_named_for(kept: Path, tmp_path: Path) -> None
     assert extents["more rows than a panel"].junctions > 65_536
     assert extents["nobody at all"].junctions == 0
     assert extents["everything"].blocks == 2
+
+
+def test_a_column_is_read_by_the_checks_that_ask_for_it_alone(result: Path) -> None:
+    """Once for its hash and once for its own check, where no other check needs it: to unpack a column takes time."""
+    reads: Counter[str] = Counter()
+    with open_run(result) as run:
+        run.watch = lambda column, _row, _rows: reads.update([column])
+        assert not verify(run).different
+    for column in ("/slider/time", "/slider/distance", "/slider/friction_force", "/junctions/max_area"):
+        assert reads[column] == 2, column
 
 
 def test_every_value_is_looked_at(result: Path) -> None:

@@ -8,13 +8,18 @@ from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from types import FrameType
-from typing import ParamSpec
+from typing import TYPE_CHECKING, ParamSpec
 
 from rubnoise.cli.terminal import cut
 from rubnoise.errors import RunStopped
 
+if TYPE_CHECKING:
+    from rubnoise.storage.reader import RunFile
+
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1
+_FIRST = 1.0
+"""Seconds between two looks at a terminal, and before the first where most files take less."""
 
 Given = ParamSpec("Given")
 
@@ -83,6 +88,33 @@ class Watcher:
         if self._width:
             self._write("")
             sys.stderr.write("\r")
+            sys.stderr.flush()
+
+
+@contextmanager
+def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
+    """Show on a terminal which column of a file is being read, where going through all of it takes a while."""
+    if not shown:
+        yield
+        return
+    last, width = time.monotonic() + _FIRST - _BETWEEN, 0
+
+    def watch(column: str, row: int, rows: int) -> None:
+        nonlocal last, width
+        now = time.monotonic()
+        if now - last >= _BETWEEN:
+            text = f"{column}: {row:,} of {rows:,} rows"
+            sys.stderr.write("\r" + text.ljust(width))
+            sys.stderr.flush()
+            last, width = now, len(text)
+
+    run.watch = watch
+    try:
+        yield
+    finally:
+        run.watch = None
+        if width:
+            sys.stderr.write("\r" + " " * width + "\r")
             sys.stderr.flush()
 
 

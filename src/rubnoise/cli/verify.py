@@ -53,6 +53,7 @@ def command(
 
     from rubnoise.analysis.verification import verify
     from rubnoise.cli.layout import printable
+    from rubnoise.cli.progress import on_terminal, watching_reads
     from rubnoise.cli.results import finished_run
     from rubnoise.errors import RunDiffers
 
@@ -61,7 +62,7 @@ def command(
     if file.is_dir():
         found = _of_folder(file, regenerate or 0, shown=not as_json)
     else:
-        with finished_run(file) as run:
+        with finished_run(file) as run, watching_reads(run, shown=on_terminal() and not as_json):
             found = verify(run, regenerate or 0)
     print(json.dumps(contents(found, file)) if as_json else "\n".join(described(found, file)))
     if found.different:

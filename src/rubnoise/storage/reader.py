@@ -9,7 +9,7 @@ import fcntl
 import json
 import os
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -37,6 +37,10 @@ if TYPE_CHECKING:
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
 
+Watch = Callable[[str, int, int], None]
+"""Told of each read: the path of the column, the row up to which is read, and how many rows there are."""
+
+
 class TooNew(RunFileRefused):
     """A run file in a format version that this rubnoise does not know yet."""
 
@@ -52,7 +56,7 @@ class Unseen(RunFileRefused):
 class RunFile:
     """An open run file. Opening reads its structure only; each column is read when it is asked for.
 
-    Use it as a context manager, or close it.
+    Use it as a context manager, or close it. ``watch``, where it is set, is told of each read.
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
@@ -69,6 +73,7 @@ class RunFile:
         )
         _check_lengths(self._columns, self.extent)
         self._close = finalize(self, os.close, descriptor)
+        self.watch: Watch | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -113,6 +118,8 @@ class RunFile:
         """
         column = self._columns[group][name]
         first, last, _ = slice(start, stop).indices(column.rows)
+        if self.watch is not None:
+            self.watch(f"/{group}/{name}", last, column.rows)
         with self._reading():
             return column.read(self.descriptor, first, max(first, last))
 

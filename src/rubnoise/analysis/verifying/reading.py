@@ -29,6 +29,33 @@ class Rows(Protocol):
         ...
 
 
+class Columns(Mapping[str, NDArray[Any]]):
+    """Some rows of a group by the names of its columns, each read when it is asked for: to unpack one takes time."""
+
+    def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
+        """Read nothing yet."""
+        self._rows, self._group, self._place = rows, group, (first, end)
+        self._read: dict[str, NDArray[Any]] = {}
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the rows of one column."""
+        if name not in self._read:
+            self._read[name] = self._rows.column(self._group, name, *self._place)
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of the columns."""
+        return iter(self._rows.columns[self._group])
+
+    def __len__(self) -> int:
+        """Return the number of columns."""
+        return len(self._rows.columns[self._group])
+
+    def __contains__(self, name: object) -> bool:
+        """Whether the group has a column; it is not read for that."""
+        return name in self._rows.columns[self._group]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Panel:
     """Rows ``first`` ... ``end`` - 1 of a group, by the names of its columns."""
@@ -54,9 +81,8 @@ def panels(rows: Rows, group: str, size: int = PANEL_ROWS) -> Iterator[Panel]:
 
 
 def panel(rows: Rows, group: str, first: int, end: int) -> Panel:
-    """Return rows ``first`` ... ``end`` - 1 of all columns of a group."""
-    found = {name: rows.column(group, name, first, end) for name in rows.columns[group]}
-    return Panel(first=first, end=end, columns=found)
+    """Return rows ``first`` ... ``end`` - 1 of a group, whose columns are read when they are asked for."""
+    return Panel(first=first, end=end, columns=Columns(rows, group, first, end))
 
 
 class Ahead:
