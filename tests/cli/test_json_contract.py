@@ -30,6 +30,9 @@ TYPES: dict[str, Any] = {
     "string or null": lambda value: value is None or TYPES["string"](value),
     "list of integers": lambda value: isinstance(value, list) and all(TYPES["integer"](item) for item in value),
     "list of numbers": lambda value: isinstance(value, list) and all(TYPES["number"](item) for item in value),
+    "list of numbers or nulls": lambda value: (
+        isinstance(value, list) and all(TYPES["number or null"](item) for item in value)
+    ),
     "list of objects": lambda value: isinstance(value, list) and all(isinstance(item, dict) for item in value),
     "list of strings": lambda value: isinstance(value, list) and all(isinstance(item, str) for item in value),
 }
@@ -137,7 +140,8 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),
         ("verify", ("verify", "long.h5", "--regenerate", "1", "--json")),
         ("theory", ("theory", full, "--at-area", "0,1,1e9", "--json")),
-        ("theory", ("theory", "bare.toml", "--set", "birth.law=regular", "--json")),
+        ("theory", ("theory", full, "--at-distance", "1,2", "--segment", "64", "--json")),
+        ("theory", ("theory", "bare.toml", "--set", "birth.law=regular", "--segment", "64", "--json")),
         ("junction", ("junction", "slider.h5", "17", "--json")),
         ("junction", ("junction", "bare.h5", "3", "--json")),
         ("junctions", ("junctions", "slider.h5", "--json")),

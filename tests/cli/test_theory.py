@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import rubnoise
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import PAPER, call, names
 
@@ -66,7 +67,7 @@ def test_the_spectrum_is_the_one_computed_elsewhere(here: Path, row: dict[str, A
 def test_figure_5_has_everything() -> None:
     found = told(FIG5, "--at-lag", "0,-3,3,20", "--at-area=-5,0,204.67,1e6")
     assert sorted(found) == sorted(
-        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution"]
+        ["count", "area", "force", "slider", "diameter", "spectrum", "autocovariance", "distribution", "crossings"]
     )
     assert found["area"]["mean"] == pytest.approx(204.6736, abs=5e-5)
     assert found["area"]["cumulants"][1] == pytest.approx(found["area"]["std"] ** 2, rel=1e-14)
@@ -111,7 +112,83 @@ def test_many_points_far_out_are_no_trouble(here: Path) -> None:
     assert found["distribution"]["cdf"][:2] == [1.0, 0.0]
 
 
-@pytest.mark.parametrize("option", ["--at-wavenumber", "--at-lag", "--at-area"])
+def test_passages_of_levels_are_told(here: Path) -> None:
+    found = told(FIG5, "--at-level", "170.5613,500,-1e6")["crossings"]
+    assert found["level"] == [170.5613, 500.0, -1e6]
+    assert found["rate"] == pytest.approx([38.4969, 9.292131, 0.0], rel=1e-5)
+    assert found["gaussian_rate"] == pytest.approx([38.4968, 9.280888, 0.0], rel=1e-5)
+    assert found["displacement_skewness"] == pytest.approx(0.005974, rel=1e-3)
+    usual = told(FIG5)["crossings"]
+    assert max(usual["rate"]) == pytest.approx(38.4969, rel=1e-5)
+    assert usual["level"] == sorted(usual["level"])
+    assert "passages of the displacement upwards, whose skewness is 0.0059" in call("theory", FIG5).out
+    few = ("--set", "interface.mean_junction_count=2", "--set", "slider.damping=2 N*s/m")
+    assert "note: beyond a skewness of 0.45" in call("theory", SLIDER, *few).out
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (("--set", "birth.law=regular"), "known for Poisson births alone"),
+        (("--set", "sliding.speed=0.01 um/s"), "swings too often"),
+    ],
+)
+def test_passages_that_are_not_known_are_left_out_or_refused(here: Path, changes: tuple[str, ...], said: str) -> None:
+    assert "crossings" not in told(SLIDER, *changes)
+    refused = call("theory", SLIDER, *changes, "--at-level", "3")
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.splitlines()[-1].startswith("--at-level: ")
+    assert said in refused.err
+
+
+def test_a_contact_without_a_slider_passes_no_level(here: Path) -> None:
+    refused = call("theory", CONTACT, "--at-level", "3")
+    assert refused.code == 2
+    assert refused.err.startswith("--at-level: the slider's response needs [slider]")
+
+
+def test_areas_of_regular_births_are_refused_where_they_are_asked_for(here: Path) -> None:
+    refused = call("theory", CONTACT, "--set", "birth.law=regular", "--at-area", "100")
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.startswith("--at-area: ")
+
+
+def test_an_empty_start_is_told_of(here: Path) -> None:
+    assert "from_empty" not in told(CONTACT)
+    found = told(CONTACT, "--at-distance", "0,-3,2,1e6")["from_empty"]
+    assert found["distance"] == [0.0, -3.0, 2.0, 1e6]
+    assert found["area_mean"][:2] == found["count_mean"][:2] == [0.0, 0.0]
+    assert found["area_mean"][3] == pytest.approx(200.0, rel=1e-12)
+    # One size: lam s are alive, and each has the area of the lens so far.
+    diameter = (200.0 / 20.0 * 3.0) ** 0.5
+    assert found["count_mean"][2] == pytest.approx(20.0 * 2.0 / (2.0 * diameter), rel=1e-12)
+    assert found["run_count_mean"] == pytest.approx(20.0 * (1.0 - diameter / 300.0), rel=1e-6)
+    assert found["run_area_mean"] == pytest.approx(200.0 * (1.0 - diameter / 300.0), rel=1e-9)
+    empty = told(CONTACT, "--set", "sliding.start=empty")["from_empty"]
+    assert empty["distance"][0] == 0.0
+    assert empty["distance"][-1] == pytest.approx(2.0 * diameter)
+    assert empty["run_area_mean"] == found["run_area_mean"]
+    assert "means after an empty start" in call("theory", CONTACT, "--set", "sliding.start=empty").out
+
+
+def test_what_welchs_method_shows_is_told_of(here: Path) -> None:
+    found = told(CONTACT, "--segment", "64")["estimated_spectrum"]
+    exact = rubnoise.exact(rubnoise.load(CONTACT)).estimated_spectrum(64)
+    assert (found["ticks"], found["segments"]) == (64, exact.segments)
+    for name in ("wavenumber", "density", "standard_error"):
+        assert found[name] == getattr(exact, name).tolist()
+    regular = told(CONTACT, "--segment", "64", "--set", "birth.law=regular")["estimated_spectrum"]
+    assert "standard_error" not in regular
+    assert len(regular["density"]) == 33
+    text = call("theory", CONTACT, "--segment", "64").out
+    assert f"what Welch's method shows with {exact.segments} segments of 64 ticks; 9 of 33 bins" in text
+    for ticks in ("1", "-4", "1000000"):
+        refused = call("theory", CONTACT, f"--segment={ticks}")
+        assert (refused.code, refused.out) == (2, "")
+        assert refused.err.startswith(f"--segment: a segment of {ticks} ticks: it has 2 to ")
+
+
+@pytest.mark.parametrize("option", ["--at-wavenumber", "--at-lag", "--at-area", "--at-level", "--at-distance"])
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -168,7 +245,18 @@ def test_text_fits_a_terminal_and_warns(here: Path) -> None:
 
 
 def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
-    points = ("--at-wavenumber", "0,1", "--at-lag", "2", "--at-area", "200,300")
+    points = (
+        "--at-wavenumber",
+        "0,1",
+        "--at-lag",
+        "2",
+        "--at-area",
+        "200,300",
+        "--at-level",
+        "170",
+        "--at-distance",
+        "3",
+    )
     answer = call("theory", FIG5, "--csv", *points)
     heading, *rows = csv.reader(StringIO(answer.out))
     assert heading == ["quantity", "at", "at_unit", "value", "unit"]
@@ -180,7 +268,14 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     assert found["spectrum.density", "1.0"] == (json_["spectrum"]["density"][1], "um^4/(rad/um)")
     assert found["distribution.cdf", "300.0"] == (json_["distribution"]["cdf"][1], "1")
     assert found["distribution.atom_at_zero", ""][1] == "1"
-    assert len(rows) == len(found) == 2 + 2 * 10 + 4 + 3 + 2 + 1 + 2 * 2 + 1
+    assert found["crossings.rate", "170.0"] == (json_["crossings"]["rate"][0], "1/s")
+    assert found["crossings.displacement_skewness", ""] == (json_["crossings"]["displacement_skewness"], "1")
+    assert found["from_empty.area_mean", "3.0"] == (json_["from_empty"]["area_mean"][0], "um^2")
+    assert found["from_empty.run_count_mean", ""] == (json_["from_empty"]["run_count_mean"], "1")
+    assert len(rows) == len(found) == 2 + 2 * 10 + 4 + 3 + 2 + 1 + 2 * 2 + 1 + 4 + 4
+    table = call("theory", FIG5, "--csv", *points, "--segment", "4").out
+    assert table.count("\nestimated_spectrum.standard_error,") == 3
+    assert "\nestimated_spectrum.segments,,,99999,1\n" in table
 
 
 @pytest.mark.parametrize("name", ["t.png", "t.pdf", "t.svg"])
@@ -201,6 +296,9 @@ def test_it_is_drawn(here: Path, name: str) -> None:
         (("x.png",), "x.png is for --plot"),
         (("--force",), "--force is for --plot"),
         (("--at-lag", "1", "--plot"), "--plot draws curves; points are for numbers"),
+        (("--at-level", "1", "--plot"), "--plot draws curves; points are for numbers"),
+        (("--at-distance", "1", "--plot"), "--plot draws curves; points are for numbers"),
+        (("--segment", "64", "--plot"), "--plot draws curves; points are for numbers"),
         (("x.jpg", "--plot"), "ends in none of .png, .pdf and .svg"),
     ],
 )

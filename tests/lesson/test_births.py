@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.theory.live_junctions import age_moment, live_diameter_moment
 from tests.lesson.node import answer
 from tests.lesson.worlds import scenario_of, world_with
 from tests.verification.seeds import seed_of
@@ -45,11 +44,12 @@ def test_a_start_is_stationary(births: str) -> None:
     sizes = theory.model.sizes
     found = answer(MANY_STARTS, world=world, starts=STARTS, seed=seed_of(f"starts {births}") % 2**40)
     assert abs(z_score(found["count"], theory.count_mean, theory.count_variance)) < LARGEST_Z
-    mean, square = live_diameter_moment(sizes, 1), live_diameter_moment(sizes, 2)
+    first, second, third = (sizes.moment(power) for power in (1, 2, 3))
+    mean, square = second / first, third / first  # who is alive is met in proportion to the length of the life
     assert abs(z_score(found["diameter"], mean, square - mean**2)) < LARGEST_Z
     assert abs(z_score(found["diameter"], sizes.moment(1), square - mean**2)) > LARGEST_Z
     # Ages at one place of regular births tell of each other, all the less so the wider sizes are spread.
-    mean, square = age_moment(sizes, 1), age_moment(sizes, 2)
+    mean, square = second / first, 4.0 / 3.0 * third / first  # uniform on a life of 2 d
     assert abs(z_score(found["age"], mean, square - mean**2)) < LARGEST_Z
 
 

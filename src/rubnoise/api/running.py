@@ -76,7 +76,7 @@ def run(
 
 
 def exact(scenario: Scenario) -> Exact:
-    """Return what theory says about a scenario: moments of area, count and force, the slider's response."""
+    """Return what theory says about a scenario: moments, spectrum and the rest at points, the slider's response."""
     return exact_of_model(scenario.model())
 
 

@@ -26,12 +26,29 @@ def command(
     areas: Annotated[
         list[str] | None, typer.Option("--at-area", help="Where to take the distribution, in um^2.", metavar="A,...")
     ] = None,
+    levels: Annotated[
+        list[str] | None,
+        typer.Option("--at-level", help="Where to count the slider's passages upwards, in um.", metavar="X,..."),
+    ] = None,
+    distances: Annotated[
+        list[str] | None,
+        typer.Option("--at-distance", help="Where to take the means after an empty start, in um.", metavar="S,..."),
+    ] = None,
+    segment: Annotated[
+        int | None,
+        typer.Option(
+            "--segment", help="Add the spectrum that Welch's method shows with segments of so many ticks.", metavar="N"
+        ),
+    ] = None,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, a row a number.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
 ) -> None:
     """Tell what is exact about a scenario: moments, spectrum, autocovariance, distribution, the slider's response.
+
+    Also how often the slider passes a level, how a contact grows from an empty start, and what an estimate of the
+    spectrum shows.
 
     Example: rubnoise theory scenarios/paper/fig5.toml --at-wavenumber 0,0.1,1
     """
@@ -46,7 +63,7 @@ def command(
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")
-    if plot and (wavenumbers or lags or areas):
+    if plot and (wavenumbers or lags or areas or levels or distances or segment is not None):
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     if plot:
         picture = picture or Path(f"{file.stem}_theory.png")
@@ -59,8 +76,16 @@ def command(
         write_picture(picture, lambda kind: theory_picture(model, scenario.title or file.stem, kind), force=force)
         return
     brief = not (as_csv or as_json)
-    points = Points.of(model, wavenumbers=wavenumbers, lags=lags, areas=areas, brief=brief)
-    answer = theory_answer.answered(model, points)
+    points = Points.of(
+        model,
+        wavenumbers=wavenumbers,
+        lags=lags,
+        areas=areas,
+        levels=levels,
+        distances=distances,
+        brief=brief,
+    )
+    answer = theory_answer.answered(model, points, segment)
     if as_json:
         print(json.dumps(answer))
     else:

@@ -1,4 +1,4 @@
-"""Where theory is asked: the wavenumbers, lags and areas of the --at options, or ones that suit the model."""
+"""Where theory is asked: the places of the --at options, or ones that suit the model."""
 
 import re
 from collections.abc import Sequence
@@ -32,11 +32,19 @@ REACH: Final = 6.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Points:
-    """Wavenumbers in rad/um, lags in um and areas in um^2, in the order in which they were asked for."""
+    """Wavenumbers in rad/um, lags in um and areas in um^2, in the order in which they were asked for.
+
+    So are ``levels`` of the displacement and ``distances`` from an empty start, in um; None where none were asked for.
+    ``areas_asked``: whether the areas were; ``brief``: whether points that nobody chose are for a terminal.
+    """
 
     wavenumbers: Doubles
     lags: Doubles
     areas: Doubles
+    levels: Doubles | None
+    distances: Doubles | None
+    areas_asked: bool
+    brief: bool
 
     @classmethod
     def of(
@@ -46,6 +54,8 @@ class Points:
         wavenumbers: Sequence[str] | None,
         lags: Sequence[str] | None,
         areas: Sequence[str] | None,
+        levels: Sequence[str] | None,
+        distances: Sequence[str] | None,
         brief: bool,
     ) -> Self:
         """Return the points that options name, and for those left out some that suit the model, few when ``brief``.
@@ -60,7 +70,23 @@ class Points:
             wavenumbers=_wavenumbers(model, brief=brief) if given[0] is None else given[0],
             lags=_lags(model, brief=brief) if given[1] is None else given[1],
             areas=_areas(model, brief=brief) if given[2] is None else given[2],
+            levels=_read("--at-level", levels),
+            distances=_read("--at-distance", distances),
+            areas_asked=given[2] is not None,
+            brief=brief,
         )
+
+    def levels_about(self, mean: float, std: float) -> Doubles:
+        """Return the levels asked for, or some as far from a mean as a displacement of that spread ever goes."""
+        if self.levels is not None:
+            return self.levels
+        return mean + std * (np.arange(-3.0, 4.0) if self.brief else np.linspace(-REACH, REACH, MANY))
+
+    def distances_up_to(self, longest: float) -> Doubles:
+        """Return the distances asked for, or some from 0 to the longest life."""
+        if self.distances is not None:
+            return self.distances
+        return np.linspace(0.0, longest, FEW + 1 if self.brief else MANY)
 
 
 def _read(option: str, texts: Sequence[str] | None) -> Doubles | None:

@@ -3,11 +3,17 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
+import numpy as np
+
 from rubnoise.cli.layout import WORTH_A_WARNING, line, number, one_way_warning, printable, remark
 from rubnoise.cli.terminal import sentence
 
 COLUMN: Final = 19
 LINES_SHOWN: Final = 6
+BINS_SHOWN: Final = 8
+GUIDE_SKEWNESS: Final = 0.45
+"""Of the displacement: up to there the series for passages was compared with the exact law."""
+
 UNITS: Final = {
     "area.mean": "um^2",
     "area.std": "um^2",
@@ -25,6 +31,15 @@ UNITS: Final = {
     "spectral_lines.power": "um^4",
     "autocovariance.lag": "um",
     "autocovariance.value": "um^4",
+    "estimated_spectrum.wavenumber": "rad/um",
+    "estimated_spectrum.density": "um^4/(rad/um)",
+    "estimated_spectrum.standard_error": "um^4/(rad/um)",
+    "crossings.level": "um",
+    "crossings.rate": "1/s",
+    "crossings.gaussian_rate": "1/s",
+    "from_empty.distance": "um",
+    "from_empty.area_mean": "um^2",
+    "from_empty.run_area_mean": "um^2",
     "distribution.area": "um^2",
     "distribution.density": "1/um^2",
 }
@@ -35,6 +50,9 @@ CURVES: Final = {
     "spectral_lines": "wavenumber",
     "autocovariance": "lag",
     "distribution": "area",
+    "estimated_spectrum": "wavenumber",
+    "crossings": "level",
+    "from_empty": "distance",
 }
 """Groups that are told at points, and which of their fields says where."""
 
@@ -88,11 +106,50 @@ def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
         k, power = (answer["spectral_lines"][name][:LINES_SHOWN] for name in ("wavenumber", "power"))
         yield from _table("and the first of its lines", {"k (rad/um)": k, "power (um^4)": power})
     yield from _table("autocovariance of the area", {"lag (um)": covariance["lag"], "R (um^4)": covariance["value"]})
+    yield from _estimated_lines(answer.get("estimated_spectrum"))
+    yield from _crossing_lines(answer.get("crossings"))
+    yield from _growth_lines(answer.get("from_empty"))
     if law is not None:
         yield from _table(
             f"distribution of the area, which is 0 with probability {_shown(law['atom_at_zero'])}",
             {"area (um^2)": law["area"], "density (1/um^2)": law["density"], "P(A_r <= area)": law["cdf"]},
         )
+
+
+def _estimated_lines(seen: dict[str, Any] | None) -> Iterator[str]:
+    """Yield some of the bins of an estimate, evenly spaced in the logarithm of the wavenumber."""
+    if seen is None:
+        return
+    bins = len(seen["wavenumber"])
+    shown = sorted({0, *(round(each) for each in np.geomspace(1, bins - 1, BINS_SHOWN))})
+    columns = {"k (rad/um)": "wavenumber", "S (um^4/(rad/um))": "density", "std error": "standard_error"}
+    cut = f"{seen['segments']} segments of {seen['ticks']} ticks"
+    yield from _table(
+        f"what Welch's method shows with {cut}; {len(shown)} of {bins} bins",
+        {label: [seen[name][n] for n in shown] for label, name in columns.items() if name in seen},
+    )
+
+
+def _crossing_lines(passed: dict[str, Any] | None) -> Iterator[str]:
+    if passed is None:
+        return
+    skewness = passed["displacement_skewness"]
+    yield from _table(
+        f"passages of the displacement upwards, whose skewness is {_shown(skewness)}",
+        {"level (um)": passed["level"], "rate (1/s)": passed["rate"], "if Gaussian (1/s)": passed["gaussian_rate"]},
+    )
+    if abs(skewness) > GUIDE_SKEWNESS:
+        yield remark(f"note: beyond a skewness of {GUIDE_SKEWNESS} these rates are a guide alone")
+
+
+def _growth_lines(grown: dict[str, Any] | None) -> Iterator[str]:
+    if grown is None:
+        return
+    over = f"{_shown(grown['run_area_mean'])} um^2 and {_shown(grown['run_count_mean'])} junctions"
+    yield from _table(
+        f"means after an empty start; over the whole run {over}",
+        {"distance (um)": grown["distance"], "area (um^2)": grown["area_mean"], "junctions": grown["count_mean"]},
+    )
 
 
 def _table(heading: str, columns: dict[str, Sequence[float | None]]) -> Iterator[str]:

@@ -11,6 +11,8 @@ from rubnoise.theory.motion_cumulants import motion_cumulants
 Doubles = NDArray[np.float64]
 Powers = tuple[int, int]
 
+_FAR = 50.0  # standard deviations, beyond which Rice's rate is 0
+
 
 def crossing_rate(model: Model, level: ArrayLike) -> Doubles:
     """Return how many times a second the displacement passes a level upwards (as often as down), in 1/s.
@@ -28,7 +30,7 @@ def crossing_rate(model: Model, level: ArrayLike) -> Doubles:
     """
     motion = motion_cumulants(model)
     z = (np.asarray(level, dtype=np.float64) - motion.mean) / motion.displacement_std
-    return gaussian_crossing_rate(model, level) * np.maximum(_correction(motion.ratios, z), 0.0)
+    return gaussian_crossing_rate(model, level) * np.maximum(_correction(motion.ratios, np.clip(z, -_FAR, _FAR)), 0.0)
 
 
 def gaussian_crossing_rate(model: Model, level: ArrayLike) -> Doubles:

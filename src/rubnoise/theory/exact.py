@@ -1,16 +1,20 @@
 """Everything the theory says about one model, in one frozen answer."""
 
 from dataclasses import dataclass, field
-from math import sqrt
+from math import isfinite, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.distribution import Distribution, distribution
+from rubnoise.theory.motion_cumulants import MotionCumulants, motion_cumulants
 from rubnoise.theory.occupancy import (
+    count_from_empty,
     count_variance,
     expected_births,
     expected_junction_rows,
@@ -19,6 +23,8 @@ from rubnoise.theory.occupancy import (
 )
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
+from rubnoise.theory.welch import EstimatedSpectrum, estimated_spectrum
 
 Doubles = NDArray[np.float64]
 
@@ -65,6 +71,55 @@ class Exact:
         Raises Refused for births that are not Poisson.
         """
         return distribution(self.model)
+
+    def estimated_spectrum(self, ticks: int | None = None) -> EstimatedSpectrum:
+        """Return what Welch's method shows of a run: its mean and its standard error at each wavenumber.
+
+        Segments of ``ticks`` half overlap, under a Hann window, each less its mean; about 64 of them without ``ticks``.
+        Raises Refused for a segment longer than the run.
+        """
+        return estimated_spectrum(self.model, ticks)
+
+    def area_from_empty(self, distance: ArrayLike) -> Doubles:
+        """Return the mean area in um^2 at distances in um after an empty start, of any shape."""
+        return area_from_empty(self.model, distance)
+
+    def count_from_empty(self, distance: ArrayLike) -> Doubles:
+        """Return the mean number of live junctions at distances in um after an empty start, of any shape."""
+        return count_from_empty(self.model, distance)
+
+    def expected_mean_area(self, distance: float | None = None) -> float:
+        """Return the expected mean of the area in um^2 over a run from its own start, or over its first um alone."""
+        return expected_mean_area(self.model, self._slid(distance))
+
+    def expected_mean_count(self, distance: float | None = None) -> float:
+        """Return the expected mean of the live count over a run from its own start, or over its first um alone."""
+        return expected_mean_count(self.model, self._slid(distance))
+
+    def _slid(self, distance: float | None) -> float:
+        slid = self.model.distance if distance is None else float(distance)
+        if not (isfinite(slid) and slid > 0.0):
+            raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
+        return slid
+
+    def crossing_rate(self, level: ArrayLike) -> Doubles:
+        """Return how many times a second the displacement passes levels in um upwards, of any shape.
+
+        Rice's rate and what shot noise adds to it: see `rubnoise.theory.crossings`. Raises Refused without slider,
+        strength, speed or damping, for births that are not Poisson, and where the slider swings too often in one life.
+        """
+        return crossing_rate(self.model, level)
+
+    def gaussian_crossing_rate(self, level: ArrayLike) -> Doubles:
+        """Return Rice's rate alone in 1/s, that of a Gaussian displacement; raises Refused as `crossing_rate` does."""
+        return gaussian_crossing_rate(self.model, level)
+
+    def motion_cumulants(self) -> MotionCumulants:
+        """Return joint cumulants of the slider's motion, ``skewness`` and ``excess_kurtosis`` among them.
+
+        Raises Refused as `crossing_rate` does.
+        """
+        return motion_cumulants(self.model)
 
 
 def exact(model: Model) -> Exact:

@@ -55,8 +55,8 @@ def count_variance(model: Model) -> float:
 
 
 def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
-    """Return E[N(s)] = lam E[min(s, 2d)] at distances s in um (any shape) after an empty start."""
-    s = np.asarray(distance, dtype=np.float64)[..., None]
+    """Return E[N(s)] = lam E[min(s, 2d)] at distances s in um (any shape) after an empty start; 0 before it."""
+    s = np.maximum(np.asarray(distance, dtype=np.float64), 0.0)[..., None]
     diameters, probabilities = cut_size_rule(model.sizes, 0.5 * s, _NODES)
     return model.birth_rate * np.sum(probabilities * np.minimum(2.0 * diameters, s), axis=-1)
 

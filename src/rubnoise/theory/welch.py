@@ -1,6 +1,7 @@
 """How far a Welch estimate of the spectrum of A_r strays from its mean, bin by bin and over bands of bins."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,16 +9,23 @@ from numpy.typing import NDArray
 from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.estimated_spectrum import checked_window, segment_wavenumbers
+from rubnoise.theory.estimated_spectrum import checked_window, expected_periodogram, segment_wavenumbers
 from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.random_births import are_at_random, need_random_births
 from rubnoise.theory.segments import bin_covariances, correlation_reach, cross_spectrum, tick_covariance
 from rubnoise.theory.spectrum import spectral_density
 
 Doubles = NDArray[np.float64]
 
+SEGMENTS = 64
+"""About how many segments half overlap in a record where the length of one is not asked for."""
+
+MOST_TICKS = 1 << 18
+"""Of one segment, by default and at most: its errors take some ten seconds and a hundred megabytes."""
+
 _SIZES = 32  # an error of an error: seven digits are plenty
 _LONGEST = 4  # lengths of a segment beyond which a correlation is left out: a record of a few such lives says nothing
+_MOST_BINS = 4096  # a matrix of theirs has 130 MB
 _NOTHING = 1e-13  # of the largest mean: below it a bin holds rounding alone
 
 
@@ -48,6 +56,68 @@ class Segments:
         apart = range(1, min(self.count, 1 + reach // self.step))
         later = [(q * self.step, 2.0 / self.count * (1.0 - q / self.count)) for q in apart]
         return [(0, 1.0 / self.count), *later]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EstimatedSpectrum:
+    """What Welch's method is expected to show of the real contact area, and how far one estimate strays from it.
+
+    ``density`` is the exact mean of the estimate in um^4 per rad/um, two-sided, at ``wavenumber`` in rad/um: aliases,
+    leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf where the
+    bin holds nothing, nan for births that are not Poisson. ``ticks`` are those of each of the ``segments``.
+    """
+
+    model: Model = field(repr=False)
+    ticks: int
+    segments: int
+    wavenumber: Doubles
+    density: Doubles
+    standard_error: Doubles
+
+    def band(self, lowest: float, highest: float) -> tuple[float, float]:
+        """Return the mean of an estimate over the bins from ``lowest`` to ``highest`` rad/um, and its standard error.
+
+        In um^4 per rad/um; neighbouring bins are correlated, which the error allows for. Raises Refused where no bin
+        lies there, or more than 4096 do, and for births that are not Poisson.
+        """
+        bins = np.flatnonzero((self.wavenumber >= lowest) & (self.wavenumber <= highest))
+        if not 1 <= bins.size <= _MOST_BINS:
+            raise Refused(f"{bins.size} bins lie from {lowest:g} to {highest:g} rad/um; a band has 1 to {_MOST_BINS}")
+        means = self.density[bins]
+        covariance = welch_covariance(self.model, _cut(self.model, self.ticks), bins)
+        return float(means.mean()), float(np.sqrt(means @ covariance @ means)) / bins.size
+
+
+def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpectrum:
+    """Return what Welch's method shows of a record of the model: every tick from 0 to its distance.
+
+    Segments have ``ticks`` values, half of them shared with the next, under the Hann window sin^2(pi j / n), each less
+    its own mean; without ``ticks`` there are about 64 of them. Equations and sources are those of
+    `expected_periodogram` and `welch_errors`. Raises Refused for a segment longer than the record or 262 144 ticks.
+    """
+    cut = _cut(model, ticks)
+    wavenumber, density = expected_periodogram(model, cut.tick, cut.window)
+    errors = welch_errors(model, cut)[1] if are_at_random(model) else np.full(density.size, np.nan)
+    held = np.isfinite(errors)
+    return EstimatedSpectrum(
+        model=model,
+        ticks=cut.window.size,
+        segments=cut.count,
+        wavenumber=wavenumber,
+        density=density,
+        standard_error=np.where(held, density * np.where(held, errors, 0.0), errors),
+    )
+
+
+def _cut(model: Model, ticks: int | None) -> Segments:
+    record = model.tick_count + 1
+    usual = min(max(2, 2 * (record // (SEGMENTS + 1))), MOST_TICKS)
+    length = usual if ticks is None else ticks
+    if not 2 <= length <= min(record, MOST_TICKS):
+        raise Refused(f"a segment of {length} ticks: it has 2 to {min(record, MOST_TICKS)}, of a record of {record}")
+    window = np.square(np.sin(pi * np.arange(length) / length))
+    step = max(1, length // 2)
+    return Segments(tick=model.tick, window=window, count=(record - length) // step + 1, step=step)
 
 
 def welch_errors(model: Model, segments: Segments) -> tuple[Doubles, Doubles]:
