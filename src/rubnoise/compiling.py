@@ -8,11 +8,10 @@ from numba import float64, njit
 from numba.extending import intrinsic
 
 SOURCES = (
+    "analysis/verifying/areas.py",
     "compiling.py",
     "contact/deviates.py",
-    "simulation/kernels*.py",
-    "simulation/lanes.py",
-    "simulation/ticks.py",
+    "simulation/kernels/*.py",
 )
 """Files that are compiled into functions of other files."""
 

@@ -11,7 +11,7 @@ import numba
 import pytest
 
 from rubnoise.cli.progress import Watcher, announce_compilation, watching_reads
-from rubnoise.simulation import kernels
+from rubnoise.simulation.kernels import coarse
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import LONGEST, begin_on_terminal, command, read_terminal, shown_on_terminal
 from tests.format.runs import attempt
@@ -73,7 +73,7 @@ def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(h
 def test_compilation_is_announced_where_kernels_are_never_kept(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(kernels, "deposit_areas", numba.njit(kernels.deposit_areas.py_func))
+    monkeypatch.setattr(coarse, "deposit_coarse_lives", numba.njit(coarse.deposit_coarse_lives.py_func))
     announce_compilation()
     assert capsys.readouterr().err.startswith("Compiling the kernels")
 

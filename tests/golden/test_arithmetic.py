@@ -67,7 +67,7 @@ ALLOWED = {
     "simulation/cells.py _error **": "decides a whole number only: how often a tick is divided",
     "simulation/cells.py _liveliness **": "decides a whole number only: how often a tick is divided",
     "simulation/cells.py _rates **": "decides a whole number only: how often a tick is divided",
-    "simulation/kernels_panels.py cell_weights **": "of whole numbers",
+    "simulation/kernels/taylor.py cell_weights **": "of whole numbers",
     "simulation/run.py extent sum": "of whole numbers",
 }
 """Where such an operation stands, and why no stored bit comes from it."""

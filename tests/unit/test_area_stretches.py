@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.simulation import area
-from rubnoise.simulation.area import Room
-from rubnoise.simulation.grid import Grid
-from rubnoise.simulation.kernels_fine import FINEST
+from rubnoise.simulation.kernels import Grid, Room, choice, deposit
+from rubnoise.simulation.kernels.fine import FINEST
 from rubnoise.simulation.state import LiveRows
 
 GRID = Grid.around(0, 12_000, 1.0)
@@ -33,18 +31,18 @@ def rows() -> LiveRows:
 def test_stretches_have_the_bits_of_one_pass(pulse: Pulse, monkeypatch: pytest.MonkeyPatch) -> None:
     lives = rows()
     weight = lives.diameter**2
-    total, moments = (each.copy() for each in area._weighted(pulse, GRID, lives, weight, Room()))
-    monkeypatch.setattr(area, "_LONG", 1_000_000)
-    at_once, moments_at_once = area._weighted(pulse, GRID, lives, weight, Room())
-    assert np.array_equal(total, at_once)
-    assert np.array_equal(moments, moments_at_once)
+    found = deposit(pulse.shape, GRID, lives, weight, Room(0))
+    monkeypatch.setattr(choice, "_LONG", 1_000_000)
+    at_once = deposit(pulse.shape, GRID, lives, weight, Room(0))
+    assert np.array_equal(found.total, at_once.total)
+    assert np.array_equal(found.moments, at_once.moments)
     without = lives.at(np.flatnonzero(lives.diameter > FINEST))
-    bare, _ = area._weighted(pulse, GRID, without, without.diameter**2, Room())
-    assert np.count_nonzero(total != bare) > 200
+    bare = deposit(pulse.shape, GRID, without, without.diameter**2, Room(0))
+    assert np.count_nonzero(found.total != bare.total) > 200
 
 
 def test_lives_that_meet_are_one_stretch() -> None:
     lives = rows()
     coarse = lives.at(np.flatnonzero(lives.diameter < FINEST))
-    assert [(some.start, some.stop) for some in area._apart(GRID, coarse)] == [(0, 2), (2, 3), (3, 4)]
-    assert [(some.start, some.stop) for some in area._apart(GRID, lives)] == [(0, len(lives))]
+    assert [(some.start, some.stop) for some in choice._apart(GRID, coarse)] == [(0, 2), (2, 3), (3, 4)]
+    assert [(some.start, some.stop) for some in choice._apart(GRID, lives)] == [(0, len(lives))]

@@ -1,20 +1,21 @@
 """Machine code that is kept is not used any more once a file has changed that was compiled into it."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import rubnoise
+from rubnoise import compiling
 
 PROGRAM = """
 import numpy as np
-from rubnoise.simulation.ticks import count_live
-from rubnoise.simulation.kernels import deposit_areas
-total = np.zeros(3)
-deposit_areas(np.arange(3.0), np.zeros(1), np.ones(1), np.ones(1), np.ones(1), total)
-print(sum(deposit_areas.stats.cache_hits.values()), total[1] + total[2])
+from rubnoise.simulation.kernels.coarse import deposit_coarse_lives as deposit
+total, nothing, one = np.zeros(16), np.empty(0), np.ones(1)
+deposit(np.arange(16.0), 1.0, 0, 3, np.zeros(1), one, one, one, nothing, total, nothing, 0)
+print(sum(deposit.stats.cache_hits.values()), total[1] + total[2])
 """
 
 
@@ -29,8 +30,26 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
 
     assert output() == ["0", "0.0"]
     assert output() == ["1", "0.0"]
-    ticks = package / "simulation" / "ticks.py"
+    ticks = package / "simulation" / "kernels" / "ticks.py"
     changed = ticks.read_text(encoding="utf-8").replace("positions[index] < distance", "positions[index] <= distance")
     ticks.write_text(changed, encoding="utf-8")
     hits, _ = output()
     assert hits == "0"
+
+
+def test_every_file_that_is_compiled_into_others_is_known() -> None:
+    """A file whose functions or constants others compile into theirs, and that was left out, would stay as it was."""
+    package = Path(rubnoise.__file__).parent
+    texts = {path.relative_to(package): path.read_text(encoding="utf-8") for path in package.rglob("*.py")}
+    compiled = {
+        path for path, text in texts.items() if re.search(r"from rubnoise\.compiling import|import intrinsic", text)
+    }
+    known = {path.relative_to(package) for pattern in compiling.SOURCES for path in package.glob(pattern)}
+    imported = {
+        path.with_name(module.split(".")[-1] + ".py")
+        for importer in compiled
+        for module in re.findall(r"^from rubnoise\.([\w.]+) import", texts[importer], re.MULTILINE)
+        for path in [Path(*module.split("."))]
+    }
+    assert {path for path in imported & compiled if path not in known} == set()
+    assert Path("simulation/kernels/lens.py") in imported & compiled & known

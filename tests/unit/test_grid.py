@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rubnoise.simulation.grid import Grid
-from rubnoise.simulation.kernels_panels import BLOCK
+from rubnoise.simulation.kernels.grid import Grid
+from rubnoise.simulation.kernels.taylor import BLOCK
 
 
 @pytest.mark.parametrize("cells", [1, 2, 8, 512])

@@ -7,33 +7,49 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.overlap import junction_area
-from rubnoise.simulation import kernels
-from rubnoise.simulation.ticks import count_live
+from rubnoise.simulation.kernels import coarse, lens
+from rubnoise.simulation.kernels.ticks import count_live
 
 DIAMETERS = [0.03, 1.0, 5.53, 240.0]
 
 
+def one(*values):
+    """The columns of one life."""
+    return [np.array([float(value)]) for value in values]
+
+
+def padded(positions):
+    """Positions with others behind them, as vectors need them."""
+    return np.concatenate([positions, positions[-1] + (positions[-1] - positions[0]) * np.arange(1.0, 17.0)])
+
+
 def areas(positions, birth, diameter, departure=np.inf):
-    area, count = np.zeros(positions.size), np.zeros(positions.size, dtype=np.uint32)
-    born, size, left = (np.array([float(value)]) for value in (birth, diameter, departure))
-    kernels.deposit_areas(positions, born, size, left, size * size, area)
+    whole, count = np.zeros(positions.size + 16), np.zeros(positions.size, dtype=np.uint32)
+    born, size, left = one(birth, diameter, departure)
+    nothing = np.empty(0)
+    coarse.deposit_coarse_lives(
+        padded(positions), 1.0, 0, positions.size, born, size, left, size * size, nothing, whole, nothing, 1
+    )
     count_live(positions, born, left, count)
-    return area, count
+    return whole[: positions.size], count
 
 
 def cell_moments(positions, birth, diameter, departure=np.inf, strength=1.0):
     """Legendre moments of the force over every cell."""
-    moments = np.zeros((3, positions.size))
-    rows = (np.array([float(value)]) for value in (birth, diameter, departure, strength))
-    kernels.deposit_moments(positions, *rows, moments)
-    return moments[:, 1:]
+    whole = padded(positions)
+    moments, gathered = np.zeros(3 * whole.size), np.zeros(6 * whole.size)
+    born, size, left, weight = one(birth, diameter, departure, strength * diameter * diameter)
+    coarse.deposit_coarse_lives(
+        whole, 1.0, 1, positions.size, born, size, left, weight, gathered, np.empty(0), moments, 1
+    )
+    assert not gathered.any()
+    return moments.reshape(3, -1)[:, 1 : positions.size]
 
 
 def fine_cell_moments(positions, birth, diameter, departure=np.inf, strength=1.0):
     """The same from the kernel for narrow cells."""
     moments = np.zeros((3, positions.size))
-    rows = (np.array([float(value)]) for value in (birth, diameter, departure, strength))
-    kernels.deposit_fine_moments(positions, *rows, moments)
+    lens.deposit_fine_moments(positions, *one(birth, diameter, departure, strength), moments)
     return moments[:, 1:]
 
 
@@ -150,10 +166,35 @@ def test_strength_scales_the_force_and_not_the_area():
     assert np.array_equal(cell_moments(positions, 0.5, 5.0, strength=2.0), 2.0 * cell_moments(positions, 0.5, 5.0))
 
 
+def test_many_lives_are_worked_out_as_each_by_itself():
+    """Cells that are complete are worked out while others go on: whatever their number, the moments are the same."""
+    positions, generator = np.arange(0.0, 5000.0), np.random.default_rng(7)
+    birth = np.sort(generator.uniform(-60.0, 4990.0, 300))
+    diameter = generator.uniform(1.5, 90.0, birth.size)
+    departure = np.where(generator.random(birth.size) < 0.3, birth + 1.3 * diameter, np.inf)
+    whole, nothing = padded(positions), np.empty(0)
+    found, gathered = np.full(3 * whole.size, np.nan), np.zeros(6 * whole.size)
+    rows = birth, diameter, departure, diameter * diameter
+    coarse.deposit_coarse_lives(whole, 1.0, 1, positions.size, *rows, gathered, nothing, found, 0)
+    assert not gathered.any()
+    apart = sum(cell_moments(positions, b, d, left) for b, d, left in zip(birth, diameter, departure, strict=True))
+    found = found.reshape(3, -1)[:, 1 : positions.size]
+    # Differences of integrals over a cell lose one power of the life's length after the other.
+    assert (np.abs(found - apart).max(axis=1) < 1e-14 * 90.0 ** np.array([3.0, 4.0, 5.0])).all()
+    for begin, end in pairwise([1, 700, 2500, positions.size]):
+        piece = np.full(3 * whole.size, np.nan)
+        coarse.deposit_coarse_lives(whole, 1.0, begin, end, *rows, gathered, nothing, piece, 0)
+        assert np.array_equal(piece.reshape(3, -1)[:, begin:end], found[:, begin - 1 : end - 1])
+    twice = np.zeros(3 * whole.size)
+    for _ in range(2):
+        coarse.deposit_coarse_lives(whole, 1.0, 1, positions.size, *rows, gathered, nothing, twice, 1)
+    assert np.array_equal(twice.reshape(3, -1)[:, 1 : positions.size], 2.0 * found)
+
+
 def test_a_missing_kink_would_be_seen():
     """Without what mid-life restores, the moments of its cell are wrong by the size of the junction."""
     positions = np.arange(0.0, 12.0)
-    kept = np.zeros((3, 12))
-    kernels._pass_mid_life(positions, 0.5, 5.0, np.inf, 125.0, kept)
+    kept = np.zeros(6 * 12)
+    coarse._pass_mid_life(positions, 0, 12, 1, 0, 0.5, 5.0, 0.2, np.inf, 125.0, kept)
     assert np.abs(kept).max() > 0.1 * 5.0**3
-    assert np.flatnonzero(kept[0]).tolist() == [6]
+    assert set(np.flatnonzero(kept).tolist()) <= {12 * n + 6 for n in (3, 4, 5)}

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.simulation.grid import Grid
-from rubnoise.simulation.kernels_fine import FINEST, deposit_fine_lives
-from rubnoise.simulation.kernels_panels import cell_weights
+from rubnoise.simulation.kernels.fine import FINEST, deposit_fine_lives
+from rubnoise.simulation.kernels.grid import Grid
+from rubnoise.simulation.kernels.taylor import cell_weights
 
 Doubles = NDArray[np.float64]
 

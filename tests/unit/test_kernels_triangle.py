@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.simulation import kernels_triangle
+from rubnoise.simulation.kernels import triangle
 
 Doubles = NDArray[np.float64]
 DIAMETERS = [0.03, 1.0, 5.53, 240.0]
@@ -18,7 +18,7 @@ DIAMETERS = [0.03, 1.0, 5.53, 240.0]
 def areas(positions: Doubles, birth: float, diameter: float, departure: float = inf, weight: float = 1.0) -> Doubles:
     total = np.zeros(positions.size)
     rows = (np.array([value]) for value in (birth, diameter, departure, weight * diameter**2))
-    kernels_triangle.deposit_areas(positions, *rows, total)
+    triangle.deposit_areas(positions, *rows, total)
     return total
 
 
@@ -29,7 +29,7 @@ def cell_moments(
     moments = np.zeros((3, positions.size))
     rows = (np.array([value]) for value in (birth, diameter, departure, strength))
     width = (positions[-1] - positions[0]) / (positions.size - 1)
-    kernels_triangle.deposit_moments(positions, width, *rows, moments)
+    triangle.deposit_moments(positions, width, *rows, moments)
     return moments[:, 1:]
 
 

@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from rubnoise.simulation.lanes import (
+from rubnoise.simulation.kernels.lanes import (
     fused,
     larger,
     load,

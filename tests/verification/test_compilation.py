@@ -8,18 +8,18 @@ from simpy import Environment
 from simpy.events import ProcessGenerator
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.simulation import kernels, kernels_fine, kernels_triangle, recurrence, ticks
+from rubnoise.simulation import recurrence
 from rubnoise.simulation.junctions import LiveSet
+from rubnoise.simulation.kernels import coarse, fine, lens, ticks, triangle
 from tests.models import UNEQUAL, bare, model, recorded
 
 ROOT = Path(__file__).parents[2]
 KERNELS = (
-    kernels_fine.deposit_by_chunks,
-    kernels.deposit_areas,
-    kernels.deposit_moments,
-    kernels.deposit_fine_moments,
-    kernels_triangle.deposit_areas,
-    kernels_triangle.deposit_moments,
+    fine.deposit_by_chunks,
+    coarse.deposit_coarse_lives,
+    lens.deposit_fine_moments,
+    triangle.deposit_areas,
+    triangle.deposit_moments,
     recurrence.advance_slider,
     ticks.count_live,
 )

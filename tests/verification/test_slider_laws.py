@@ -10,8 +10,8 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation import area, kernels_triangle
 from rubnoise.simulation.cells import cells_per_tick, narrow
+from rubnoise.simulation.kernels import triangle
 from tests.models import FIG5_SLIDER, UNEQUAL, recorded
 from tests.models import model as figure_5
 from tests.oracle import dop853_slider, straight_slider, theta_slider
@@ -108,10 +108,10 @@ def test_a_kernel_that_passes_over_the_kinks_is_seen(monkeypatch: pytest.MonkeyP
     run = model(distance=20.0, tick=0.5, count=5.0)
     seed = seed_of("triangle kinks")
     for name in ("deposit_moments", "_add_kinks"):
-        monkeypatch.setattr(area.kernels_triangle, name, getattr(kernels_triangle, name).py_func)
+        monkeypatch.setattr(triangle, name, getattr(triangle, name).py_func)
     record = recorded(run, seed)
     assert difference(record, reference(run, record)) < PROMISED
-    monkeypatch.setattr(kernels_triangle, "_add_kink", lambda *_: None)
+    monkeypatch.setattr(triangle, "_add_kink", lambda *_: None)
     assert difference(recorded(run, seed), reference(run, record)) > 1e-4
 
 

@@ -9,10 +9,10 @@ from bench.case import Case, Doubles, Drawn
 from bench.checks import AREA_BOUND, beyond, relative_error
 from bench.clock import Task, Timing, interleaved
 from bench.peers import c_kernel, naive_numpy, numba_loops
-from rubnoise.simulation.grid import Grid
-from rubnoise.simulation.kernels import deposit_areas
-from rubnoise.simulation.kernels_fine import deposit_fine_lives
-from rubnoise.simulation.kernels_panels import cell_weights
+from rubnoise.simulation.kernels import deposit
+from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
+from rubnoise.simulation.kernels.grid import Grid
+from rubnoise.simulation.state import LiveRows
 
 CASE = Case(junctions=20_000)
 REPETITIONS = 3
@@ -42,11 +42,11 @@ class KernelTimings:
 
 def fills(birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
     """Return everybody's way of adding the areas of junctions to the ticks."""
-    ticks, alive, weight = CASE.ticks, np.full(birth.size, np.inf), diameter * diameter
+    ticks, weight = CASE.ticks, diameter * diameter
     count = np.zeros(ticks.size)
     found: dict[str, Fill] = {
         OURS: _by_series(birth, diameter, weight),
-        BY_TICK: lambda total: deposit_areas(ticks, birth, diameter, alive, weight, total),
+        BY_TICK: _by_tick(birth, diameter, weight),
         "numba loops": lambda total: numba_loops.add_pulses(birth, diameter, CASE.tick, total, count),
     }
     if c_kernel.available():
@@ -56,16 +56,29 @@ def fills(birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
 
 
 def _by_series(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
-    """Return our way, as in a run: fine lives on whole blocks of positions, then the lives left out, tick by tick."""
-    grid = Grid.around(0, CASE.ticks.size, CASE.tick)
-    wanted, whole, weights = grid.wanted, np.empty(grid.position.size), cell_weights().ravel()
-    where = (grid.position, grid.origin, grid.spacing, wanted.start, wanted.stop)
+    """Return our way, as in a run: by the one door, which chooses between series and single ticks life by life."""
+    grid, whole = Grid.around(0, CASE.ticks.size, CASE.tick), np.full(birth.size, np.inf)
+    rows = LiveRows(
+        junction=np.arange(birth.size), birth=birth, diameter=diameter, strength=np.ones(birth.size), departure=whole
+    )
+
+    def fill(total: Doubles) -> None:
+        total += deposit("lens", grid, rows, weight, None).total
+
+    return fill
+
+
+def _by_tick(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
+    """Return our way for lives of few ticks."""
+    grid, nothing = Grid.around(0, CASE.ticks.size, CASE.tick), np.empty(0)
+    wanted, whole = grid.wanted, np.zeros(grid.position.size)
+    where = (grid.position, grid.spacing, wanted.start, wanted.stop)
     lives = (birth, diameter, np.full(birth.size, np.inf), weight)
 
     def fill(total: Doubles) -> None:
-        coarse = deposit_fine_lives(*where, *lives, weights, whole, np.empty(0))
+        whole[:] = 0.0
+        deposit_coarse_lives(*where, *lives, nothing, whole, nothing, 1)
         total += whole[wanted]
-        deposit_areas(grid.position[wanted], *(column[coarse] for column in lives), total)
 
     return fill
 

@@ -20,8 +20,8 @@ API = (
     one(
         "a seed too large to be kept",
         "test_a_seed_that_is_none_is_refused",
-        "and 0 <= int(value) < SEED_LIMIT",
-        "and 0 <= int(value) <= SEED_LIMIT",
+        "if not 0 <= number < SEED_LIMIT:",
+        "if not 0 <= number <= SEED_LIMIT:",
     ),
     one(
         "other random numbers gone on with",

@@ -15,7 +15,7 @@ LENSES = f"{SUMS}[lenses-batch]"
 MOTION = "test_the_motion_follows_from_the_rows[0.1 um-batch]"
 
 _TICK = "float(first + n) * spacing"
-_AREA = "total[tick] = fused(weight * (u * np.sqrt(u)), _horner(AREA_COEFFICIENTS, u), total[tick])"
+_AREA = "fused(alive * (u * root(u)), polynomial(AREA_COEFFICIENTS, u), load(total, at))"
 
 START_OF_A_RUN = (
     one(
@@ -102,7 +102,7 @@ KERNELS = (
         "second term of the lens 2 % off",
         MOMENTS,
         _AREA,
-        f"{_AREA} - 0.02 * weight * (1.0 - u) * np.sqrt(u * (2.0 - u)) / 2.0",
+        f"{_AREA} - spread(0.02) * alive * (spread(1.0) - u) * root(u * (two - u)) * spread(0.5)",
         chance=True,
     ),
     one("second coefficient of the lens 2 % off", LENSES, "-0.14142135623740776", "-0.14424978336495591"),
@@ -115,7 +115,7 @@ KERNELS = (
     one(
         "no kink in the slider's force",
         MOTION,
-        "_pass_mid_life(positions, born, size, departure[row], scale, moments)",
+        "_pass_mid_life(position, edge, end, middle, base, born, width, inverse, left, scale, gathered)",
         "pass",
     ),
     one(

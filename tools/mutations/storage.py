@@ -20,7 +20,7 @@ MUTANTS = (
     one(
         "a lock that two may hold",
         "test_a_second_writer_is_refused_and_the_first_goes_on",
-        "with suppress(BlockingIOError): return fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)",
+        "with suppress(BlockingIOError): return fcntl.flock(descriptor, how | fcntl.LOCK_NB)",
         "with suppress(BlockingIOError):\n    return fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)",
     ),
     one(
@@ -50,8 +50,8 @@ MUTANTS = (
     one(
         "short writes taken for whole ones",
         "test_short_writes_are_continued",
-        "while data: written = os.pwrite(",
-        "if data:\n    written = os.pwrite(",
+        "while data: written = _some(os.pwrite(",
+        "if data:\n    written = _some(os.pwrite(",
     ),
     one(
         "links out of the file followed",

@@ -164,10 +164,10 @@ def on_terminal() -> bool:
 
 def announce_compilation() -> None:
     """Say once that the kernels are being compiled, where no compiled ones are kept yet."""
-    from rubnoise.simulation import kernels
+    from rubnoise.simulation.kernels import coarse
 
-    kept = kernels.deposit_areas.stats.cache_path
-    if kept is None or not any(Path(kept).glob("kernels.deposit_areas-*.nbi")):
+    kept = coarse.deposit_coarse_lives.stats.cache_path
+    if kept is None or not any(Path(kept).glob("coarse.deposit_coarse_lives-*.nbi")):
         print("Compiling the kernels; this happens once and takes some seconds.", file=sys.stderr)
 
 

@@ -3,20 +3,26 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Sink
-from rubnoise.simulation.area import Room, Sample, sample
+from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.draws import BlockBirths, blocks_together, draw_blocks
-from rubnoise.simulation.panels import Panel, panels
+from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.panels import LARGEST_PANEL, Panel, panels
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
 from rubnoise.simulation.starts import BlockStarts
 from rubnoise.simulation.state import Doubles, LiveRows, State
+
+ROOM: Final = 12 * LARGEST_PANEL
+"""Numbers of room that are asked for, most of which are never touched. Usual systems take back what lies free at the
+end of the heap where it is more than twice the largest piece ever freed: after a run, all arrays of a panel, which the
+next one would have to be given anew."""
 
 Watch = Callable[[float, int, int], None]
 """Told after each panel: distance reached (um), junctions born so far, live count. It may raise to stop the run."""
@@ -54,7 +60,7 @@ class Run:
     play: Play
     together: bool
     watch: Watch | None = None
-    room: Room = field(default_factory=Room)
+    room: Room = field(default_factory=partial(Room, ROOM))
 
 
 def next_state(run: Run, state: State) -> State:

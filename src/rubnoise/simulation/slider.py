@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.simulation.area import ForceMoments, Room, Sample, force_moments
+from rubnoise.simulation.area import ForceMoments, Sample, force_moments
+from rubnoise.simulation.kernels import Room
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.recurrence import advance_slider

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from bench.case import Case, Doubles
-from rubnoise.simulation.kernels import AREA_COEFFICIENTS
+from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS
 
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
 """The last two let gcc make vector instructions of a loop with sqrt and a choice in it."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled, compiled_bare
-from rubnoise.simulation.ticks import first_at_or_after
+from rubnoise.simulation.kernels.ticks import first_at_or_after
 
 Doubles = NDArray[np.float64]
 

@@ -9,8 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import inlined
-from rubnoise.simulation.kernels import AREA_COEFFICIENTS
-from rubnoise.simulation.lanes import WIDTH, fused, larger, load, polynomial, root, smaller, spread, store, where_above
+from rubnoise.simulation.kernels.lanes import (
+    WIDTH,
+    fused,
+    larger,
+    load,
+    polynomial,
+    root,
+    smaller,
+    spread,
+    store,
+    where_above,
+)
+from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS
 
 Doubles = NDArray[np.float64]
 
@@ -145,11 +156,12 @@ def add_series(
                 place = first + (n + 1) * _ROW
                 store(series, place, spread(_SCALES[n]) * load(series, place))
         at = bottom + PANEL * panel + 1
-        t = (load(position, at) - spread(position[at + PANEL // 2 - 1])) * per_half
-        value = spread(series[first + (TERMS - 1) * _ROW])
-        for n in range(TERMS - 2, -1, -1):
-            value = fused(value, t, spread(series[first + n * _ROW]))
-        store(total, at, load(total, at) + value)
+        if len(total) > 0:
+            t = (load(position, at) - spread(position[at + PANEL // 2 - 1])) * per_half
+            value = spread(series[first + (TERMS - 1) * _ROW])
+            for n in range(TERMS - 2, -1, -1):
+                value = fused(value, t, spread(series[first + n * _ROW]))
+            store(total, at, load(total, at) + value)
         if len(moments) > 0:
             mean, slope, bend = load(moments, at), load(moments, size + at), load(moments, 2 * size + at)
             for n in range(TERMS):

@@ -6,8 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.simulation.kernels_panels import BLOCK
-from rubnoise.simulation.ticks import place_ticks
+from rubnoise.simulation.kernels.taylor import BLOCK
+from rubnoise.simulation.kernels.ticks import place_ticks
 
 Doubles = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled_bare, inlined
-from rubnoise.simulation.kernels_ends import END, add_fall, add_kink, add_rise
-from rubnoise.simulation.kernels_panels import BLOCK, CHUNK, MARGIN, PANEL, SERIES, add_panels, add_series
+from rubnoise.simulation.kernels.ends import END, add_fall, add_kink, add_rise
+from rubnoise.simulation.kernels.taylor import BLOCK, CHUNK, MARGIN, PANEL, SERIES, add_panels, add_series
 
 Doubles = NDArray[np.float64]
 
@@ -44,9 +44,9 @@ def deposit_fine_lives(
 
     position (um): ``origin`` spacings and on, whole blocks; only what belongs to the indices from ``begin`` to ``end``
     is complete, with at least a block before and after them. birth, diameter, departure (um) and weight: one a
-    junction, in order of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long or
-    empty, the Legendre moments of it over the cell that ends at a position, in units of the spacing. Whatever was in
-    them is overwritten.
+    junction, in order of birth. weights: `cell_weights`, flat. total receives sum w a; moments, three times as long as
+    position, the Legendre moments of it over the cell that ends at a position, in units of the spacing. Either may be
+    empty; whatever was in them is overwritten.
     """
     centre = np.zeros(MARGIN + position.size // PANEL + MARGIN)
     centre[MARGIN:-MARGIN] = position[PANEL // 2 :: PANEL]
@@ -91,7 +91,7 @@ def deposit_by_chunks(
     while low < end:
         bottom, top = max(low, first), min(low + CHUNK, (end + BLOCK - 1) // BLOCK * BLOCK)
         series[:] = 0.0
-        cleared = _clear(cleared, top + BLOCK, total, moments)
+        cleared = _clear(cleared, min(top + BLOCK, len(position)), total, moments)
         while row < len(birth) and floor(birth[row] * per_spacing) - END - PANEL - origin < top:
             if diameter[row] < FINEST * spacing or departure[row] < birth[row] + 2.0 * diameter[row]:
                 other[others] = row
@@ -119,10 +119,10 @@ def deposit_by_chunks(
 @inlined
 def _clear(begin: int, end: int, total: Doubles, moments: Doubles) -> int:
     """Set sums and moments from ``begin`` to ``end`` to zero, and return where that ends: while they are at hand."""
-    size = len(total)
-    end = min(end, size)
-    total[begin:end] = 0.0
+    if len(total) > 0:
+        total[begin:end] = 0.0
     if len(moments) > 0:
+        size = len(moments) // 3
         for n in range(3):
             moments[n * size + begin : n * size + end] = 0.0
     return end

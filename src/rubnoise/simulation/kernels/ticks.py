@@ -18,18 +18,18 @@ def place_ticks(first: int, spacing: float, positions: Doubles) -> None:
 @compiled_bare
 def first_at_or_after(positions: Doubles, distance: float) -> int:
     """Return the first index whose position is not before a distance, or the number of positions."""
-    return _first_near(positions, _per_um(positions), distance)
+    return first_near(positions, per_um_of(positions), distance)
 
 
 @inlined
-def _per_um(positions: Doubles) -> float:
+def per_um_of(positions: Doubles) -> float:
     """Return how many positions there are to a um: roughly, where they are rounded or hardly any."""
     count = len(positions)
     return (count - 1) / (positions[count - 1] - positions[0]) if count > 1 else 0.0
 
 
 @inlined
-def _first_near(positions: Doubles, per_um: float, distance: float) -> int:
+def first_near(positions: Doubles, per_um: float, distance: float) -> int:
     """Return what `first_at_or_after` does from a guess at it, which costs nothing but time where it is wrong."""
     count = len(positions)
     if count == 0 or positions[count - 1] < distance:
@@ -53,10 +53,10 @@ def count_live(positions: Doubles, birth: Doubles, departure: Doubles, count: ND
     """
     ticks = len(positions)
     change = np.zeros(ticks + 1, np.int32)
-    per_um = _per_um(positions)
+    per_um = per_um_of(positions)
     for row in range(len(birth)):
-        change[_first_near(positions, per_um, birth[row])] += 1
-        change[_first_near(positions, per_um, departure[row])] -= 1
+        change[first_near(positions, per_um, birth[row])] += 1
+        change[first_near(positions, per_um, departure[row])] -= 1
     live = 0
     for tick in range(ticks):
         live += change[tick]

@@ -1,0 +1,208 @@
+"""Which way lives are summed: the one door to the compiled loops."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.contact.pulses import Shape
+from rubnoise.simulation.kernels import triangle
+from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
+from rubnoise.simulation.kernels.fine import FINEST, deposit_fine_lives
+from rubnoise.simulation.kernels.grid import Grid
+from rubnoise.simulation.kernels.lens import deposit_fine_moments
+from rubnoise.simulation.kernels.taylor import cell_weights
+from rubnoise.simulation.state import LiveRows
+
+Doubles = NDArray[np.float64]
+
+_CELL_WEIGHTS: Final = cell_weights().ravel()
+_NOTHING: Final = np.empty(0)
+
+_LONG: Final = 1024
+"""Cells that cost as much as to look at two stretches of lives, and not at one."""
+
+
+class Room:
+    """Memory that is used again from panel to panel: new memory would cost more than what is done in it."""
+
+    def __init__(self, at_once: int) -> None:
+        """Ask for so many numbers when there is the first need of any."""
+        self._at_once = at_once
+        self._moments = np.empty(0)
+        self._zeros = np.empty(0)
+
+    def numbers(self, count: int) -> Doubles:
+        """Return so many numbers, whatever they are, in place of those returned before."""
+        if self._moments.size < count:
+            self._moments = np.empty(max(count, self._at_once))
+        return self._moments[:count]
+
+    def zeros(self, count: int) -> Doubles:
+        """Return so many zeros, to be left as zeros, in place of those returned before."""
+        if self._zeros.size < count:
+            self._zeros = np.zeros(max(count, self._at_once))
+        return self._zeros[:count]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Deposited:
+    """What lives add up to at the positions wanted of a grid.
+
+    total: the sum of weight times area over d^2 at each; moments (3, positions): the Legendre moments of that sum,
+    int sum P_i(2y - 1) dy, over the cell that ends there, in units of the spacing. What was not asked for is empty.
+    """
+
+    total: Doubles
+    moments: Doubles
+
+
+def deposit(
+    shape: Shape, grid: Grid, rows: LiveRows, weight: Doubles, room: Room | None, *, areas: bool = True
+) -> Deposited:
+    """Add up lives of a shape, each with its weight, in order of birth.
+
+    With the weight d^2 the total is the real contact area (um^2), with psi d^2 (MPa um^2) the friction force (uN). A
+    life counts while birth <= s < departure. ``room``: where moments are wanted; they hold until it is used again.
+    ``areas``: whether the total is wanted.
+    """
+    size = grid.position.size
+    total = np.empty(size if areas else 0)
+    flat = _NOTHING if room is None else room.numbers(3 * size)
+    _WAYS[shape](grid, rows, weight, total, flat, room or Room(0))
+    wanted = grid.wanted
+    return Deposited(total=total[wanted] if areas else total, moments=flat.reshape(3, -1)[:, wanted] if room else flat)
+
+
+def _deposit_lenses(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, room: Room) -> None:
+    """Lives of many positions that take their course are summed as series, all others position by position."""
+    if not np.any(rows.diameter >= FINEST * grid.spacing):
+        total[:] = 0.0
+        _deposit_coarse(grid, grid.cells(), rows, weight, total, moments, room, added=0)
+        return
+    rest = _deposit_fine(grid, rows, weight, total, moments)
+    if rest.size:
+        others, other_weight = rows.at(rest), weight[rest]
+        # What would end a series early has no place in this way: its area is summed as that of the others.
+        narrow = others.diameter >= FINEST * grid.spacing
+        if narrow.any():
+            _deposit_with_narrow(grid, others, other_weight, narrow, total, moments, room)
+            return
+        for some in _apart(grid, others):
+            crowd = others.part(some.start, some.stop)
+            _deposit_coarse(grid, _edges_in_reach(grid, crowd), crowd, other_weight[some], total, moments, room)
+
+
+def _deposit_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> NDArray[np.int64]:
+    """Begin with lives of many positions that take their course; return the rows of the others."""
+    return deposit_fine_lives(
+        grid.position,
+        grid.origin,
+        grid.spacing,
+        grid.wanted.start,
+        grid.wanted.stop,
+        rows.birth,
+        rows.diameter,
+        rows.departure,
+        weight,
+        _CELL_WEIGHTS,
+        total,
+        moments,
+    )
+
+
+def _deposit_coarse(
+    grid: Grid,
+    edges: slice,
+    rows: LiveRows,
+    weight: Doubles,
+    total: Doubles,
+    moments: Doubles,
+    room: Room,
+    *,
+    unit: float | None = None,
+    added: int = 1,
+) -> None:
+    """Add lives position by position, in the cells between some edges; the unit of moments is the spacing, or given."""
+    deposit_coarse_lives(
+        grid.position,
+        unit or grid.spacing,
+        edges.start + 1,
+        edges.stop,
+        rows.birth,
+        rows.diameter,
+        rows.departure,
+        weight,
+        room.zeros(6 * grid.position.size) if moments.size else _NOTHING,
+        total,
+        moments,
+        added,
+    )
+
+
+def _deposit_with_narrow(
+    grid: Grid,
+    rows: LiveRows,
+    weight: Doubles,
+    narrow: NDArray[np.bool_],
+    total: Doubles,
+    moments: Doubles,
+    room: Room,
+) -> None:
+    """Add lives of which some have many positions and ended early: their moments come from quadrature.
+
+    Over a small part of a life differences of its integrals would lose what the cell is to gain.
+    """
+    if total.size:
+        _deposit_coarse(grid, grid.cells(), rows, weight, total, _NOTHING, room)
+    if moments.size:
+        found, edges = np.zeros_like(moments), grid.cells()
+        wide, few = np.flatnonzero(~narrow), rows.at(np.flatnonzero(narrow))
+        _deposit_coarse(grid, edges, rows.at(wide), weight[wide], _NOTHING, found, room, unit=1.0)
+        cells = np.ascontiguousarray(found.reshape(3, -1)[:, edges])
+        strength = weight[narrow] / (few.diameter * few.diameter)
+        deposit_fine_moments(grid.position[edges], few.birth, few.diameter, few.departure, strength, cells)
+        moments.reshape(3, -1)[:, grid.wanted] += cells[:, 1:] / grid.spacing
+
+
+def _deposit_triangles(
+    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, room: Room
+) -> None:
+    """Triangles are straight but for their kinks, at any position and in any cell."""
+    del room
+    if total.size:
+        at = grid.wanted
+        total[at] = 0.0
+        triangle.deposit_areas(grid.position[at], rows.birth, rows.diameter, rows.departure, weight, total[at])
+    if moments.size:
+        edges, strength = grid.cells(), weight / (rows.diameter * rows.diameter)
+        lives = (rows.birth, rows.diameter, rows.departure, strength)
+        cells = np.zeros((3, edges.stop - edges.start))
+        triangle.deposit_moments(grid.position[edges], grid.spacing, *lives, cells)
+        np.divide(cells[:, 1:], grid.spacing, out=moments.reshape(3, -1)[:, grid.wanted])
+
+
+def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:
+    """Yield the rows by stretches between which nothing lives for long.
+
+    A few lives, as where some are coarser than others, should not cost a pass over all cells.
+    """
+    last_death = np.maximum.accumulate(rows.death)
+    borders = np.flatnonzero(rows.birth[1:] - last_death[:-1] > _LONG * grid.spacing) + 1
+    for first, end in pairwise([0, *borders.tolist(), len(rows)]):
+        yield slice(first, end)
+
+
+def _edges_in_reach(grid: Grid, rows: LiveRows) -> slice:
+    """Return the indices of the edges of those cells wanted in which any of the lives can be."""
+    cells = grid.cells()
+    edges = grid.position[cells]
+    first = max(int(np.searchsorted(edges, rows.birth.min())) - 1, 0)
+    end = min(int(np.searchsorted(edges, rows.death.max())) + 1, edges.size)
+    return slice(cells.start + first, cells.start + max(end, first + 1))
+
+
+_WAYS: Final = {"lens": _deposit_lenses, "triangle": _deposit_triangles}
