@@ -13,7 +13,7 @@ from bench.entrants import Entrant, areas, runs
 from bench.peers import c_kernel, naive_numpy, naive_simpy, numba_loops, sliders
 from bench.plan import FULL, QUICK
 
-from rubnoise.simulation.kernels_fine import FINEST
+from rubnoise.simulation.kernels.fine import FINEST
 
 ELSEWHERE = {"peers.superposed"}
 """Their libraries are in the benchmark's environment only."""

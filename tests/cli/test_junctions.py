@@ -48,10 +48,11 @@ def test_rows_are_shown_below_names_and_units(lives: Path) -> None:
 
 
 def test_columns_that_are_asked_about_are_shown(lives: Path) -> None:
-    heading = call("junctions", "l.h5", "--where", "birth_time > 1 ms", "--sort", "life_distance").out.splitlines()[2]
-    wanted = ["junction", "birth_distance", "life_distance", "diameter", "max_area", "birth_time", "state"]
-    assert heading.split() == wanted
-    assert len(heading) <= 80
+    lines = call("junctions", "l.h5", "--where", "birth_time > 1 ms", "--sort", "life_distance").out.splitlines()
+    wanted = ["junction", "birth_distance", "life_distance", "diameter", "max_area", "birth_time"]
+    assert lines[2].split()[:6] == wanted
+    assert any("state" in line.split() for line in lines)
+    assert max(map(len, lines)) <= 80
 
 
 def test_text_shows_twenty_rows_and_says_how_many_more(result: Path) -> None:

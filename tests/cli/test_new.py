@@ -5,14 +5,15 @@ import tomllib
 from pathlib import Path
 
 from rubnoise.scenario import loads
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS
 from rubnoise.scenario.sweep import load_sweep
 from rubnoise.scenario.sweep_settings import Sweeping
 from rubnoise.scenario.template import template
 from tests.cli.terminal import call, names
 
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
-ELSEWHERE = ("extends", "damping_ratio")  # one needs another file, the other excludes damping
+# One needs another file, one excludes damping, and the others belong to laws that take no spread.
+ELSEWHERE = ("extends", "damping_ratio", *LAW_SAMPLES)
 
 
 def _everything() -> str:

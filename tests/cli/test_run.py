@@ -215,7 +215,7 @@ def test_a_scenario_that_is_none_is_refused_and_nothing_written(here: Path, cont
 def test_a_folder_is_no_scenario(here: Path) -> None:
     answer = call("run", "..")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "..: cannot be read: is a directory\n"
+    assert answer.err == "..: is not a regular file\n"
 
 
 @pytest.mark.parametrize(

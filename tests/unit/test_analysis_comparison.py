@@ -36,7 +36,7 @@ RIGHT = {
         model(slider=None, distance=20_000.0, tick=0.2), strengths=Lognormal(mean=250.0, std=100.0)
     ),
     "at rest": model(distance=10_000.0, tick=0.5, slider=replace(QUICK, start="rest"), speed=100.0),
-    "regular": replace(bare(distance=3000.0, tick=0.2), births=RegularBirths(mean_spacing=0.55)),
+    "regular": bare(distance=3000.0, tick=0.2, births="regular"),
 }
 
 

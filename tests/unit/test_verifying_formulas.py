@@ -126,6 +126,8 @@ def test_a_step_of_the_slider_is_that_of_another_derivation(damping: float, widt
 def test_all_but_blocks_made_again_share_nothing_with_the_simulation() -> None:
     used = {path.name: simulation_modules(path.read_text(encoding="utf-8")) for path in FOLDER.glob("*.py")}
     assert "rubnoise.simulation.run" in used.pop(MADE_AGAIN)
+    # The constants of the slider's step stand in the file as attributes, to the last bit: they are made again as well.
+    assert used.pop("attributes.py") == {"rubnoise.simulation.run"}
     assert not set().union(*used.values())
 
 

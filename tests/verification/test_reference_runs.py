@@ -143,6 +143,6 @@ def test_a_start_from_nothing_is_not_stationary() -> None:
 def test_a_start_with_sizes_as_they_are_born_is_not_stationary() -> None:
     law = WIDE.sizes
     assert isinstance(law, Normal)
-    wrong = replace(WIDE, sizes=PlainStart(mean=law.mean, std=law.std))
+    wrong = replace(WIDE, sizes=PlainStart(centre=law.centre, std=law.std))
     z = mean_score(short_means(wrong, "unbiased"), expected(WIDE)["area_mean"], standard_errors(WIDE).mean)
     assert z < -REJECTED

@@ -19,6 +19,7 @@ from rubnoise.storage.described import description
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.place import between, digest_of, places_of
 from rubnoise.storage.provenance import package_version
+from rubnoise.storage.schema import HASH
 from rubnoise.storage.soundness import ATTRIBUTE_BYTES, ATTRIBUTES_LIMIT, LINKS_LIMIT, has_hard_link
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
 from rubnoise.storage.survey import found_in, surveying
@@ -26,8 +27,8 @@ from rubnoise.storage.survey import found_in, surveying
 STRUCTURE_LIMIT: Final = 8 * 1024**2
 """Bytes that are no rows, at most: a part has some 100 kB of them, and the texts of its scenario."""
 
-OTHER_VERSIONS: Final = frozenset({("/", "source")})
-"""Attributes that tell which version of the program began a run."""
+ELSEWHERE: Final = frozenset({("/", "attribute source"), ("/provenance", f"attribute {HASH}")})
+"""Attributes that say which version of the program began a run, and the hash that goes with them: checked by value."""
 
 package_version("rubnoise")  # looked up now: a child process may open no file
 
@@ -84,7 +85,7 @@ def _differing(path: str, there: Attributes, expected: Attributes) -> Iterator[s
             yield f"{what} is missing"
         elif name not in expected:
             yield f"{what} belongs to no run"
-        elif there[name] != expected[name] and (path, name) not in OTHER_VERSIONS:
+        elif there[name] != expected[name] and (path, name) not in ELSEWHERE:
             yield f"{what} is not that of a run"
 
 

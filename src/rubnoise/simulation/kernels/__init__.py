@@ -40,7 +40,7 @@ What must stay
 
 - Bits. Sums go in order of birth, products are fused where the source says ``fused`` and nowhere else, no fastmath.
   What is stored must not depend on where a run is cut into panels: chunks of series begin at whole multiples from the
-  run's start, and how many terms a panel has depends on its place in its life alone. tests/golden has hashes of all ways.
+  run's start, and how many terms a panel has depends on its place in its life alone. tests/golden has their hashes.
 - Room. Vectors of eight read and write beyond what is wanted: a `Grid` has a whole block of positions before and after
   it, and what lands there is thrown away. ``gathered`` is zero before and after each call.
 - The polynomials come from tools/kernel_coefficients.py, fitted at 45 digits; a test holds the files against the tool.
