@@ -1,6 +1,7 @@
 """Every command beside every fault of what it reads and where it writes: one line with the path, and nothing made."""
 
 import fcntl
+import json
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
+from tests.architecture.sources import ROOT
 from tests.cli.terminal import WITH_SLIDER, call, names
 
 READERS = {
@@ -332,3 +334,41 @@ def test_the_index_of_a_sweep_may_be_no_pipe_either(place: Path) -> None:
     for command in OF_SWEEPS:
         answer = call(command, "sweep")
         assert (answer.code, answer.err) == (2, "sweep/index.h5: is not a regular file\n")
+
+
+CALLS = """
+import json, sys
+from tests.cli.terminal import call
+answers = [call(*words) for words in json.loads(sys.argv[1])]
+print(json.dumps([(answer.code, answer.out, answer.err) for answer in answers]))
+"""
+
+
+def test_what_may_not_be_read_is_refused_in_a_line(place: Path, unprivileged: tuple[str, ...]) -> None:
+    """Both where a file is closed and where its folder is; for each command that reads, and for parts and sweeps."""
+    closed = place / "closed"
+    closed.mkdir()
+    for name in ("good.h5", "scenario.toml"):
+        (place / name).chmod(0o000)
+        (closed / name).write_bytes(b"")
+    (place / "good.h5.part").touch(0o000)
+    (place / "sweep").mkdir(0o000)
+    (place / "extending.toml").write_text('format = 1\nextends = "scenario.toml"\n')
+    closed.chmod(0o000)
+    calls = [[name, f"{where}good.h5", *READERS[name]] for name in READERS for where in ("", "closed/")]
+    calls += [[name, f"{where}scenario.toml", *SCENARIO_READERS[name]] for name in ("check", "run", "theory")
+              for where in ("", "closed/")]  # fmt: skip
+    calls += [["info", "good.h5.part"], ["info", "closed/good.h5.part"], ["info", "sweep"], ["plot", "sweep"], ["verify", "sweep"]]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [*unprivileged, sys.executable, "-c", CALLS, json.dumps(calls)],
+        capture_output=True, text=True, check=False, env=environment,
+    )  # fmt: skip
+    for path in (closed, place / "sweep"):
+        path.chmod(0o755)
+    assert done.returncode == 0, done.stderr
+    for words, (code, out, err) in zip(calls, json.loads(done.stdout), strict=True):
+        assert (code, out) == (2, ""), words
+        assert err.startswith(words[1]), words
+        assert err.endswith(": permission denied\n"), words
+        assert err.count("\n") == 1, words

@@ -56,10 +56,20 @@ def verify_sweep(
     """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
 
     ``regenerate``: how many blocks of each run to make again; ``watch`` is told how many runs of how many were looked
-    at. Raises RunFileRefused for a folder that is not that of a sweep, or on which a sweep is at work.
+    at. Raises RunFileRefused for a folder that is not that of a sweep, that cannot be read, or on which a sweep is at
+    work.
     """
     place = SweepFolder(Path(folder))
-    if not place.root.is_dir() or not (place.manifest.exists() or place.index.exists()):
+    try:
+        return _verified(place, regenerate, watch)
+    except OSError as problem:  # a folder in it may be closed to who asks, or be on a disk that fails
+        reason = (problem.strerror or str(problem)).lower()
+        raise RunFileRefused(f"{problem.filename or place.root}: {reason}") from problem
+
+
+def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification:
+    folder = place.root
+    if not folder.is_dir() or not (place.manifest.exists() or place.index.exists()):
         raise RunFileRefused(f"{folder}: is not a sweep folder: it has neither {MANIFEST} nor index.h5")
     if place.is_at_work():
         raise RunFileRefused(f"{folder}: another process is at work on this sweep")

@@ -56,10 +56,11 @@ def command(
     from rubnoise.cli.progress import on_terminal, watching_reads
     from rubnoise.cli.results import finished_run
     from rubnoise.errors import RunDiffers
+    from rubnoise.regular_file import is_folder
 
     if regenerate is not None and regenerate < 1:
         raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number of blocks; it is 1 or more")
-    if file.is_dir():
+    if is_folder(file):
         found = _of_folder(file, regenerate or 0, shown=not as_json)
     else:
         with finished_run(file) as run, watching_reads(run, shown=on_terminal() and not as_json):
@@ -81,8 +82,10 @@ def _of_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
 
 def contents(found: "Verification", file: Path) -> dict[str, Any]:
     """Return a verification by name."""
+    from rubnoise.regular_file import is_folder
+
     return {
-        "folder" if file.is_dir() else "file": str(file),
+        "folder" if is_folder(file) else "file": str(file),
         "verified": not found.different,
         "different": [check.name for check in found.different],
         "checks": {check.name: _fields(check) for check in found.checks},
@@ -93,8 +96,10 @@ def contents(found: "Verification", file: Path) -> dict[str, Any]:
 def described(found: "Verification", file: Path) -> Iterator[str]:
     """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
     from rubnoise.cli.layout import grouped, printable, remark
+    from rubnoise.regular_file import is_folder
 
-    parts = "its description, its journals and its runs" if file.is_dir() else "its hashes, its rows and its scenario"
+    of_folder, of_file = "its description, its journals and its runs", "its hashes, its rows and its scenario"
+    parts = of_folder if is_folder(file) else of_file
     yield f"{printable(str(file))}: compared with {parts}"
     yield f"\n{'check':<24}{'values':>16}{'different':>14}"
     for check in found.checks:
