@@ -2,7 +2,8 @@
 
 Every file goes to `verify` and to one other command in turn, each in a process of its own with limits on time and
 memory. Counted are crashes, hangs, tracebacks, files opened that nobody asked for, and files of which verify says that
-all is well though plain h5py reads something else from them than from the good one. Exit code 1 where there is any.
+all is well though plain h5py reads something else from them than from the good one. Parts and journals of runs that did
+not finish go to `resume`, or to the same `run`; what it publishes has to be the result. Exit code 1 where there is any.
 """
 
 import argparse
@@ -26,6 +27,9 @@ from fuzz.hostile import CONSTRUCTIONS, make, make_canary  # noqa: E402
 from fuzz.isolated import Outcome, called, isolated  # noqa: E402
 from fuzz.truth import values  # noqa: E402
 from fuzz.watching import watched  # noqa: E402
+from survival.finding import Outcome as Resumed  # noqa: E402
+from survival.flips import OTHER, Stage, resumed, stages_of  # noqa: E402
+from survival.stories import SMALL, Story  # noqa: E402
 
 SCENARIO = """\
 format = 1
@@ -74,6 +78,8 @@ GOOD = 0
 ENDS = (0, 2, 3)
 """Done, refused, or found to differ; nothing else may come of a file, whatever is in it."""
 
+RESUMED = 0.75
+"""Share of the damaged parts that `resume` is given; the others are left to the same `run`."""
 
 Task = Callable[[int, Sequence[int]], "tuple[Counter[str], list[Finding]]"]
 
@@ -173,6 +179,26 @@ def constructions(_seed: int, numbers: Sequence[int]) -> tuple[Counter[str], lis
     return counts, found
 
 
+def parts(seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Finding]]:
+    """Damage the part or the journal of runs that did not finish, by numbers, and resume them."""
+    counts: Counter[str] = Counter()
+    found: list[Finding] = []
+    stages: list[tuple[Story, Stage]] = [(story, stage) for story in SMALL for stage in stages_of(story)]
+    for number in numbers:
+        random = Random(f"{seed}/part/{number}")  # noqa: S311  (damage is no secret)
+        story, stage = stages[number % len(stages)]
+        name = random.choice(sorted(stage.files))
+        damage, changed = damaged(stage.files[name], stages[(number + 1) % len(stages)][1].files[stage.part], random)
+        again, outcome = random.random() < RESUMED, Resumed()
+        counts[f"part: {damage}"] += 1
+        with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as folder:
+            for wrong in resumed(outcome, story, stage, {name: changed}, Path(folder), again=again):
+                if damage not in SEALED or not wrong.startswith(OTHER):
+                    file = f"{damage} {number} of {name}, {story.name}, {stage.name}"
+                    found.append(Finding(fault=wrong, file=file, command="resume" if again else "run", said=""))
+    return counts, found
+
+
 def _findings(outcome: Outcome, name: str, words: Sequence[str]) -> Iterator[Finding]:
     if fault := outcome.fault(*ENDS):
         yield Finding(fault=fault, file=name, command=words[0], said=outcome.err.strip())
@@ -182,6 +208,7 @@ def main() -> int:
     """Throw the files, print what came of them."""
     parser = argparse.ArgumentParser(description=__doc__.partition(":")[0])
     parser.add_argument("--count", type=int, default=1000, help="damaged files (1000)")
+    parser.add_argument("--parts", type=int, default=200, help="damaged parts and journals (200)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the damage (1)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", type=int, nargs="*", help="the numbers of the damaged files to throw once more")
@@ -189,6 +216,7 @@ def main() -> int:
     numbers: list[int] = list(range(asked.count)) if asked.only is None else asked.only
     tasks: list[tuple[Task, list[int]]] = [(mutations, numbers[job :: asked.jobs]) for job in range(asked.jobs)]
     if asked.only is None:
+        tasks += [(parts, list(range(asked.parts))[job :: asked.jobs]) for job in range(asked.jobs)]
         tasks += [(constructions, list(range(len(CONSTRUCTIONS)))[job :: asked.jobs]) for job in range(asked.jobs)]
     counts: Counter[str] = Counter()
     found: list[Finding] = []

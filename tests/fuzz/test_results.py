@@ -13,9 +13,10 @@ from fuzz.hostile import CONSTRUCTIONS, Construction, make
 from fuzz.isolated import called, isolated
 from fuzz.truth import values
 from fuzz.watching import watched
-from fuzz_results import COMMANDS, KINDS, Judge, mutations
+from fuzz_results import COMMANDS, KINDS, Judge, mutations, parts
 
 from rubnoise.storage.reader import open_run
+from tests.unit.tampering import tell
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the limits are those of Linux")
 FEW = 24
@@ -37,6 +38,21 @@ def test_hostile_files_do_no_harm(judge: Judge, construction: Construction) -> N
     path, number = judge.folder / "hostile.h5", CONSTRUCTIONS.index(construction)
     make(construction, judge.good["none"], path, judge.canary)
     assert list(judge.judged(path, construction.__name__, "none", number, forged=True)) == []
+
+
+def test_a_change_that_verify_missed_would_be_seen(judge: Judge) -> None:
+    """A change that is sealed again is good to verify; not said to be forged, it stands for one missed."""
+    path = judge.folder / "changed.h5"
+    path.write_bytes(judge.good["none"].read_bytes())
+    tell(path, "provenance", "command", "rubnoise run another.toml")
+    (finding,) = judge.judged(path, "changed", "none", 0, forged=False)
+    assert finding.fault == "changed, and called good"
+
+
+def test_damaged_parts_are_refused_or_resumed() -> None:
+    counts, found = parts(1, range(FEW))
+    assert counts.total() == FEW
+    assert found == []
 
 
 def test_a_file_that_was_opened_would_be_seen(judge: Judge) -> None:

@@ -17,6 +17,7 @@ from survival.stories import NAME, SMALL, Story, chance, contents, differences
 from survival.writes import recorded
 
 VERIFY = ("verify", NAME)
+OTHER = "published, verified, and yet other than it was"
 KEPT = 0.5
 """Share of the calls of a run after which it is stopped half-way."""
 
@@ -62,7 +63,8 @@ def flips(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
         bit, again = random.randrange(stage.bits), random.random() < 0.75
         where = f"{turn}: {story.name}, {stage.name}, bit {bit}"
         with TemporaryDirectory(prefix="rubnoise-") as name:
-            for wrong in _gone_on(outcome, story, stage, bit, Path(name), again=again):
+            turned = {stage.part: stage.turned(bit)}
+            for wrong in resumed(outcome, story, stage, turned, Path(name), again=again):
                 outcome.find(f"{where}, {'resume' if again else 'run'}: {wrong}")
     return outcome
 
@@ -103,10 +105,15 @@ def _places(column: h5py.Dataset) -> Iterator[tuple[int, int]]:
         yield about.byte_offset, about.byte_offset + about.size
 
 
-def _gone_on(outcome: Outcome, story: Story, stage: Stage, bit: int, folder: Path, *, again: bool) -> Iterator[str]:
-    for name, content in stage.files.items():
+def resumed(
+    outcome: Outcome, story: Story, stage: Stage, changed: Mapping[str, bytes], folder: Path, *, again: bool
+) -> Iterator[str]:
+    """Yield what is wrong with how `resume`, or the same `run` once more, takes the files of a run that did not finish.
+
+    ``changed``: contents by name, in place of those of the stage; all are put into the folder, which is empty.
+    """
+    for name, content in {**stage.files, **changed}.items():
         (folder / name).write_bytes(content)
-    (folder / stage.part).write_bytes(stage.turned(bit))
     (folder / SCENARIO).write_text(story.text, encoding="utf-8")
     given = ["resume", stage.part, "-q"] if again else words(story)
     ending = isolated(lambda: command(given, folder))
@@ -135,7 +142,7 @@ def _published(outcome: Outcome, story: Story, folder: Path, *, whole: bool) -> 
     except (OSError, KeyError, ValueError, RuntimeError) as problem:
         wrong = [f"unreadable: {problem}"]
     if wrong:
-        yield f"published, verified, and yet other than it was: {wrong}"
+        yield f"{OTHER}: {wrong}"
 
 
 def _verify_here(story: Story) -> None:
