@@ -14,6 +14,7 @@ from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
+from rubnoise.sweep import found
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
 BARE, COMPRESSED = SMALL[2], SMALL[3]
@@ -88,6 +89,13 @@ def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> No
 def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps, "settle", lambda _: {})
     assert any("unreadable" in finding for finding in sweeps.sweeps(9, seed=3, stories=(BARE,)).findings)
+
+
+def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(found, "clear_unsettled", lambda *_: None)
+    findings = sweeps.sweeps(30, seed=3, stories=(BARE,)).findings
+    assert any("is not the result of this run" in finding for finding in findings)
+    assert any(".h5.part: " in finding for finding in findings)
 
 
 def test_bits_that_turn_get_no_final_name() -> None:
