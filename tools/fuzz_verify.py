@@ -2,29 +2,30 @@
 
 Every change is one of an attribute, a unit, a hash, a value, a column or a group, with the hashes put right where
 values changed; in half of the files the hash of the attributes is put right, too. Each has to be named with exit code
-3, or refused by name with 2. A change that nothing in the file can tell, as docs/verifying.md lists them, counts apart,
-and only where the hash of the attributes was put right. Exit code 1 where anything else goes unnoticed.
+3, or refused by name with 2; so has each change of the folder of a sweep: of its files, their names and their bits. A
+change that nothing in the file can tell, as docs/verifying.md lists them, counts apart, and only where the hash of the
+attributes was put right. Exit code 1 where anything else goes unnoticed.
 """
 
 import argparse
-import os
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import redirect_stderr, redirect_stdout, suppress
+from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
 from random import Random
+from shutil import copytree, rmtree
 
 import h5py
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
-from fuzz import change_attributes, change_columns  # noqa: E402
+from fuzz import change_attributes, change_columns, change_folder  # noqa: E402
 from fuzz.changing import Change, Place, Places, put_seal  # noqa: E402
 from fuzz.hidden import is_hidden  # noqa: E402
 from fuzz.isolated import called, isolated  # noqa: E402
@@ -61,6 +62,13 @@ KINDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "extended": ('extends = "everything.toml"\nformat = 1\n[run]\nseed = 7\n', ()),
 }
 """The scenarios of the right results, and the options with which they are run."""
+
+SWEEP = """\
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_junction_count = [5, 8]
+"""
 
 CHANGES = (*change_attributes.CHANGES, *change_columns.CHANGES)
 VERIFY = ("verify", "changed.h5", "--regenerate", "99")
@@ -102,8 +110,8 @@ class Judge:
             scenario = folder / ("everything.toml" if name == "everything" else f"kind_{number}.toml")
             scenario.write_text(text, encoding="utf-8")
             self.right[name] = folder / f"kind_{number}.h5"
-            self._load(("run", scenario.name, "-q", "-o", self.right[name].name, *options))
-            self._load(("verify", self.right[name].name, "--regenerate", "99"))
+            load(folder, ("run", scenario.name, "-q", "-o", self.right[name].name, *options))
+            load(folder, ("verify", self.right[name].name, "--regenerate", "99"))
 
     def judge(self, change: Change, kind: str, random: Random, *, sealed: bool, tally: Tally) -> None:
         """Change a copy of a right result and put it to verify."""
@@ -136,11 +144,37 @@ class Judge:
             if everything(path) != right:
                 return places
 
-    def _load(self, words: Sequence[str]) -> None:
-        from rubnoise.cli.app import main
 
-        here = Path.cwd()
-        os.chdir(self.folder)
+class FolderJudge:
+    """Makes the folder of a sweep, changes copies of it, and asks verify."""
+
+    def __init__(self, folder: Path) -> None:
+        """Carry out the sweep, and load now what verify loads."""
+        self.folder = folder
+        (folder / "sweep.toml").write_text(HEAD.format(title=TITLE) + STRENGTH + SLIDING + OUTPUT + SWEEP, "utf-8")
+        load(folder, ("sweep", "sweep.toml", "-q", "-o", "right", "--jobs", "1"))
+        load(folder, ("verify", "right"))
+
+    def judge(self, change: change_folder.FolderChange, random: Random, tally: Tally) -> None:
+        """Change a copy of the folder and put it to verify."""
+        rmtree(self.folder / "changed", ignore_errors=True)
+        copytree(self.folder / "right", self.folder / "changed")
+        names = change(self.folder / "changed", random)
+        outcome = called(("verify", "changed"), self.folder)
+        name, said = change.__name__, outcome.out + outcome.err
+        if fault := outcome.fault(DIFFERS, REFUSED):
+            tally.found.append(f"{name} of a folder, {names[0]}: {fault}: {outcome.err.strip()[-400:]}")
+        elif not any(each in said for each in names):
+            tally.found.append(f"{name} of a folder, {names[0]}: not named: {outcome.err.strip()[-400:]}")
+        else:
+            (tally.refused if outcome.code == REFUSED else tally.named)[name] += 1
+
+
+def load(folder: Path, words: Sequence[str]) -> None:
+    """Call a command in this process, so that copies of it have what it loads."""
+    from rubnoise.cli.app import main
+
+    with chdir(folder):
         sys.argv = ["rubnoise", *words]
         try:
             with redirect_stdout(StringIO()) as out, redirect_stderr(StringIO()) as said:
@@ -148,8 +182,6 @@ class Judge:
         except SystemExit as left:
             if left.code:
                 raise RuntimeError(f"{words}: {out.getvalue()}{said.getvalue()}") from left
-        finally:
-            os.chdir(here)
 
 
 def _names(told: str, place: Place) -> bool:
@@ -177,10 +209,22 @@ def judged(seed: int, numbers: Sequence[int]) -> Tally:
     return tally
 
 
+def folders_judged(seed: int, numbers: Sequence[int]) -> Tally:
+    """Judge changes of the folder of a sweep by their numbers."""
+    tally = Tally()
+    with tempfile.TemporaryDirectory(prefix="rubnoise-fuzz-") as name:
+        judge = FolderJudge(Path(name))
+        for number in numbers:
+            random = Random(f"{seed}/folder/{number}")  # noqa: S311  (no secret)
+            judge.judge(change_folder.CHANGES[number % len(change_folder.CHANGES)], random, tally)
+    return tally
+
+
 def main() -> int:
     """Change results, print what came of it."""
     parser = argparse.ArgumentParser(description=__doc__.partition(":")[0])
     parser.add_argument("--count", type=int, default=550, help="changes (550)")
+    parser.add_argument("--folders", type=int, default=100, help="changes of the folder of a sweep (100)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the changes (1)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (2)")
     parser.add_argument("--only", type=int, nargs="*", help="the numbers of the changes to make once more")
@@ -188,8 +232,13 @@ def main() -> int:
     numbers: list[int] = list(range(asked.count)) if asked.only is None else asked.only
     tally = Tally()
     with ProcessPoolExecutor(asked.jobs) as pool:
-        for some in pool.map(judged, [asked.seed] * asked.jobs, [numbers[n :: asked.jobs] for n in range(asked.jobs)]):
-            tally.add(some)
+        seeds = [asked.seed] * asked.jobs
+        for task, all_of_them in (
+            (judged, numbers),
+            (folders_judged, range(asked.folders if asked.only is None else 0)),
+        ):
+            for some in pool.map(task, seeds, [all_of_them[n :: asked.jobs] for n in range(asked.jobs)]):
+                tally.add(some)
     return told(tally)
 
 
