@@ -68,8 +68,7 @@ def _group(group: Group) -> Iterator[str]:
     scale = group.columns[0].name
     yield f"### /{group.name}"
     yield ""
-    since = ", but not in files of early development versions" if group.added else ""
-    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {NEEDS[group.needs]}{since}."
+    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {NEEDS[group.needs]}."
     yield f"Dimension scale: `{scale}`. Drawn by viewers: `{group.plotted}` against it."
     yield ""
     yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))

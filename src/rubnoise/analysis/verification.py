@@ -1,7 +1,6 @@
 """A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
 
 from collections.abc import Sequence
-from typing import Final
 
 from rubnoise.analysis.stored_model import stored_scenario
 from rubnoise.analysis.verifying.attributes import attribute_checks
@@ -9,7 +8,7 @@ from rubnoise.analysis.verifying.blocks import block_check
 from rubnoise.analysis.verifying.contact import contact_checks
 from rubnoise.analysis.verifying.derived import curve_check, summary_check
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
-from rubnoise.analysis.verifying.hashes import hash_check, is_early, unreadable
+from rubnoise.analysis.verifying.hashes import hash_check, unreadable
 from rubnoise.analysis.verifying.lives import life_checks
 from rubnoise.analysis.verifying.origin import cells_per_tick, layout_check, need_same_streams, origin_check
 from rubnoise.analysis.verifying.scenario_text import scenario_check
@@ -18,8 +17,6 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.storage.reader import RunFile
-
-EARLY: Final = "the file is of an early development version, which knew neither /blocks nor a hash of attributes"
 
 
 def verify(run: RunFile, regenerate: int = 0) -> Verification:
@@ -44,8 +41,6 @@ def verify(run: RunFile, regenerate: int = 0) -> Verification:
     checks = [hashes, layout, *attribute_checks(scenario, run, run.inventory()), text]
     if not layout.holds:
         return _stopped(checks, "the columns are not those of the scenario", left_out)
-    if is_early(run):
-        left_out.append(LeftOut(name="hash of the attributes", reason=EARLY))
     return _asked(scenario, run, regenerate, checks, left_out)
 
 
@@ -73,10 +68,7 @@ def _of_sums(model: Model, run: RunFile, left_out: list[LeftOut]) -> list[Check]
         checks.append(summary_check(model, run))
     else:
         left_out.append(LeftOut(name="summary", reason="the columns that it sums up differ"))
-    if is_early(run):
-        left_out.append(LeftOut(name="blocks", reason=EARLY))
-    else:
-        checks.append(block_check(model, run))
+    checks.append(block_check(model, run))
     return checks
 
 

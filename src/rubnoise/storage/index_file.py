@@ -56,7 +56,7 @@ class IndexFile:
 
     @property
     def seal(self) -> str | None:
-        """The hash that the index keeps of all that it says; None in one of an early development version."""
+        """The hash that the index keeps of all that it says; None where it has none."""
         return self._seal
 
     @property

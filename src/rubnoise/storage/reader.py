@@ -140,7 +140,7 @@ class RunFile:
 
     @property
     def seal(self) -> str | None:
-        """The hash that the file keeps of its attributes; None in a file of an early development version."""
+        """The hash that the file keeps of its attributes; None where it has none."""
         return self._value(self._found["seal"])
 
     def inventory(self) -> "Inventory":

@@ -47,7 +47,7 @@ def read_provenance(file: h5py.File) -> dict[str, Scalar]:
 
 
 def read_seal(file: h5py.File) -> str | None:
-    """Return the hash that a file keeps of its attributes; None for a file of an early development version."""
+    """Return the hash that a file keeps of its attributes; None where it has none."""
     group = sound_group(file, "provenance")
     return read_text(group, HASH) if h5py.h5a.exists(group.id, HASH.encode()) else None
 

@@ -13,7 +13,6 @@ from typing import Final
 
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.forms import VERSION, command_form, digits_form, moment, moment_form, parsed
-from rubnoise.analysis.verifying.hashes import is_early
 from rubnoise.analysis.verifying.inventories import compare_attributes, compare_structure
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.scenario import Scenario
@@ -23,7 +22,7 @@ from rubnoise.storage.inventory import Inventory, expected_inventory
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.provenance import Provenance, environment, software
 from rubnoise.storage.reader import RunFile
-from rubnoise.storage.schema import BLOCKS, HASH, Scalar
+from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.streams import STREAM_VERSION
 
 
@@ -135,9 +134,6 @@ RULES: Final[Mapping[tuple[str, str], Asked]] = {
 def attribute_checks(scenario: Scenario, run: RunFile, found: Inventory) -> list[Check]:
     """Return whether a file has the groups, columns and attributes that a run of its scenario has, and no others."""
     expected = expected_inventory(_description(scenario, run))
-    if is_early(run):
-        del expected["/provenance"]["attributes"][HASH]
-        expected = {path: about for path, about in expected.items() if not f"{path}/".startswith(f"/{BLOCKS.name}/")}
     structure, attributes = Notes("structure"), Notes("attributes")
     compare_structure(structure, found, expected)
     subject = Subject(scenario=scenario, provenance=run.provenance)

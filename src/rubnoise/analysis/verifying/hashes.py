@@ -6,7 +6,7 @@ from rubnoise.analysis.verifying.findings import Check, Difference
 from rubnoise.analysis.verifying.reading import PANEL_ROWS
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.reader import RunFile
-from rubnoise.storage.schema import BLOCKS, HASH
+from rubnoise.storage.schema import HASH
 from rubnoise.storage.seal import seal_of
 
 SEAL: Final = f"/provenance {HASH}"
@@ -14,22 +14,12 @@ SEAL: Final = f"/provenance {HASH}"
 
 def hash_check(run: RunFile) -> Check:
     """Return whether every column can be read and has the xxh3_128 beside it, and all attributes together theirs."""
-    values = sum(run.rows(group) * len(names) for group, names in run.columns.items())
+    values = sum(run.rows(group) * len(names) for group, names in run.columns.items()) + 1
     damaged = run.damaged()
     wrong = [_column_difference(run, damaged[0])] if damaged else []
-    if not is_early(run):
-        values += 1
-        wrong += [difference for difference in [_seal_difference(run)] if difference]
+    wrong += [difference for difference in [_seal_difference(run)] if difference]
     different = len(damaged) + len(wrong) - bool(damaged)
     return Check(name="hashes", values=values, different=different, first=wrong[0] if wrong else None)
-
-
-def is_early(run: RunFile) -> bool:
-    """Whether a file was written by a development version that knew neither /blocks nor a hash of attributes.
-
-    Whoever takes one of the two from a later file leaves the other, which tells.
-    """
-    return BLOCKS.name not in run.columns and run.seal is None
 
 
 def unreadable(run: RunFile) -> list[str]:

@@ -6,7 +6,6 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.hashes import is_early
 from rubnoise.analysis.verifying.motion import cell_motion
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.errors import Refused
@@ -14,7 +13,6 @@ from rubnoise.model import Model, Slider
 from rubnoise.scenario import Scenario
 from rubnoise.storage.layout import features_of, stored_columns, stored_groups
 from rubnoise.storage.reader import RunFile
-from rubnoise.storage.schema import BLOCKS
 from rubnoise.streams import STREAM_VERSION
 
 CONSTANTS: Final = "/provenance propagator_constants"
@@ -32,9 +30,8 @@ def layout_check(model: Model, run: RunFile) -> Check:
     """Return whether a file has the groups, columns and ticks that a run of its scenario has."""
     notes, features = Notes("layout"), features_of(model)
     for group in stored_groups(features):
-        if group != BLOCKS or not is_early(run):
-            expected = tuple(column.name for column in stored_columns(group, features))
-            notes.say(f"/{group.name}", found=tuple(run.columns.get(group.name, ())), expected=expected)
+        expected = tuple(column.name for column in stored_columns(group, features))
+        notes.say(f"/{group.name}", found=tuple(run.columns.get(group.name, ())), expected=expected)
     notes.say("/trace rows", found=run.rows("trace"), expected=model.tick_count + 1)
     return notes.check()
 
