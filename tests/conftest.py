@@ -1,7 +1,42 @@
-"""What holds for every test."""
+"""What holds for every test, and which wait for `--all`."""
 
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
+
+TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup", "bench")}
+"""Folders all of whose tests are tortures."""
 
 # The same examples every time, and no clock: a test that fails on a slow machine says nothing.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--all", action="store_true", help="run the tortures too, which take minutes")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    # Who names files means them; workers of pytest-xdist are told by this option.
+    if config.args_source is pytest.Config.ArgsSource.ARGS or config.option.markexpr:
+        config.option.all = True
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    return "" if config.option.all else "tortures are left out; --all runs them too"
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    return True if collection_path in TORTURES and not config.option.all else None
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        if TORTURES.intersection(item.path.parents):
+            item.add_marker("torture")
+    if not config.option.all:
+        left = [item for item in items if item.get_closest_marker("torture")]
+        config.hook.pytest_deselected(items=left)
+        items[:] = [item for item in items if not item.get_closest_marker("torture")]
