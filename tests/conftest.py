@@ -1,9 +1,12 @@
 """What holds for every test, and which wait for `--all`."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+from tests import warm
 
 TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup", "bench")}
 """Folders all of whose tests are tortures."""
@@ -11,6 +14,14 @@ TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup
 # The same examples every time, and no clock: a test that fails on a slow machine says nothing.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def warm_workers() -> Iterator[None]:
+    """Let the processes of sweeps be copies of one that has loaded the program."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rubnoise.sweep.pool.subprocess", warm.warm_workers())
+        yield
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

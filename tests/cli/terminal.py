@@ -20,7 +20,7 @@ import pytest
 
 from rubnoise.cli.app import main
 from tests.architecture.sources import ROOT
-from tests.cli.warm import Warm
+from tests.warm import Warm
 
 PAPER = ROOT / "scenarios" / "paper"
 

@@ -1,10 +1,12 @@
 """A process that has loaded the program, and is it as often as somebody asks: `warm_parent.py DESCRIPTOR`.
 
-Each request on the socket brings words, folder and variables, and the descriptors of three streams and of a pipe; the
-answer is the number of a copy of this process, which then is Python with these words. How it ends goes down the pipe.
+Each request on the socket brings words, folder and variables, and the descriptors of a pipe, three streams, and what
+else is passed on; the answer is the number of a copy of this process, which then is Python with these words. How it
+ends goes down the pipe.
 """
 
 import atexit
+import fcntl
 import gc
 import json
 import os
@@ -17,16 +19,23 @@ import threading
 import warnings
 from contextlib import suppress
 from importlib import import_module
+from pathlib import Path
 from typing import NoReturn
 
-LENGTH_BYTES = 8
-STREAMS = 3
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from tests import warm
+
+MOST_DESCRIPTORS = 16
+CHANNEL, OUT_OF_THE_WAY = 499, 500
 
 
 def load() -> None:
     """Load every module of the program, and the machine code that a run needs."""
     import rubnoise
+    from rubnoise.sweep import pool
 
+    pool.subprocess = warm.warm_workers()
     for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise."):
         if not module.name.endswith("__main__"):
             import_module(module.name)
@@ -45,35 +54,43 @@ def load() -> None:
     gc.freeze()
 
 
-def serve(channel: socket.socket) -> None:
-    """Answer requests until the other end is gone."""
+def serve(tests: socket.socket) -> None:
+    """Answer requests, of the tests and of copies, until the tests are gone."""
     ended, wake = os.pipe()
     for descriptor in (ended, wake):
         os.set_blocking(descriptor, False)
     signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    living: dict[int, int] = {}
-    while True:
-        ready, _, _ = select.select([channel, ended], [], [])
+    channels, living = [tests], dict[int, int]()
+    while tests in channels:
+        ready, _, _ = select.select([*channels, ended], [], [])
         if ended in ready:
             with suppress(BlockingIOError):
                 os.read(ended, 4096)
             _tell(living)
-        if channel in ready:
-            start, descriptors, _, _ = socket.recv_fds(channel, LENGTH_BYTES, STREAMS + 1)
+        for channel in [each for each in channels if each in ready]:
+            start, received, _, _ = socket.recv_fds(channel, warm.LENGTH_BYTES, MOST_DESCRIPTORS)
             if not start:
-                return
+                channels.remove(channel)
+                channel.close()
+                continue
+            told, *descriptors = received
             content = _received(channel, int.from_bytes(start, "big"))
+            ours, its = socket.socketpair()
             child = os.fork()
             if child == 0:
-                for other in (channel.detach(), ended, wake, *living.values(), descriptors.pop()):
-                    os.close(other)
-                _be_python(json.loads(content), descriptors)
-            *streams, living[child] = descriptors
-            for stream in streams:
-                os.close(stream)
-            channel.sendall(child.to_bytes(LENGTH_BYTES, "big"))
+                for other in (*channels, ours):
+                    other.close()
+                for descriptor in (ended, wake, *living.values(), told):
+                    os.close(descriptor)
+                _be_python(json.loads(content), descriptors, its)
+            living[child] = told
+            channels.append(ours)
+            its.close()
+            for descriptor in descriptors:
+                os.close(descriptor)
+            channel.sendall(child.to_bytes(warm.LENGTH_BYTES, "big"))
 
 
 def _tell(living: dict[int, int]) -> None:
@@ -93,14 +110,18 @@ def _received(channel: socket.socket, count: int) -> bytes:
     return content
 
 
-def _be_python(request: dict, streams: list[int]) -> NoReturn:
+def _be_python(request: dict, descriptors: list[int], channel: socket.socket) -> NoReturn:
     """Be what Python with these words would be, which are `-m rubnoise ...` or `-c PROGRAM ...`."""
     code = 120  # what Python leaves with where it cannot write to its streams
     try:
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        _take(streams)
+        if request["process_group"] >= 0:
+            os.setpgid(0, request["process_group"])
+        _take([*descriptors, channel.detach()], [0, 1, 2, *request["passed"], CHANNEL])
+        warm.CHANNELS[:] = [socket.socket(fileno=CHANNEL)]
+        os.set_inheritable(CHANNEL, False)  # noqa: FBT003
         os.chdir(request["folder"])
         os.environ.clear()
         os.environ.update(request["environment"])
@@ -113,11 +134,14 @@ def _be_python(request: dict, streams: list[int]) -> NoReturn:
         os._exit(code)
 
 
-def _take(streams: list[int]) -> None:
-    """Put streams in place of the standard ones."""
-    for number, stream in enumerate(streams):
-        os.dup2(stream, number)
-        os.close(stream)
+def _take(descriptors: list[int], places: list[int]) -> None:
+    """Put descriptors where they are looked for, and the standard streams upon the first three."""
+    aside = [fcntl.fcntl(descriptor, fcntl.F_DUPFD, OUT_OF_THE_WAY) for descriptor in descriptors]
+    for descriptor in descriptors:
+        os.close(descriptor)
+    for descriptor, place in zip(aside, places, strict=True):
+        os.dup2(descriptor, place)
+        os.close(descriptor)
     sys.stdin = open(0, closefd=False)  # noqa: SIM115
     sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
     sys.stderr = open(2, "w", errors="backslashreplace", closefd=False)  # noqa: SIM115
