@@ -1,7 +1,71 @@
-"""What holds for every test."""
+"""What holds for every test, and which wait for `--all`."""
 
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
 from hypothesis import settings
+
+from tests import frozen, warm
+
+TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup", "bench")}
+"""Folders all of whose tests are tortures."""
 
 # The same examples every time, and no clock: a test that fails on a slow machine says nothing.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def warm_workers() -> Iterator[None]:
+    """Let the processes of sweeps be copies of one that has loaded the program."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rubnoise.sweep.pool.subprocess", warm.warm_workers())
+        yield
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--all", action="store_true", help="run the tortures too, and work frozen values out anew")
+    parser.addoption("--tortures", action="store_true", help="run the tortures too")
+    parser.addoption("--freeze", action="store_true", help="write the frozen values that are asked for; with -n 0")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if hasattr(config, "workerinput"):
+        config.option.tortures = config.workerinput["tortures"]
+    else:
+        named = config.args_source is pytest.Config.ArgsSource.ARGS
+        config.option.tortures |= named or bool(config.option.markexpr) or config.option.all
+    frozen.Wishes.anew, frozen.Wishes.freeze = config.option.all, config.option.freeze
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tell the workers of pytest-xdist, whose command line names files of which nobody has spoken."""
+    node.workerinput["tortures"] = node.config.option.tortures
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    del session
+    if frozen.Wishes.freeze:
+        frozen.write()
+
+
+def pytest_report_header(config: pytest.Config) -> str:
+    return "" if config.option.tortures else "tortures are left out; --all runs them too"
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    return True if collection_path in TORTURES and not config.option.tortures else None
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    for item in items:
+        if TORTURES.intersection(item.path.parents):
+            item.add_marker("torture")
+    if not config.option.tortures:
+        left = [item for item in items if item.get_closest_marker("torture")]
+        config.hook.pytest_deselected(items=left)
+        items[:] = [item for item in items if not item.get_closest_marker("torture")]

@@ -4,7 +4,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from tests.cli.terminal import columns, command
+from tests.cli.terminal import columns, command, start
 
 TABLE = """
 [sweep]
@@ -21,9 +21,9 @@ def runs_of(folder: Path) -> dict[str, dict[str, bytes]]:
     return {path.stem: columns(path) for path in sorted((folder / "runs").glob("*.h5"))}
 
 
-def begin_sweep(folder: Path, *arguments: str | Path) -> "subprocess.Popen[str]":
+def begin_sweep(folder: Path, *arguments: str | Path, cold: bool = False) -> "subprocess.Popen[str]":
     """Start a sweep in a process of its own, and return it when a run is being written."""
-    begun = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    begun = start(command(*arguments), cold=cold, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     for _ in range(12_000):
         if any((folder / "runs").glob("*.part")) or begun.poll() is not None:
             break

@@ -20,6 +20,7 @@ import pytest
 
 from rubnoise.cli.app import main
 from tests.architecture.sources import ROOT
+from tests.warm import Warm
 
 PAPER = ROOT / "scenarios" / "paper"
 
@@ -66,6 +67,9 @@ LONG = ("--set", "sliding.distance=2 m", "--set", "output.tick=1 um")
 LONGEST = ("--set", "sliding.distance=100 m", "--set", "output.tick=10 um")
 """Changes that make it last many seconds to count the births alone; 14 GB have to be free for the result."""
 
+READ_AT_START = ("NUMBA_", "PYTHON")
+"""How variables begin that only a process that loads the program anew looks at."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
@@ -96,17 +100,41 @@ def command(*arguments: str | Path) -> list[str]:
     return [sys.executable, "-m", "rubnoise", *map(str, arguments)]
 
 
-def spawn(*arguments: str | Path, **environment: str) -> Answer:
-    """Call the command line in a process of its own, with pipes for its streams."""
-    done = subprocess.run(
-        command(*arguments), capture_output=True, text=True, check=False, env=os.environ | environment
-    )
-    return Answer(code=done.returncode, out=done.stdout, err=done.stderr)
+def start(
+    words: list[str], environment: dict[str, str] | None = None, *, cold: bool = False, **streams: Any
+) -> "subprocess.Popen[Any]":
+    """Start a program; one of ours as the copy of a process that has loaded it, unless its own start is to be seen.
+
+    What stands after `-c` is one of ours, too, and finds everything loaded.
+    """
+    settings = environment or {}
+    warm = words[:3] == command() or words[:2] == [sys.executable, "-c"]
+    if warm and not cold and not any(name.startswith(READ_AT_START) for name in settings):
+        return Warm(words[1:], env=os.environ | settings, **streams)
+    return subprocess.Popen(words, env=os.environ | settings, **streams)
+
+
+def spawn(*arguments: str | Path, cold: bool = False, **environment: str) -> Answer:
+    """Call the command line in a process of its own, with pipes for its streams; a cold one loads all it needs."""
+    return answer_of(command(*arguments), environment, cold=cold)
+
+
+def spawn_program(program: str, *arguments: str | Path) -> Answer:
+    """Call a Python program in a process of its own, where everything is loaded already."""
+    return answer_of([sys.executable, "-c", program, *map(str, arguments)])
+
+
+def answer_of(words: list[str], environment: dict[str, str] | None = None, **how: Any) -> Answer:
+    """Return the answer of a program (see start), with pipes for its streams."""
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with start(words, environment, text=True, **pipes, **how) as run:
+        out, err = run.communicate()
+    return Answer(code=run.returncode, out=out, err=err)
 
 
 def begin(*arguments: str | Path, part: Path) -> "subprocess.Popen[str]":
     """Start a run in a process of its own, and return it when rows are being written to its part file."""
-    run = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    run = start(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     for _ in range(3000):
         if part.exists():
             break
@@ -134,7 +162,8 @@ def begin_on_terminal(
         pytest.skip(f"this system gives no pseudo-terminal: {problem}")
     termios.tcsetwinsize(theirs, (24 if columns else 0, columns))
     there = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
-    program = subprocess.Popen(arguments, stdin=theirs, stdout=theirs, stderr=theirs, env=there | environment)
+    with patch.dict(os.environ, there, clear=True):
+        program = start(arguments, environment, stdin=theirs, stdout=theirs, stderr=theirs)
     os.close(theirs)
     return program, ours
 

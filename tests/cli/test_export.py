@@ -23,7 +23,7 @@ from rubnoise.storage.export import export, plan
 from rubnoise.storage.export_csv import heading
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
-from tests.cli.terminal import begin, call, command, names, spawn, stop
+from tests.cli.terminal import begin, call, command, names, spawn, start, stop
 from tests.format.runs import BARE, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
@@ -191,11 +191,14 @@ def test_an_unfinished_run_is_not_printed(here: Path, rows: Any) -> None:
 
 
 def test_who_reads_standard_output_may_leave_and_a_full_one_is_told(here: Path, rows: Any) -> None:
-    printed = " ".join(command("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-"))
-    left = subprocess.run(["sh", "-c", f"{printed} | head -2"], capture_output=True, text=True, check=True)
-    assert (len(left.stdout.splitlines()), left.stderr) == (2, "")
-    full = subprocess.run(["sh", "-c", f"{printed} > /dev/full"], capture_output=True, text=True, check=False)
-    assert (full.returncode, full.stderr) == (1, "output: No space left on device\n")
+    words = command("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-")
+    with start(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as printed:
+        head = subprocess.run(["head", "-2"], stdin=printed.stdout, capture_output=True, check=True)
+        printed.stdout.close()
+        assert (len(head.stdout.splitlines()), printed.stderr.read()) == (2, b"")
+    with Path("/dev/full").open("w") as full, start(words, stdout=full, stderr=subprocess.PIPE) as refused:
+        assert refused.stderr.read() == b"output: No space left on device\n"
+    assert refused.returncode == 1
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -10,7 +10,7 @@ import pytest
 
 from rubnoise.simulation import panels
 from rubnoise.storage.part import Part
-from tests.cli.terminal import call, command, names
+from tests.cli.terminal import call, command, names, start
 
 SHORT = Path("../given/contact.toml")
 
@@ -57,10 +57,7 @@ def test_a_disk_that_breaks_in_the_middle_leaves_an_older_result(here: Path, mon
 
 def test_a_reader_that_leaves_early_is_no_failure_worth_a_traceback(here: Path) -> None:
     assert call("run", SHORT).code == 0
-    environment = {name: text for name, text in os.environ.items() if name != "PYTHONUNBUFFERED"}
-    shown = subprocess.Popen(
-        command("info", "contact.h5"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
-    )
+    shown = start(command("info", "contact.h5"), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert shown.stdout is not None
     shown.stdout.close()
     _, said = shown.communicate(timeout=60)
@@ -71,8 +68,9 @@ def test_a_reader_that_leaves_early_is_no_failure_worth_a_traceback(here: Path) 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full here")
 def test_an_output_that_is_full_is_told_in_a_line(here: Path) -> None:
     with Path("/dev/full").open("w") as full:
-        done = subprocess.run(command("check", SHORT), stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert (done.returncode, done.stderr) == (1, "output: No space left on device\n")
+        done = start(command("check", SHORT), stdout=full, stderr=subprocess.PIPE, text=True)
+    _, said = done.communicate()
+    assert (done.returncode, said) == (1, "output: No space left on device\n")
 
 
 def test_names_that_a_terminal_cannot_show_are_escaped(here: Path) -> None:

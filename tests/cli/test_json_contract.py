@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterator
+from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,7 +17,7 @@ from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import make_part
 from tests.architecture.sources import ROOT
-from tests.cli.terminal import CONTACT, call
+from tests.cli.terminal import CONTACT, WITH_SLIDER, call
 from tests.unit.tampering import put, tell
 
 PAGE = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
@@ -111,14 +112,21 @@ def _refuse(constant: str) -> NoReturn:
     raise AssertionError(f"{constant} is no JSON")
 
 
-@pytest.fixture
-def answers(here: Path) -> list[tuple[str, Any]]:
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, Any]]:
     """Return answers of every kind, of a bare contact and of one with everything."""
+    here = tmp_path_factory.mktemp("answers")
+    with chdir(here):
+        return _answers(here)
+
+
+def _answers(here: Path) -> list[tuple[str, Any]]:
+    (here / "full.toml").write_text(WITH_SLIDER, encoding="utf-8")
     (here / "bare.toml").write_text(CONTACT, encoding="utf-8")
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
-    full = "../given/slider.toml"
+    full = "full.toml"
     paths = OutputPaths.of("stopped.h5")
     with make_part(paths.part, paths.making, describe(load(full), "stopped.h5", ["rubnoise", "run", full])):
         pass
@@ -128,7 +136,7 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("run", ("run", full, "--json")),
         ("run", ("run", "bare.toml", "--json")),
         ("run", ("run", full, "-o", "short.h5", "--set", "sliding.distance=1 um", "--json")),
-        ("info", ("info", "slider.h5", "--json")),
+        ("info", ("info", "full.h5", "--json")),
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
         ("run", ("run", full, "-o", "long.h5", "--set", "sliding.distance=700 um", "--json")),
@@ -142,9 +150,9 @@ def answers(here: Path) -> list[tuple[str, Any]]:
         ("theory", ("theory", full, "--at-area", "0,1,1e9", "--json")),
         ("theory", ("theory", full, "--at-distance", "1,2", "--segment", "64", "--json")),
         ("theory", ("theory", "bare.toml", "--set", "birth.law=regular", "--segment", "64", "--json")),
-        ("junction", ("junction", "slider.h5", "17", "--json")),
+        ("junction", ("junction", "full.h5", "17", "--json")),
         ("junction", ("junction", "bare.h5", "3", "--json")),
-        ("junctions", ("junctions", "slider.h5", "--json")),
+        ("junctions", ("junctions", "full.h5", "--json")),
         ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
     ]
     told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]

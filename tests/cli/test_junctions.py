@@ -47,7 +47,8 @@ def test_rows_are_shown_below_names_and_units(lives: Path) -> None:
     assert answer.out == TABLE
 
 
-def test_columns_that_are_asked_about_are_shown(lives: Path) -> None:
+def test_columns_that_are_asked_about_are_shown(lives: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     lines = call("junctions", "l.h5", "--where", "birth_time > 1 ms", "--sort", "life_distance").out.splitlines()
     wanted = ["junction", "birth_distance", "life_distance", "diameter", "max_area", "birth_time"]
     assert lines[2].split()[:6] == wanted

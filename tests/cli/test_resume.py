@@ -13,7 +13,7 @@ from rubnoise.storage import writer
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.resuming import examined
-from tests.cli.terminal import Answer, call, columns, names, stop
+from tests.cli.terminal import Answer, call, columns, names, spawn_program, start, stop
 
 SLIDER = Path("../given/slider.toml")
 HALF_WAY = """
@@ -50,12 +50,9 @@ SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 @pytest.fixture
 def part(here: Path) -> Path:
     """Return the part of a run that was stopped half-way."""
-    done = subprocess.run(
-        [sys.executable, "-c", STOPPED, "run", SLIDER, "-o", "x.h5", *SHORT],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout) == (143, "")
-    assert done.stderr == "stopped by a signal; rubnoise resume x.h5.part goes on\n"
+    done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", *SHORT)
+    assert (done.code, done.out) == (143, "")
+    assert done.err == "stopped by a signal; rubnoise resume x.h5.part goes on\n"
     return here / "x.h5.part"
 
 
@@ -72,7 +69,7 @@ def whole(here: Path) -> dict[str, bytes]:
 def waiting(here: Path) -> Iterator["subprocess.Popen[str]"]:
     """Begin a run that waits half-way until the file `halted` is gone."""
     words = [sys.executable, "-c", WAITING, "run", SLIDER, "-o", "x.h5", "-q", *SHORT]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+    with start(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
         while not (here / "halted").exists():
             assert run.poll() is None, "the run ended before it was half-way"
             time.sleep(0.01)

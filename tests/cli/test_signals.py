@@ -9,7 +9,7 @@ import pytest
 
 from rubnoise.cli.progress import SIGNALS, watching
 from rubnoise.errors import RunStopped
-from tests.cli.terminal import LONG, begin, call, names, stop
+from tests.cli.terminal import LONG, begin, call, names, spawn_program, stop
 
 SLIDER = Path("../given/slider.toml")
 TWICE = """
@@ -70,8 +70,8 @@ def test_what_was_done_about_signals_before_is_done_again_after() -> None:
 @pytest.mark.parametrize("second", SIGNALS)
 def test_the_second_signal_leaves_at_once(second: signal.Signals) -> None:
     program = TWICE.format(second=second.name)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout) == (-second, "one\n"), done.stderr
+    done = spawn_program(program)
+    assert (done.code, done.out) == (-second, "one\n"), done.err
 
 
 # What is run behind a & begins with SIGINT ignored, and so does what it starts.

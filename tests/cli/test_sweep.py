@@ -202,7 +202,7 @@ def _children(process: int) -> list[int]:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> None:
-    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
     os.kill(_children(begun.pid)[0], signal.SIGKILL)
     out, err = begun.communicate(timeout=300)
     assert (begun.returncode, out, err) == (0, "d: 2 points, 8 runs: 8 done\n", "")
@@ -212,7 +212,7 @@ def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
 def test_a_sweep_that_is_killed_is_gone_on_with(file: Path, tmp_path: Path) -> None:
-    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW)
+    begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
     workers = _children(begun.pid)
     begun.kill()
     begun.communicate(timeout=60)

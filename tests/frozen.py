@@ -1,0 +1,71 @@
+"""Values that take long to work out, such as quadratures at many digits: kept in tests/reference/frozen.
+
+`.venv/bin/python -m pytest -n 0 --freeze FILES` writes those that the tests in these files ask for, `--all` works each
+of them out anew and compares.
+"""
+
+import json
+from collections.abc import Callable
+from functools import cache, wraps
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+KEPT = Path(__file__).parent / "reference" / "frozen"
+ROUNDING = 1e-13
+WORKED_OUT: dict[Path, dict[str, Any]] = {}
+"""What has been worked out so far, where --freeze asks for it."""
+
+
+class Wishes:
+    """What the command line asks for; set once, before any test."""
+
+    freeze = False
+    anew = False
+
+
+def frozen(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Keep what a function of numbers, texts and laws returns, which is made of numbers, lists and tuples."""
+    path = KEPT / f"{Path(function.__code__.co_filename).stem}.{function.__name__}.json"
+
+    @wraps(function)
+    @cache
+    def kept(*arguments: Any) -> Any:
+        key = ", ".join(map(_named, arguments))
+        if Wishes.freeze:
+            return WORKED_OUT.setdefault(path, {}).setdefault(key, _plain(function(*arguments)))
+        if Wishes.anew:
+            assert key in _read(path), f"{path.name} has nothing for {key}; --freeze writes it"
+            assert _flat(function(*arguments)) == pytest.approx(_flat(_read(path)[key]), rel=ROUNDING, abs=0.0)
+        return _read(path)[key] if key in _read(path) else _plain(function(*arguments))
+
+    return kept
+
+
+def write() -> None:
+    """Write what has been worked out, one file for each function and one line for each value."""
+    KEPT.mkdir(parents=True, exist_ok=True)
+    for path, values in WORKED_OUT.items():
+        lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in sorted(values.items())]
+        path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+
+
+@cache
+def _read(path: Path) -> dict[str, Any]:
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def _named(argument: Any) -> str:
+    return repr(float(argument)) if isinstance(argument, float | np.floating) else str(argument)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(each) for each in value]
+    return int(value) if isinstance(value, int) else float(value)
+
+
+def _flat(value: Any) -> list[float]:
+    return np.ravel(_plain(value)).tolist()

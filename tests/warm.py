@@ -1,0 +1,95 @@
+"""The command line in processes of their own that need not load it first: copies of one that has (see warm_parent)."""
+
+import atexit
+import json
+import os
+import select
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from threading import Lock
+from types import SimpleNamespace
+from typing import Any
+
+PARENT = Path(__file__).with_name("warm_parent.py")
+LENGTH_BYTES = 8
+
+
+class Warm(subprocess.Popen):
+    """A Popen of the words behind `python`, `-m rubnoise ...` or `-c PROGRAM ...`, that finds everything loaded.
+
+    Variables that are read when Python or a library starts come too late. Takes streams, text, env, pass_fds and
+    process_group, nothing else.
+    """
+
+    def _execute_child(
+        self, args: Any, executable: Any, preexec_fn: Any, close_fds: Any, pass_fds: Any, cwd: Any, env: Any,
+        startupinfo: Any, creationflags: Any, shell: Any, p2cread: int, p2cwrite: int, c2pread: int, c2pwrite: int,
+        errread: int, errwrite: int, restore_signals: Any, gid: Any, gids: Any, uid: Any, umask: Any,
+        start_new_session: Any, process_group: int,
+    ) -> None:  # fmt: skip
+        assert not any((executable, preexec_fn, cwd, shell, start_new_session)), "no such option of a warm process"
+        request = {
+            "words": [*map(str, args)],
+            "folder": os.getcwd(),  # noqa: PTH109
+            "environment": dict(os.environ if env is None else env),
+            "passed": [*pass_fds],
+            "process_group": process_group,
+        }
+        content = json.dumps(request).encode()
+        self._ending, told = os.pipe()
+        streams = [place if found == -1 else found for place, found in enumerate((p2cread, c2pwrite, errwrite))]
+        with ASKING:
+            channel = _channel()
+            socket.send_fds(channel, [len(content).to_bytes(LENGTH_BYTES, "big")], [told, *streams, *pass_fds])
+            channel.sendall(content)
+            self.pid = int.from_bytes(channel.recv(LENGTH_BYTES, socket.MSG_WAITALL), "big")
+        os.close(told)
+        self._child_created = True
+        self._close_pipe_fds(p2cread, p2cwrite, c2pread, c2pwrite, errread, errwrite)
+
+    def _try_wait(self, wait_flags: int) -> tuple[int, int]:
+        if wait_flags & os.WNOHANG and not select.select([self._ending], [], [], 0.0)[0]:
+            return 0, 0
+        status = int(os.read(self._ending, 16))
+        os.close(self._ending)
+        return self.pid, status
+
+    def _internal_poll(self, _deadstate: Any = None, *others: Any) -> int | None:
+        if self.returncode is None:
+            with self._waitpid_lock:
+                pid, status = self._try_wait(os.WNOHANG)
+                if pid:
+                    self._handle_exitstatus(status)
+        return self.returncode
+
+
+def warm_workers() -> SimpleNamespace:
+    """Return what the pool of a sweep may have in place of subprocess, so that its workers are warm."""
+    return SimpleNamespace(
+        Popen=lambda words, **options: Warm(words[1:], **options),
+        DEVNULL=subprocess.DEVNULL,
+        TimeoutExpired=subprocess.TimeoutExpired,
+    )
+
+
+ASKING = Lock()
+CHANNELS: list[socket.socket] = []
+"""The way to ask the process that is copied, once it has been started."""
+
+
+def _channel() -> socket.socket:
+    """Return that way; start the process, one for all tests of this one, where there is none yet."""
+    if not CHANNELS:
+        ours, its = socket.socketpair()
+        with its:
+            parent = subprocess.Popen([sys.executable, PARENT, str(its.fileno())], pass_fds=[its.fileno()])
+        atexit.register(_end, ours, parent)
+        CHANNELS.append(ours)
+    return CHANNELS[0]
+
+
+def _end(channel: socket.socket, parent: "subprocess.Popen[bytes]") -> None:
+    channel.close()
+    parent.wait()
