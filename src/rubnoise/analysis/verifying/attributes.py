@@ -24,6 +24,7 @@ from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.provenance import Provenance, environment, software
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import BLOCKS, HASH, Scalar
+from rubnoise.storage.seal import INTERVENTION
 from rubnoise.streams import STREAM_VERSION
 
 
@@ -169,5 +170,6 @@ def _description(scenario: Scenario, run: RunFile) -> RunDescription:
             propagator_constants={},
             command="",
             started="",
+            intervention=str(run.provenance.get(INTERVENTION, "")),
         ),
     )
