@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from rubnoise.api.describing import named_constants
 from rubnoise.api.playing import play
@@ -21,11 +21,13 @@ from rubnoise.simulation.state import State
 from rubnoise.storage.budget import expected
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
-from rubnoise.storage.reader import RunFile
 from rubnoise.storage.resuming import examined, settle
 from rubnoise.storage.unfinished import paths_of
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
+
+if TYPE_CHECKING:
+    from rubnoise.analysis.verification import ResultFile
 
 MOST_DIFFERENCES = 3
 
@@ -122,7 +124,7 @@ def go_on(
     return open_result(path)
 
 
-def _check(run: RunFile) -> None:
+def _check(run: "ResultFile") -> None:
     """Refuse a part that says it is whole, and is not what it says (see verify)."""
     from rubnoise.analysis.verification import verify  # which few runs need
 
