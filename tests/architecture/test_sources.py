@@ -26,6 +26,13 @@ def test_a_library_has_one_owner(library: str, owner: str) -> None:
     assert _users(library) == {owner}
 
 
+def test_only_who_opens_a_file_knows_more_of_it_than_its_rows_and_what_it_says() -> None:
+    name = re.compile(r"import .*\bRunFile\b")
+    knowing = {path.relative_to(PACKAGE).as_posix() for path in files() if name.search(path.read_text())}
+    elsewhere = {name for name in knowing if not name.startswith("storage/")}
+    assert elsewhere == {"api/result.py", "cli/progress.py", "cli/results.py"}
+
+
 def test_imports_are_found_wherever_they_stand() -> None:
     text = "import a.b\nfrom c.d import e\nif True:\n    def f():\n        import g as h\nfrom . import i\n"
     assert imported_packages(text) == {"a", "c", "g", "rubnoise"}

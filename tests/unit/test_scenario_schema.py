@@ -8,13 +8,10 @@ import pytest
 
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import json_schema, load
-from rubnoise.scenario.checks import junction_bytes, tick_bytes
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.sweep import load_either
 from rubnoise.scenario.sweep_settings import Sweeping
-from rubnoise.storage.schema import JUNCTIONS, SLIDER, TRACE, Column
-from tests.unit.scenarios import BARE, WHOLE
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -92,18 +89,3 @@ def test_the_scenarios_of_figure_6_differ_in_the_number_of_junctions_and_are_run
     assert len(seeds) == 5
     assert len(titles) == 5
     assert all(model == models[0] for model in models)
-
-
-def _bytes(columns: tuple[Column, ...], features: set[str]) -> int:
-    return sum(int(column.dtype[-1]) for column in columns if column.needs is None or column.needs in features)
-
-
-@pytest.mark.parametrize(
-    ("text", "features"), [(BARE, set()), (WHOLE, {"speed", "strength", "slider"})], ids=["bare", "whole"]
-)
-def test_the_bytes_of_a_row_are_those_of_the_result_file(text: str, features: set[str], tmp_path: Path) -> None:
-    (path := tmp_path / "a.toml").write_text(text, encoding="utf-8")
-    model = load(path).model()
-    slider = _bytes(SLIDER.columns, features) if features else 0
-    assert junction_bytes(model) == _bytes(JUNCTIONS.columns, features)
-    assert tick_bytes(model) == _bytes(TRACE.columns, features) + slider

@@ -88,7 +88,7 @@ def stop_after(path: Path, run: Scenario, blocks: int, number: int = 2) -> str:
             raise RunStopped(number)
 
     with pytest.raises(RunStopped) as stopped, file:
-        play(file, run, watch)
+        play(file, run, watch=watch)
     return str(stopped.value)
 
 

@@ -530,8 +530,8 @@ def interrupted(result: Path) -> Path:
         for number, distance in ends.items():
             if distance > env.now:
                 yield env.timeout(distance - env.now)
-                if number in live.processes:
-                    live.processes[number].interrupt()
+                if number in live:
+                    live.end(number)
         yield env.timeout(0)
 
     with open_run(result) as run:

@@ -9,7 +9,7 @@ from simpy.events import ProcessGenerator
 
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.simulation import recurrence
-from rubnoise.simulation.junctions import LiveSet
+from rubnoise.simulation.intervention import LiveJunctions
 from rubnoise.simulation.kernels import coarse, fine, lens, ticks, triangle
 from tests.models import UNEQUAL, bare, model, recorded
 
@@ -48,8 +48,8 @@ def counted() -> set[int]:
     return {len(kernel.signatures) for kernel in KERNELS}
 
 
-def _end_all(env: Environment, live: LiveSet) -> ProcessGenerator:
+def _end_all(env: Environment, live: LiveJunctions) -> ProcessGenerator:
     """End whoever lives in the middle of a run."""
     yield env.timeout(max(300.0 - env.now, 0.0))
-    for process in list(live.processes.values()):
-        process.interrupt()
+    for junction in live:
+        live.end(junction.number)

@@ -180,9 +180,11 @@ def test_both_tell_of_their_progress(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_intervention_needs_events() -> None:
-    with pytest.raises(Refused, match='an intervention is a process among events: it needs the engine "events"'):
+    with pytest.raises(
+        Refused, match='intervene: an intervention is a process among events: it needs the engine "events"'
+    ):
         recorded(model(), engine="batch", intervene=lambda env, live: iter(()))
-    with pytest.raises(Refused, match='an observer hears events: it needs the engine "events"'):
+    with pytest.raises(Refused, match='observe: an observer hears of events: it needs the engine "events"'):
         recorded(model(), engine="batch", observe=Observer())
 
 

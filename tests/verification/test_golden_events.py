@@ -23,7 +23,7 @@ GOLDEN = {
 
 @pytest.fixture(autouse=True)
 def each_block_alone(monkeypatch):
-    """As with an intervention: blocks that are played together take some events less."""
+    """Blocks that are played together take some events less."""
     monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
 
 

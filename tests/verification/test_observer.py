@@ -65,8 +65,8 @@ def test_an_interrupted_life_is_told_to_its_end():
     def ends(env, live):
         if env.now < 100.0:
             yield env.timeout(100.0 - env.now)
-            for process in list(live.processes.values()):
-                process.interrupt()
+            for junction in live:
+                live.end(junction.number)
         yield env.timeout(0.0)
 
     rows = recorded(run, 3, observe=diary.observer, intervene=ends)["junctions"]

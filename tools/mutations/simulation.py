@@ -162,7 +162,7 @@ PLACES = (
     one(
         "an interrupt that ends nothing",
         "test_rows_show_when_and_how_they_ended",
-        "except Interrupt: death = env.now del live.processes[live.numbers[row]]",
+        "except Interrupt: death = ended(env, live, row, death) del live.processes[live.numbers[row]]",
         "except Interrupt:\n    pass\ndel live.processes[live.numbers[row]]",
     ),
     one(

@@ -10,13 +10,14 @@ from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, 
 from rubnoise.analysis.comparing.lives import Lives, life_findings
 from rubnoise.analysis.comparing.motion import first_tick, motion_findings
 from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
-from rubnoise.analysis.comparing.rows import Rows, panels
+from rubnoise.analysis.comparing.rows import panels
 from rubnoise.analysis.comparing.sizes import Marks, mark_findings
 from rubnoise.analysis.comparing.start import Start, start_findings
 from rubnoise.analysis.comparing.trace import TraceSums, read_trace
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
+from rubnoise.record.reader import Rows
 from rubnoise.theory.response import response
 
 COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "shear_strength", "state")

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.analysis.neighbours import Neighbours, check_lives, neighbours
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.record.reader import Reader
 from rubnoise.record.rows import JunctionState
-from rubnoise.storage.reader import RunFile
 from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 STEPS: Final = 100
@@ -140,7 +140,7 @@ class Life:
         return self.peak_age == self.life_distance
 
 
-def life_of(file: RunFile, number: int) -> Life:
+def life_of(file: Reader, number: int) -> Life:
     """Return the life of one junction by its row number; reads its row, and who lived when of all rows.
 
     Raises Refused, naming the range, where there is no such row, RunFileRefused for a file that does not say how far
@@ -173,7 +173,7 @@ def life_of(file: RunFile, number: int) -> Life:
     )
 
 
-def record_end(file: RunFile) -> float:
+def record_end(file: Reader) -> float:
     """Return the sliding distance in um at which a run stopped, from its own scenario; the last tick may lie before.
 
     Raises RunFileRefused where its scenario does not tell.

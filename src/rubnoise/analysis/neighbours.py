@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from rubnoise.analysis.selection import PANEL_ROWS, gather
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
+from rubnoise.record.reader import Reader
 from rubnoise.storage.pulse import stored_pulse
-from rubnoise.storage.reader import RunFile
 
 Doubles = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Neighbours:
         )
 
 
-def neighbours(file: RunFile, number: int, start: float, stop: float) -> Neighbours:
+def neighbours(file: Reader, number: int, start: float, stop: float) -> Neighbours:
     """Return all rows but ``number`` that live anywhere between two distances in um; a panel is held at a time.
 
     Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
@@ -85,7 +85,7 @@ def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None
             raise RunFileRefused(f"/junctions is damaged: row {rows[first]} has the {name} {values[first]:g}")
 
 
-def _read(file: RunFile, rows: NDArray[np.int64]) -> Neighbours:
+def _read(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
     names = ["birth_distance", "death_distance", "diameter"]
     names += ["shear_strength"] if "shear_strength" in file.columns["junctions"] else []
     panels = list(gather(file, rows, names))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.where import Node
-from rubnoise.storage.reader import RunFile
+from rubnoise.record.reader import Rows
 
 PANEL_ROWS: Final = 1 << 18
 NEAR: Final = 4096
@@ -18,7 +18,7 @@ RowNumbers = NDArray[np.int64]
 
 
 def select(
-    file: RunFile,
+    file: Rows,
     where: Node | None = None,
     *,
     sort: str | None = None,
@@ -39,7 +39,7 @@ def select(
     return best.rows(), total
 
 
-def gather(file: RunFile, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
     """Yield columns of the rows, in their order, a panel of them at a time."""
     for first in range(0, rows.size, PANEL_ROWS):
         panel = rows[first : first + PANEL_ROWS]
@@ -48,7 +48,7 @@ def gather(file: RunFile, rows: RowNumbers, names: Sequence[str]) -> Iterator[di
         yield {name: _gathered(file, name, panel, order, spans) for name in names}
 
 
-def _panels(file: RunFile, where: Node | None, sort: str | None) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
+def _panels(file: Rows, where: Node | None, sort: str | None) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
     """Yield the first row, the columns needed and the number of rows of each panel of the file."""
     names = (frozenset() if where is None else where.columns) | ({sort} if sort else frozenset())
     total = file.rows("junctions")
@@ -104,7 +104,7 @@ def _spans(rows: RowNumbers) -> Iterator[tuple[int, int]]:
 
 
 def _gathered(
-    file: RunFile, name: str, rows: RowNumbers, order: RowNumbers, spans: Sequence[tuple[int, int]]
+    file: Rows, name: str, rows: RowNumbers, order: RowNumbers, spans: Sequence[tuple[int, int]]
 ) -> NDArray[Any]:
     values: NDArray[Any] = np.empty(rows.size, dtype=file.column("junctions", name, 0, 0).dtype)
     for start, stop in spans:

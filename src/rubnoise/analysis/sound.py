@@ -12,9 +12,9 @@ from rubnoise.analysis.resampling import MOST, input_count, output_count, rate_r
 from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.analysis.stored_model import stored_model
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.record.reader import Reader
 from rubnoise.record.tally import Moments
 from rubnoise.storage import schema
-from rubnoise.storage.reader import RunFile
 
 What = Literal["velocity", "force", "displacement"]
 COLUMNS: Final[dict[What, str]] = {
@@ -41,7 +41,7 @@ class Sound:
     slider's natural frequency in Hz, None without one.
     """
 
-    file: RunFile
+    file: Reader
     what: What
     group: str
     rows: int
@@ -52,7 +52,7 @@ class Sound:
     natural: float | None
 
     @classmethod
-    def of(cls, file: RunFile, what: What, *, rate: int, speed_up: float, seconds: float | None) -> Self:
+    def of(cls, file: Reader, what: What, *, rate: int, speed_up: float, seconds: float | None) -> Self:
         """Return the sound of an open run, of ``seconds`` from its start or of all of it.
 
         Raises Refused where the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
@@ -155,7 +155,7 @@ def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles
         between()
 
 
-def _group(file: RunFile, what: What) -> str:
+def _group(file: Reader, what: What) -> str:
     """Return the group that holds a quantity; raises Refused where the run has none."""
     if "slider" in file.columns:
         return "slider"

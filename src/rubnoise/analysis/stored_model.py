@@ -4,11 +4,11 @@ import json
 
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
+from rubnoise.record.reader import Reader
 from rubnoise.scenario import Scenario, build
-from rubnoise.storage.reader import RunFile
 
 
-def stored_scenario(file: RunFile) -> Scenario:
+def stored_scenario(file: Reader) -> Scenario:
     """Return the scenario of a run; raises RunFileRefused where its file has none that can be run."""
     try:
         return build(json.loads(str(file.provenance["scenario_resolved"])))
@@ -16,6 +16,6 @@ def stored_scenario(file: RunFile) -> Scenario:
         raise RunFileRefused("the scenario in the file is none that can be run, so theory is silent") from problem
 
 
-def stored_model(file: RunFile) -> Model:
+def stored_model(file: Reader) -> Model:
     """Return the model of a run; raises RunFileRefused where its file has no scenario that can be run."""
     return stored_scenario(file).model()

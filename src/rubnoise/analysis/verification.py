@@ -1,6 +1,7 @@
 """A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
 
 from collections.abc import Sequence
+from typing import Protocol
 
 from rubnoise.analysis.stored_model import stored_scenario
 from rubnoise.analysis.verifying.attributes import attribute_checks
@@ -15,11 +16,20 @@ from rubnoise.analysis.verifying.scenario_text import scenario_check
 from rubnoise.analysis.verifying.slider import slider_checks
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
+from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
-from rubnoise.storage.reader import RunFile
+from rubnoise.storage.inventory import Inventory
 
 
-def verify(run: RunFile, regenerate: int = 0) -> Verification:
+class ResultFile(HashedReader, Protocol):
+    """A result that tells all that there is in it, known or not."""
+
+    def inventory(self) -> Inventory:
+        """Return every group, column and attribute, as HDF5 has them."""
+        ...
+
+
+def verify(run: ResultFile, regenerate: int = 0) -> Verification:
     """Return everything that a file can be asked about itself, in panels: a longer run needs no more memory.
 
     ``regenerate``: how many blocks to make again from the seed and compare bit for bit. Checks that build on what has
@@ -45,7 +55,7 @@ def verify(run: RunFile, regenerate: int = 0) -> Verification:
 
 
 def _asked(
-    scenario: Scenario, run: RunFile, regenerate: int, checks: list[Check], left_out: list[LeftOut]
+    scenario: Scenario, run: HashedReader, regenerate: int, checks: list[Check], left_out: list[LeftOut]
 ) -> Verification:
     model = scenario.model()
     origin, lives = origin_check(scenario, run), life_checks(model, run)
@@ -59,7 +69,7 @@ def _asked(
     return Verification(checks=tuple(checks), left_out=tuple(left_out))
 
 
-def _of_sums(model: Model, run: RunFile, left_out: list[LeftOut]) -> list[Check]:
+def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[Check]:
     """Return the checks that need sound rows of /junctions."""
     checks = contact_checks(model, run)
     if model.slider is not None:
@@ -72,7 +82,9 @@ def _of_sums(model: Model, run: RunFile, left_out: list[LeftOut]) -> list[Check]
     return checks
 
 
-def _made_again(model: Model, run: RunFile, count: int, needed: list[Check], left_out: list[LeftOut]) -> list[Check]:
+def _made_again(
+    model: Model, run: HashedReader, count: int, needed: list[Check], left_out: list[LeftOut]
+) -> list[Check]:
     """Return the check that makes blocks again, which needs a right seed, and right rows to go on from."""
     # What is asked of rows needs nothing of the simulation but its compiler.
     from rubnoise.analysis.verifying.regenerating import regeneration_check

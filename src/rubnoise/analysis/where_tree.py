@@ -7,7 +7,8 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Rows = Mapping[str, NDArray[Any]]
+from rubnoise.record.sink import Columns
+
 Chosen = NDArray[np.bool_]
 
 COMPARISONS: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
@@ -28,7 +29,7 @@ class Node(Protocol):
         """Names of the columns it looks at."""
         ...
 
-    def chosen(self, rows: Rows) -> Chosen:
+    def chosen(self, rows: Columns) -> Chosen:
         """Return for each row whether it is chosen; ``rows`` holds the columns by name."""
         ...
 
@@ -46,7 +47,7 @@ class Comparison:
         """Names of the columns compared."""
         return frozenset(side for side in (self.left, self.right) if isinstance(side, str))
 
-    def chosen(self, rows: Rows) -> Chosen:
+    def chosen(self, rows: Columns) -> Chosen:
         """Return for each row whether the comparison holds."""
         left, right = (rows[side] if isinstance(side, str) else side for side in (self.left, self.right))
         verdict: Chosen = COMPARISONS[self.operator](left, right)
@@ -64,7 +65,7 @@ class InState:
         """The column of states."""
         return frozenset({"state"})
 
-    def chosen(self, rows: Rows) -> Chosen:
+    def chosen(self, rows: Columns) -> Chosen:
         """Return for each row whether it is in the state."""
         state = rows["state"]
         verdict: Chosen = (state & self.bit) != 0 if self.bit else state == 0
@@ -82,7 +83,7 @@ class Negation:
         """Names of the columns of the part."""
         return self.part.columns
 
-    def chosen(self, rows: Rows) -> Chosen:
+    def chosen(self, rows: Columns) -> Chosen:
         """Return the opposite of the part."""
         return ~self.part.chosen(rows)
 
@@ -98,7 +99,7 @@ class Every:
         """Names of the columns of all parts."""
         return frozenset().union(*(part.columns for part in self.parts))
 
-    def chosen(self, rows: Rows) -> Chosen:
+    def chosen(self, rows: Columns) -> Chosen:
         """Return for each row whether all parts choose it."""
         verdict: Chosen = np.logical_and.reduce([part.chosen(rows) for part in self.parts])
         return verdict
@@ -115,7 +116,7 @@ class Some:
         """Names of the columns of all parts."""
         return frozenset().union(*(part.columns for part in self.parts))
 
-    def chosen(self, rows: Rows) -> Chosen:
+    def chosen(self, rows: Columns) -> Chosen:
         """Return for each row whether some part chooses it."""
         verdict: Chosen = np.logical_or.reduce([part.chosen(rows) for part in self.parts])
         return verdict

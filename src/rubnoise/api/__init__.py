@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rubnoise.record.rows import JunctionState
     from rubnoise.scenario import Scenario, build, load
     from rubnoise.scenario.sweep import expand, load_sweep
+    from rubnoise.simulation.intervention import LiveJunctions
+    from rubnoise.simulation.observer import Observer
     from rubnoise.theory.exact import Exact
 
 __all__ = [
@@ -27,6 +29,8 @@ __all__ = [
     "Exact",
     "Junction",
     "JunctionState",
+    "LiveJunctions",
+    "Observer",
     "Record",
     "Refused",
     "RubnoiseError",
@@ -61,6 +65,8 @@ HOMES: Final = {
     "rubnoise.record.rows": ("JunctionState",),
     "rubnoise.scenario": ("Scenario", "build", "load"),
     "rubnoise.scenario.sweep": ("expand", "load_sweep"),
+    "rubnoise.simulation.intervention": ("LiveJunctions",),
+    "rubnoise.simulation.observer": ("Observer",),
     "rubnoise.theory.exact": ("Exact",),
 }
 

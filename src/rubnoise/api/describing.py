@@ -6,12 +6,15 @@ from pathlib import Path
 
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
+from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.run import extent, slider_constants
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.provenance import gather
 
 
-def describe(scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str]) -> RunDescription:
+def describe(
+    scenario: Scenario, path: str | os.PathLike[str], command: Sequence[str], intervene: Intervention | None = None
+) -> RunDescription:
     """Return the description of a result: its births are counted, nothing else is done."""
     model, seed = scenario.model(), scenario.run.seed
     return RunDescription(
@@ -26,6 +29,7 @@ def describe(scenario: Scenario, path: str | os.PathLike[str], command: Sequence
             calibrated_diameter=model.calibrated_diameter,
             propagator_constants=named_constants(model),
             command=command,
+            intervention="" if intervene is None else name_of(intervene),
         ),
     )
 

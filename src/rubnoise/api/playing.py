@@ -7,14 +7,24 @@ from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
+from rubnoise.simulation.intervention import Intervention
+from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import Engine, simulate
 from rubnoise.storage.writer import RunWriter
 
 
-def play(writer: RunWriter, scenario: Scenario, watch: Watch | None = None) -> None:
+def play(
+    writer: RunWriter,
+    scenario: Scenario,
+    *,
+    watch: Watch | None = None,
+    observe: Observer | None = None,
+    intervene: Intervention | None = None,
+) -> None:
     """Play a scenario into an entered writer, from the state that it says, and publish the file.
 
-    ``watch`` is told after each panel, and now and then while a file is compressed.
+    ``watch`` is told after each panel, and now and then while a file is compressed; ``observe`` and ``intervene`` are
+    those of `rubnoise.run`.
     """
     model, tally = scenario.model(), Tally()
     writer.replay(tally)
@@ -24,6 +34,8 @@ def play(writer: RunWriter, scenario: Scenario, watch: Watch | None = None) -> N
         Tee((writer, tally)),
         engine=cast(Engine, scenario.run.engine),
         state=writer.state,
+        observe=observe,
+        intervene=intervene,
         watch=watch,
         commit=writer.commit,
     )

@@ -14,6 +14,7 @@ from rubnoise.api.columns import Columns
 from rubnoise.api.contents import Contents
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused, ScenarioRefused
+from rubnoise.record.reader import Rows
 from rubnoise.storage.pulse import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
@@ -111,7 +112,7 @@ def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open rea
     return Run(open_run(path))
 
 
-def _columns(file: RunFile, name: str) -> Columns:
+def _columns(file: Rows, name: str) -> Columns:
     group = next(group for group in GROUPS if group.name == name)
     rows = file.rows(name)
     found = {

@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from rubnoise.api.describing import named_constants
 from rubnoise.api.playing import play
@@ -14,16 +14,20 @@ from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.run import extent
+from rubnoise.simulation.intervention import Intervention
+from rubnoise.simulation.observer import Observer
+from rubnoise.simulation.run import Engine, check_guests, extent
 from rubnoise.simulation.state import State
 from rubnoise.storage.budget import expected
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
-from rubnoise.storage.reader import RunFile
 from rubnoise.storage.resuming import examined, settle
 from rubnoise.storage.unfinished import paths_of
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
+
+if TYPE_CHECKING:
+    from rubnoise.analysis.verification import ResultFile
 
 MOST_DIFFERENCES = 3
 
@@ -33,16 +37,26 @@ MOST_TIMES, MOST_MORE = 4, 10**6
 No run is that far off by chance."""
 
 
-def resume(part: str | os.PathLike[str], *, force: bool = False, watch: Watch | None = None) -> Run:
+def resume(
+    part: str | os.PathLike[str],
+    *,
+    force: bool = False,
+    watch: Watch | None = None,
+    observe: Observer | None = None,
+    intervene: Intervention | None = None,
+) -> Run:
     """Go on with a run that did not finish, ``NAME.h5.part``, and open its result, ``NAME.h5``.
 
     Every dataset equals that of a run that was never stopped, bit for bit. ``force`` allows an existing file to be
-    replaced; ``watch`` is told where the run goes on and after each panel. Raises RunFileRefused for a part that cannot
-    be read, OutputRefused where the result may not be written or another process writes it, Refused where this version
-    of rubnoise would go on with other numbers.
+    replaced; ``watch`` is told where the run goes on and after each panel; ``observe`` is told of what happens from
+    there on. A run that was begun with an intervention needs it again as ``intervene``: a process that begins where the
+    run goes on. Raises RunFileRefused for a part that cannot be read, OutputRefused where the result may not be written
+    or another process writes it, Refused where this version of rubnoise would go on with other numbers, or the guests
+    are not those of the run.
     """
     check_output(paths_of(part).final, force=True, unfinished=True)
-    return go_on(Path(part).with_suffix(""), _begun(part), force=force, watch=watch)
+    target = Path(part).with_suffix("")
+    return go_on(target, _begun(part), force=force, watch=watch, observe=observe, intervene=intervene)
 
 
 def distance_of(part: str | os.PathLike[str]) -> float:
@@ -88,6 +102,8 @@ def go_on(
     engine: str | None = None,
     force: bool = False,
     watch: Watch | None = None,
+    observe: Observer | None = None,
+    intervene: Intervention | None = None,
 ) -> Run:
     """Go on with the described run, whose part belongs to an output path, with its own engine or another one."""
     paths = OutputPaths.of(path)
@@ -96,17 +112,19 @@ def go_on(
             whole = settle(paths, _check, force=force)
         if not whole:
             scenario = _scenario(description, f"{path}.part", engine)
+            check_guests(cast(Engine, scenario.run.engine), observe, intervene)
+            _check_intervention(description, f"{path}.part", intervene)
             with RunWriter(path, None, force=force) as writer:
                 if watch is not None:
                     watch(*_reached(writer.state, scenario.model().tick))
-                play(writer, scenario, watch)
+                play(writer, scenario, watch=watch, observe=observe, intervene=intervene)
     except RunStopped as stopped:
         stopped.kept = f"{path}.part"
         raise
     return open_result(path)
 
 
-def _check(run: RunFile) -> None:
+def _check(run: "ResultFile") -> None:
     """Refuse a part that says it is whole, and is not what it says (see verify)."""
     from rubnoise.analysis.verification import verify  # which few runs need
 
@@ -116,6 +134,18 @@ def _check(run: RunFile) -> None:
         wrong = [" ".join(str(problem).split())]
     if wrong:
         raise RunFileRefused(f"{run.path}: damaged: {wrong[0]}; rubnoise run --force starts over")
+
+
+def _check_intervention(description: RunDescription, part: str, intervene: Intervention | None) -> None:
+    """Refuse to go on without the intervention with which a run was begun, or with one that it was begun without."""
+    begun = description.provenance.intervention
+    if begun and intervene is None:
+        raise Refused(
+            f"{part}: an intervention, {begun}, takes part in this run; in Python"
+            " rubnoise.resume(..., intervene=...) goes on with it, rubnoise run --force starts over without it"
+        )
+    if intervene is not None and not begun:
+        raise Refused(f"{part}: this run was begun without an intervention, and goes on without one")
 
 
 def _reached(state: State | None, tick: float) -> tuple[float, int, int]:

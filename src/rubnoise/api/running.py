@@ -16,7 +16,9 @@ from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.run import Engine, extent
+from rubnoise.simulation.intervention import Intervention
+from rubnoise.simulation.observer import Observer
+from rubnoise.simulation.run import Engine, check_guests, extent
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.budget import check_memory, check_room, expected
 from rubnoise.storage.output import check_output
@@ -27,18 +29,28 @@ from rubnoise.theory.exact import Exact
 from rubnoise.theory.exact import exact as exact_of_model
 
 
-def simulate(scenario: Scenario, seed: int | None = None) -> Record:
+def simulate(
+    scenario: Scenario,
+    seed: int | None = None,
+    *,
+    observe: Observer | None = None,
+    intervene: Intervention | None = None,
+) -> Record:
     """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``.
 
-    ``seed`` replaces that of the scenario; raises ScenarioRefused where it is none, Refused where the memory of this
-    machine does not hold the result.
+    ``seed`` replaces that of the scenario; ``observe`` is told of births, mid-lives and deaths as they happen, and
+    changes nothing; ``intervene(env, live)`` is a SimPy process beside those of the junctions, begun at the start:
+    ``env.now`` is the distance in um, ``live`` the LiveJunctions, of which it may end some. What either raises ends the
+    run. Raises ScenarioRefused for a seed that is none, Refused where the memory of this machine does not hold the
+    result, or for an observer or intervention that is none or comes with the engine "batch".
     """
     scenario = _seeded(scenario, seed)
+    check_guests(_engine(scenario), observe, intervene)
     budget = expected(scenario)
     check_memory(scenario, budget, kept_bytes=budget.result_bytes)
     model, seed = scenario.model(), scenario.run.seed
     record = Record(extent(model, seed), pulse=model.pulse)
-    run_model(model, seed, record, engine=_engine(scenario))
+    run_model(model, seed, record, engine=_engine(scenario), observe=observe, intervene=intervene)
     return record
 
 
@@ -50,28 +62,33 @@ def run(
     force: bool = False,
     command: Sequence[str] | None = None,
     watch: Watch | None = None,
+    observe: Observer | None = None,
+    intervene: Intervention | None = None,
     durable: bool = True,
 ) -> Run:
     """Run a scenario into a result file and open it; a run of it that did not finish there is gone on with.
 
     ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
     ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
-    after each panel. Without ``durable`` the system may take its time to bring the file to the disk: nobody waits for
-    that, and a power cut within half a minute may take it. Raises OutputRefused before anything is created, also where
-    another run did not finish there, ScenarioRefused for a seed that is none, Refused where this machine has too little
-    memory.
+    after each panel; ``observe`` and ``intervene`` are as in `simulate`, and /provenance names an intervention, without
+    which its run is not gone on with. What either raises ends the run: a part is kept from which it can go on where
+    there was a commit, else nothing. Without ``durable`` the system may take its time to bring the file to the disk:
+    nobody waits for that, and a power cut within half a minute may take it. Raises OutputRefused before anything is
+    created, also where another run did not finish there, ScenarioRefused for a seed that is none, Refused where this
+    machine has too little memory or `simulate` would.
     """
     check_output(path, force=force, unfinished=True)
     scenario = _seeded(scenario, seed)
+    check_guests(_engine(scenario), observe, intervene)
     check_room(scenario, expected(scenario), path)
     begun = None if force else interrupted(scenario, path)
     if begun is not None:
-        return go_on(path, begun, engine=scenario.run.engine, watch=watch)
-    description = describe(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]])
+        return go_on(path, begun, engine=scenario.run.engine, watch=watch, observe=observe, intervene=intervene)
+    description = describe(scenario, path, command or [Path(sys.argv[0]).name, *sys.argv[1:]], intervene)
     if watch is not None:
         watch(0.0, 0, 0)
     with RunWriter(path, description, force=force, durable=durable) as writer:
-        play(writer, scenario, watch)
+        play(writer, scenario, watch=watch, observe=observe, intervene=intervene)
     return Run(open_run(path, own=writer.written))
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, get_args
 
-from rubnoise.analysis.verification import verify
+from rubnoise.analysis.verification import ResultFile, verify
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
 from rubnoise.analysis.verifying.inventories import shown
 from rubnoise.analysis.verifying.notes import Notes
@@ -18,7 +18,7 @@ from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_settings import Keep
 from rubnoise.storage.named_run import name_of
-from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.reader import open_run
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.identity import cases_of, identity, manifest_text
 
@@ -155,7 +155,7 @@ def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
     return results
 
 
-def _take_in(results: Results, run: RunFile, path: Path, regenerate: int) -> None:
+def _take_in(results: Results, run: ResultFile, path: Path, regenerate: int) -> None:
     name = name_of(run)
     right = path.stem if name == path.stem else f"that of {path.stem}"
     results.names.say(f"runs/{path.name}", found=name if name == path.stem else f"the result of {name}", expected=right)

@@ -14,10 +14,9 @@ from rubnoise.cli.junction_text import state_names
 from rubnoise.cli.layout import grouped, number, printable
 from rubnoise.cli.terminal import groups_that_fit
 from rubnoise.errors import Refused
+from rubnoise.record.reader import Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage.export_csv import heading
-from rubnoise.storage.layout import stored_columns
-from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import JUNCTIONS, Column
 
 BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
@@ -28,7 +27,7 @@ BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
 class Found:
     """Rows in the order asked for, how many there are in all, and the columns to print."""
 
-    run: RunFile
+    run: Rows
     path: Path
     where: str | None
     sort: str | None
@@ -39,7 +38,7 @@ class Found:
     @classmethod
     def of(
         cls,
-        run: RunFile,
+        run: Rows,
         path: Path,
         *,
         where: str | None,
@@ -50,7 +49,7 @@ class Found:
         brief: bool,
     ) -> Self:
         """Find the rows; raises Refused for a condition or a column that is none."""
-        there = stored_columns(JUNCTIONS, run.features)
+        there = tuple(column for column in JUNCTIONS.columns if column.name in run.columns["junctions"])
         tree = None if where is None else condition(where, there)
         by = None if sort is None else _named(sort.removeprefix("-"), "--sort", there).name
         wanted = _wanted(columns, there, _asked_about(tree, by) if brief else None)

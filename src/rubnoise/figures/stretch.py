@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.stored_model import stored_model
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.storage.reader import RunFile
+from rubnoise.record.reader import Reader
 
 MOST_POINTS: Final = 3000
 """Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
@@ -31,7 +31,7 @@ class Stretch:
     ``chosen`` tells whether somebody asked for this stretch, rather than for the picture alone.
     """
 
-    file: RunFile
+    file: Reader
     model: Model
     title: str
     start: float
@@ -39,7 +39,7 @@ class Stretch:
     chosen: bool
 
     @classmethod
-    def of(cls, file: RunFile, start: float | None = None, stop: float | None = None) -> Self:
+    def of(cls, file: Reader, start: float | None = None, stop: float | None = None) -> Self:
         """Return a stretch of an open result, all of it by default; raises Refused where it holds no two ticks."""
         model = stored_model(file)
         whole = cls(

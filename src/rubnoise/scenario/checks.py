@@ -127,22 +127,11 @@ def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator
     alive = model.birth_rate * 2.0 * model.sizes.moment(1) if model.start == "stationary" else 0.0
     junctions = model.birth_rate * model.distance + alive
     ticks = model.tick_count + 1
-    size = junctions * junction_bytes(model) + ticks * tick_bytes(model)
-    if junctions + ticks <= limits.RESULT_ROWS and size <= limits.RESULT_BYTES:
+    if junctions + ticks <= limits.RESULT_ROWS:
         return
     message = (
-        f"too long a run: {junctions:.3g} junctions and {float(ticks):.3g} ticks expected, {size:.3g} bytes; "
-        f"at most {limits.RESULT_ROWS:.0e} rows and {limits.RESULT_BYTES:.0e} bytes"
+        f"too long a run: {junctions:.3g} junctions and {float(ticks):.3g} ticks expected; "
+        f"at most {limits.RESULT_ROWS:.0e} rows"
     )
     hint = f"make sliding.distance shorter or output.tick longer{_where_from(document)}"
     yield Problem(path=_DISTANCE, message=message, place=layers.value_place(_DISTANCE), hint=hint)
-
-
-def junction_bytes(model: Model) -> int:
-    """Return the bytes of one row of /junctions."""
-    return 49 + 8 * (model.strengths is not None) + 16 * (model.sliding_speed is not None)
-
-
-def tick_bytes(model: Model) -> int:
-    """Return the bytes of one row of /trace and one of /slider."""
-    return 20 + 8 * (model.strengths is not None) + 40 * (model.slider is not None)

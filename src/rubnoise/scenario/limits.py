@@ -13,7 +13,6 @@ SYNTAX_CHARACTERS = 2 * FILE_BYTES
 TITLE_CHARACTERS = 200
 
 RESULT_ROWS = 2_000_000_000
-RESULT_BYTES = 10**12
 # A block of a run holds about eleven times as many junctions as are alive at once, at some 500 bytes each.
 LIVE_JUNCTIONS = 1e6
 # A point takes a millisecond to check, and all are checked before the first runs.

@@ -5,52 +5,21 @@ the slider wake for a panel of ticks at a time and see in it exactly the junctio
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from math import inf
 
-import numpy as np
 from simpy import Environment, Interrupt, Process
 from simpy.events import Event, ProcessGenerator
 
 from rubnoise.simulation.area import Sample
 from rubnoise.simulation.clock import DistanceClock
 from rubnoise.simulation.draws import BlockBirths
+from rubnoise.simulation.intervention import Intervening
+from rubnoise.simulation.live_set import LiveSet
 from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.process import LifeProcess, PromptProcess, Wait
 from rubnoise.simulation.state import LiveRows, State
-
-
-class LiveSet:
-    """The junctions of a block, and which of them are alive: what the processes say, and nothing else.
-
-    ``processes`` holds the process of each junction that is alive, by its row number; interrupting one ends that
-    junction where the clock stands.
-    """
-
-    def __init__(self, carried: LiveRows, born: LiveRows, begin: float) -> None:
-        """Hold the rows of a block that begins at a distance (um); none has a process yet."""
-        self._rows = carried.then(born)
-        self.joined = len(carried)
-        self.processes: dict[int, Process] = {}
-        self.numbers: list[int] = self._rows.junction.tolist()
-        self.departure: list[float] = self._rows.departure.tolist()
-        for row in np.flatnonzero(carried.death <= begin).tolist():
-            self.departure[row] = float(carried.death[row])
-
-    def birth_and_diameter(self, row: int) -> tuple[float, float]:
-        """Return a junction's birth and diameter (um)."""
-        return float(self._rows.birth[row]), float(self._rows.diameter[row])
-
-    def rows(self) -> LiveRows:
-        """Return the junctions that have joined so far, with the departures of those that have left."""
-        return replace(self._rows, departure=np.array(self.departure)).part(0, self.joined)
-
-
-Intervention = Callable[[Environment, LiveSet], ProcessGenerator]
-"""A process of the user's own, started anew in every block beside those of the contact."""
-
 
 Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
 
@@ -60,9 +29,14 @@ def junction(env: Environment, live: LiveSet, row: int, death: float, rest: floa
     try:
         yield Wait(env, rest)
     except Interrupt:
-        death = env.now
+        death = ended(env, live, row, death)
     del live.processes[live.numbers[row]]
     live.departure[row] = death
+
+
+def ended(env: Environment, live: LiveSet, row: int, death: float) -> float:
+    """Return where a life ends that is ended now: within itself, though the clock, which adds gaps, rounds."""
+    return min(max(env.now, live.birth_and_diameter(row)[0]), death)
 
 
 def told_junction(
@@ -78,7 +52,7 @@ def told_junction(
             rest = max(rest - rise, 0.0)
         yield Wait(env, rest)
     except Interrupt:
-        death = env.now
+        death = ended(env, live, row, death)
     del live.processes[number]
     live.departure[row] = death
     telling.death(number, death)
@@ -163,11 +137,11 @@ def play_block(
     run_end: float,
     sample: Callable[[Panel, LiveRows], Sample],
     move: Callable[[Panel, LiveRows, Sample], None] | None,
-    intervene: Intervention | None,
+    intervening: Intervening | None,
     telling: Telling | None,
 ) -> tuple[LiveRows, int]:
     """Let one block happen; return its rows at its end, carried ones first, and how many events it took."""
-    env = DistanceClock(initial_time=state.begin)
+    env = DistanceClock(state.begin) if intervening is None else intervening.clock(state.begin)
     live = LiveSet(state.live, born, state.begin)
     newborn, survivor = _lives(telling)
     if telling is not None:
@@ -179,13 +153,13 @@ def play_block(
     last: Process = PromptProcess(env, aggregate(env, panels, desk, block_end, sample, live))
     if move is not None:
         last = PromptProcess(env, slide(panels, desk, move))
-    if intervene is not None:
-        PromptProcess(env, intervene(env, live))
+    if intervening is not None:
+        intervening.join(env, live)
     env.run_to(env.all_of([block_end, last]))
     rows = live.rows()
     if telling is not None:
         telling.settle(rows, min(births_of_block.next_birth, run_end))
-    return rows, next(env._eid)  # noqa: SLF001  (SimPy numbers its events, and keeps the number to itself)
+    return rows, env.count()
 
 
 def _lives(telling: Telling | None) -> tuple[Life, Life]:

@@ -1,10 +1,11 @@
 """Being told of lives while they happen: births, mid-lives and deaths, as the clock passes them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
+from rubnoise.errors import Refused
 from rubnoise.simulation.state import LiveRows
 
 Told = Callable[[int, float], None]
@@ -13,15 +14,23 @@ Told = Callable[[int, float], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observer:
-    """What wants to be told of every junction: its birth, its mid-life at birth + d, its death; None for no interest.
+    """Functions that are told of every birth, mid-life (at birth + d) and death while it happens; None for no interest.
 
-    Distances are those of the rows. Junctions alive at the start have been born before, and those alive at the end die
-    later: nothing is told of either. Only who asks for mid-lives pays for them, with one more event a junction.
+    Each is given the junction's number, which is its row in /junctions, and the distance in um of what happens, to the
+    bit that of the row. Junctions alive at the start have been born before, and those alive at the end die later:
+    nothing is told of either. Only who asks for mid-lives pays for them, with one more event a junction. Raises Refused
+    for what cannot be called.
     """
 
     birth: Told | None = None
     mid_life: Told | None = None
     death: Told | None = None
+
+    def __post_init__(self) -> None:
+        for event in fields(self):
+            told = getattr(self, event.name)
+            if told is not None and not callable(told):
+                raise Refused(f"Observer: {event.name}: {told!r} is no function of a junction's number and a distance")
 
 
 class Telling:

@@ -13,7 +13,8 @@ from rubnoise.simulation.batch import play_at_once
 from rubnoise.simulation.block import Play, Run, Watch, next_state
 from rubnoise.simulation.cells import cells_per_tick
 from rubnoise.simulation.draws import births_by_block, start
-from rubnoise.simulation.junctions import Intervention, play_block
+from rubnoise.simulation.intervention import Intervening, Intervention
+from rubnoise.simulation.junctions import play_block
 from rubnoise.simulation.observer import Observer, Telling
 from rubnoise.simulation.propagator import Propagator, propagator
 from rubnoise.simulation.state import State
@@ -63,19 +64,19 @@ def simulate(
 
     The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
     between two blocks. ``state``: go on from here instead of from the start; ``intervene``: a SimPy process of the
-    caller's beside those of the contact, made anew in every block; ``observe``: is told of births, mid-lives, deaths;
-    ``watch``: is told after each panel; ``commit``: is handed the state after each block, or after some that are
-    played together, from which the run could go on; ``alone``: none are played together. Raises Refused for an
-    intervention or an observer without events.
+    caller's beside those of the contact, begun where the run begins or goes on; ``observe``: is told of births,
+    mid-lives, deaths; ``watch``: is told after each panel; ``commit``: is handed the state after each block, or after
+    some that are played together, from which the run could go on; ``alone``: none are played together. Raises Refused
+    as `check_guests` does.
     """
-    play = _play(engine, intervene, observe)
+    play = _play(model, engine, observe, intervene)
     run = Run(
         model=model,
         seed=seed,
         constants=slider_constants(model),
         sink=sink,
         play=play,
-        together=intervene is None and not alone,  # an intervention is started anew in every block
+        together=not alone,
         watch=watch,
     )
     state = start(model, seed) if state is None else state
@@ -103,13 +104,26 @@ def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
             gc.enable()
 
 
-def _play(engine: Engine, intervene: Intervention | None, observe: Observer | None) -> Play:
-    if engine == "events":
-        return partial(play_block, intervene=intervene, telling=None if observe is None else Telling(observe))
+def check_guests(engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
+    """Refuse an observer or an intervention that is none, and either of them where there are no events."""
+    if observe is not None and not isinstance(observe, Observer):
+        raise Refused(f"observe: {observe!r} is no Observer; rubnoise.Observer(birth=...) makes one of functions")
+    if intervene is not None and not callable(intervene):
+        raise Refused(f"intervene: {intervene!r} is no function of the environment and the live junctions")
     for asked, what in (
-        (intervene, "an intervention is a process among events"),
-        (observe, "an observer hears events"),
+        (intervene, "intervene: an intervention is a process among events"),
+        (observe, "observe: an observer hears of events"),
     ):
-        if asked is not None:
-            raise Refused(f'{what}: it needs the engine "events", not "batch"')
-    return play_at_once
+        if asked is not None and engine != "events":
+            raise Refused(f'{what}: it needs the engine "events", not "{engine}"')
+
+
+def _play(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> Play:
+    check_guests(engine, observe, intervene)
+    if engine == "batch":
+        return play_at_once
+    return partial(
+        play_block,
+        intervening=None if intervene is None else Intervening(intervene, model.pulse),
+        telling=None if observe is None else Telling(observe),
+    )

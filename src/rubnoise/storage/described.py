@@ -11,6 +11,7 @@ from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.pulse import pulse_of
 from rubnoise.storage.reader import RunFile, refusing
 from rubnoise.storage.schema import Feature, Scalar
+from rubnoise.storage.seal import INTERVENTION
 
 SHOWN = 40
 """Characters of a value that are shown where it is refused."""
@@ -45,6 +46,7 @@ def description(
             propagator_constants=_table(origin, "propagator_constants"),
             command=str(origin["command"]),
             started=str(origin["started"]),
+            intervention=str(origin.get(INTERVENTION, "")),
         ),
     )
 

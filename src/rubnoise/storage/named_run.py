@@ -4,6 +4,7 @@ import json
 import os
 
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.record.reader import Reader
 from rubnoise.storage.reader import RunFile, open_run
 
 
@@ -21,7 +22,7 @@ def open_named(path: str | os.PathLike[str], run_id: str) -> RunFile:
     raise RunFileRefused(f"{path}: is the result of another run, {name}")
 
 
-def name_of(file: RunFile) -> str:
+def name_of(file: Reader) -> str:
     """Return the name that the scenario in a file has in a sweep; raises RunFileRefused where there is none."""
     from rubnoise.scenario import build
     from rubnoise.scenario.points import run_id

@@ -21,7 +21,8 @@ PACKAGES = ("rubnoise", "numpy", "scipy", "numba", "simpy", "h5py")
 class Provenance:
     """The origin of one run, complete but for the moment it ended.
 
-    calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name.
+    calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name;
+    intervention: the function that may have ended lives, empty where the model alone did.
     """
 
     software: Mapping[str, str]
@@ -32,10 +33,16 @@ class Provenance:
     propagator_constants: Mapping[str, float]
     command: str
     started: str
+    intervention: str = ""
 
 
 def gather(
-    *, seed: int, calibrated_diameter: float, propagator_constants: Mapping[str, float], command: Sequence[str]
+    *,
+    seed: int,
+    calibrated_diameter: float,
+    propagator_constants: Mapping[str, float],
+    command: Sequence[str],
+    intervention: str = "",
 ) -> Provenance:
     """Return the provenance of a run that begins now in this process.
 
@@ -50,6 +57,7 @@ def gather(
         propagator_constants=dict(propagator_constants),
         command=join(command),
         started=now(),
+        intervention=intervention,
     )
 
 

@@ -22,6 +22,9 @@ PROVENANCE_TEXTS: Final = (
     "started",
     "finished",
 )
+INTERVENTION: Final = "intervention"
+"""What only a run has whose lives were ended from outside: the name of the function."""
+
 PROVENANCE_NUMBERS: Final = ("seed", "stream_version", "calibrated_diameter")
 
 
@@ -42,7 +45,8 @@ def read_summary(file: h5py.File) -> dict[str, Scalar]:
 def read_provenance(file: h5py.File) -> dict[str, Scalar]:
     """Return the attributes of /provenance by name; raises RunFileRefused where one is missing or no plain value."""
     group = sound_group(file, "provenance")
-    texts: dict[str, Scalar] = {name: read_text(group, name) for name in PROVENANCE_TEXTS}
+    names = [*PROVENANCE_TEXTS, *[INTERVENTION] * h5py.h5a.exists(group.id, INTERVENTION.encode())]
+    texts: dict[str, Scalar] = {name: read_text(group, name) for name in names}
     return texts | {name: read_attribute(group, name) for name in PROVENANCE_NUMBERS}
 
 

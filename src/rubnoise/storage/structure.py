@@ -27,7 +27,7 @@ from rubnoise.storage.schema import (
     Group,
     Scalar,
 )
-from rubnoise.storage.seal import read_provenance, read_root, seal_of
+from rubnoise.storage.seal import INTERVENTION, read_provenance, read_root, seal_of
 
 LIBRARY_VERSIONS = ("v110", "v110")
 GZIP_LEVEL = 4
@@ -190,6 +190,7 @@ def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:
         "calibrated_diameter": origin.calibrated_diameter,
         "propagator_constants": json.dumps(dict(origin.propagator_constants)),
         "command": origin.command,
+        **({INTERVENTION: origin.intervention} if origin.intervention else {}),
         "started": origin.started,
         "finished": "",
         HASH: "0" * HASH_DIGITS,

@@ -5,8 +5,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.record.reader import HashedReader
 from rubnoise.scenario.points import Point
-from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.seal import INTERVENTION
 from rubnoise.storage.together import clear_unsettled, is_of_torn
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.folder import SweepFolder
@@ -42,9 +44,11 @@ def _found(point: Point, folder: SweepFolder, *, begun: bool) -> tuple[Row | Non
     return Row(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures), kind
 
 
-def _kind(point: Point, file: RunFile, *, begun: bool) -> Kind:
+def _kind(point: Point, file: HashedReader, *, begun: bool) -> Kind:
     origin = file.provenance
     if origin["stream_version"] != STREAM_VERSION or not _is_same(str(origin["scenario_resolved"]), point):
+        return "other"
+    if INTERVENTION in origin:  # lives that somebody ended are no sample of the scenario
         return "other"
     # HDF5 has checksums of what is shorter than a page, and columns have hashes; a longer text has neither.
     lost = begun and origin["scenario_toml"] != point.scenario.text

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.comparing.findings import Finding, LeftOut
 from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
-from rubnoise.analysis.comparing.rows import Rows, panels, settled_tick
+from rubnoise.analysis.comparing.rows import panels, settled_tick
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.model import Model, Slider
+from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
 from rubnoise.theory.drive import drive_of
 from rubnoise.theory.motion_errors import motion_errors

@@ -1,36 +1,20 @@
 """The stored columns of a run, read in panels, so that a longer run needs no more memory."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import ceil
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
+from rubnoise.record.reader import Rows
 from rubnoise.theory.lags import longest_life
 
 Doubles = NDArray[np.float64]
 
 PANEL_ROWS: Final = 1 << 18
-
-
-class Rows(Protocol):
-    """The columns of a run, in a file or elsewhere, named and in the units of a result file."""
-
-    @property
-    def columns(self) -> Mapping[str, Sequence[str]]:
-        """Names of the columns of each group."""
-        ...
-
-    def rows(self, group: str) -> int:
-        """Return the number of rows of a group."""
-        ...
-
-    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
-        ...
 
 
 def panels(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:

@@ -15,14 +15,15 @@ from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.forms import VERSION, command_form, digits_form, moment, moment_form, parsed
 from rubnoise.analysis.verifying.inventories import compare_attributes, compare_structure
 from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.scenario import flattened
 from rubnoise.simulation.run import slider_constants
 from rubnoise.storage.inventory import Inventory, expected_inventory
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.provenance import Provenance, environment, software
-from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import HASH, Scalar
+from rubnoise.storage.seal import INTERVENTION
 from rubnoise.streams import STREAM_VERSION
 
 
@@ -131,7 +132,7 @@ RULES: Final[Mapping[tuple[str, str], Asked]] = {
 """What the scenario alone does not tell to the last character; hashes of columns are compared with their columns."""
 
 
-def attribute_checks(scenario: Scenario, run: RunFile, found: Inventory) -> list[Check]:
+def attribute_checks(scenario: Scenario, run: HashedReader, found: Inventory) -> list[Check]:
     """Return whether a file has the groups, columns and attributes that a run of its scenario has, and no others."""
     expected = expected_inventory(_description(scenario, run))
     structure, attributes = Notes("structure"), Notes("attributes")
@@ -146,7 +147,7 @@ def _asked(asked: Asked, subject: Subject, text: str) -> str | None:
     return asked(text, subject)
 
 
-def _description(scenario: Scenario, run: RunFile) -> RunDescription:
+def _description(scenario: Scenario, run: HashedReader) -> RunDescription:
     """Return the description of a run of the scenario; what it does not tell is empty, and has a rule."""
     model, streams = scenario.model(), run.provenance["stream_version"]
     return RunDescription(
@@ -165,5 +166,6 @@ def _description(scenario: Scenario, run: RunFile) -> RunDescription:
             propagator_constants={},
             command="",
             started="",
+            intervention=str(run.provenance.get(INTERVENTION, "")),
         ),
     )

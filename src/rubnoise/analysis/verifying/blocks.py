@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.lives import born_before
 from rubnoise.analysis.verifying.notes import Notes
-from rubnoise.analysis.verifying.reading import Ahead, Panel, Rows, panels
+from rubnoise.analysis.verifying.reading import Ahead, Panel, panels
 from rubnoise.model import Model
+from rubnoise.record.reader import Rows
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]

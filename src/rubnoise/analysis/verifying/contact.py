@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from rubnoise.analysis.verifying.areas import add_areas
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.notes import Notes
-from rubnoise.analysis.verifying.reading import Junctions, Panel, Rows, Window, panels
+from rubnoise.analysis.verifying.reading import Junctions, Panel, Window, panels
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
+from rubnoise.record.reader import Rows
 
 Doubles = NDArray[np.float64]
 

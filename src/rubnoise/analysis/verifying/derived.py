@@ -11,9 +11,9 @@ from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import panels
 from rubnoise.model import Model
+from rubnoise.record.reader import Reader
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.storage.life_curve import life_curve
-from rubnoise.storage.reader import RunFile
 
 MEASURED: Final = 1e-9
 """Relative: measured figures are sums over columns, whose order is left open."""
@@ -28,7 +28,7 @@ _CONSTANT = 2.0**-30
 """Standard deviation over mean below which a column is constant but for rounding, and has no shape."""
 
 
-def curve_check(model: Model, run: RunFile) -> Check:
+def curve_check(model: Model, run: Reader) -> Check:
     """Return whether the table of a life is that of the scenario's pulse, bit for bit."""
     notes = Notes("life_curve")
     for name, values in life_curve(model.pulse.shape).items():
@@ -36,7 +36,7 @@ def curve_check(model: Model, run: RunFile) -> Check:
     return notes.check()
 
 
-def summary_check(model: Model, run: RunFile) -> Check:
+def summary_check(model: Model, run: Reader) -> Check:
     """Return whether the summary has every figure of the run, as its columns and the theory of its scenario have it.
 
     Standard errors are worked out again, too; a figure that a run of the scenario does not have is named.

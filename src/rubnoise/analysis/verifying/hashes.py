@@ -5,14 +5,14 @@ from typing import Final
 from rubnoise.analysis.verifying.findings import Check, Difference
 from rubnoise.analysis.verifying.reading import PANEL_ROWS
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.reader import RunFile
+from rubnoise.record.reader import HashedReader
 from rubnoise.storage.schema import HASH
 from rubnoise.storage.seal import seal_of
 
 SEAL: Final = f"/provenance {HASH}"
 
 
-def hash_check(run: RunFile) -> Check:
+def hash_check(run: HashedReader) -> Check:
     """Return whether every column can be read and has the xxh3_128 beside it, and all attributes together theirs."""
     values = sum(run.rows(group) * len(names) for group, names in run.columns.items()) + 1
     damaged = run.damaged()
@@ -22,7 +22,7 @@ def hash_check(run: RunFile) -> Check:
     return Check(name="hashes", values=values, different=different, first=wrong[0] if wrong else None)
 
 
-def unreadable(run: RunFile) -> list[str]:
+def unreadable(run: HashedReader) -> list[str]:
     """Return the groups and columns whose bytes cannot be read at all, as in a compressed column that is damaged."""
     found = []
     for group, names in run.columns.items():
@@ -35,12 +35,12 @@ def unreadable(run: RunFile) -> list[str]:
     return found
 
 
-def _column_difference(run: RunFile, column: str) -> Difference:
+def _column_difference(run: HashedReader, column: str) -> Difference:
     told = "unreadable" if column in unreadable(run) else "not what its hash was taken of"
     return Difference(place=column, row=None, found=told, expected="as it was written")
 
 
-def _seal_difference(run: RunFile) -> Difference | None:
+def _seal_difference(run: HashedReader) -> Difference | None:
     there, right = run.seal, seal_of(run.attributes, run.summary, run.provenance)
     if there == right:
         return None

@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.notes import Notes
-from rubnoise.analysis.verifying.reading import Panel, Rows, panels
+from rubnoise.analysis.verifying.reading import Panel, panels
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed
 from rubnoise.contact.overlap import max_area
 from rubnoise.model import Model
+from rubnoise.record.reader import Rows
 
 Mask = NDArray[np.bool_]
 

@@ -10,9 +10,9 @@ from rubnoise.analysis.verifying.motion import cell_motion
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
+from rubnoise.record.reader import HashedReader, Reader
 from rubnoise.scenario import Scenario
 from rubnoise.storage.layout import features_of, stored_columns, stored_groups
-from rubnoise.storage.reader import RunFile
 from rubnoise.streams import STREAM_VERSION
 
 CONSTANTS: Final = "/provenance propagator_constants"
@@ -26,7 +26,7 @@ _ROUNDED: Final = 2.0**-8
 """Scale of what is left of a 1 when 1 is taken away."""
 
 
-def layout_check(model: Model, run: RunFile) -> Check:
+def layout_check(model: Model, run: HashedReader) -> Check:
     """Return whether a file has the groups, columns and ticks that a run of its scenario has."""
     notes, features = Notes("layout"), features_of(model)
     for group in stored_groups(features):
@@ -36,7 +36,7 @@ def layout_check(model: Model, run: RunFile) -> Check:
     return notes.check()
 
 
-def origin_check(scenario: Scenario, run: RunFile) -> Check:
+def origin_check(scenario: Scenario, run: Reader) -> Check:
     """Return whether seed, calibrated diameter and constants of the slider are those of the scenario in the file."""
     notes, origin, model = Notes("origin"), run.provenance, scenario.model()
     diameter = origin["calibrated_diameter"]
@@ -52,7 +52,7 @@ def origin_check(scenario: Scenario, run: RunFile) -> Check:
     return notes.check()
 
 
-def need_same_streams(run: RunFile) -> None:
+def need_same_streams(run: Reader) -> None:
     """Raise Refused for a file whose seed stands for other numbers than it does here."""
     version = run.provenance["stream_version"]
     if version != STREAM_VERSION:
@@ -62,7 +62,7 @@ def need_same_streams(run: RunFile) -> None:
         )
 
 
-def stored_constants(run: RunFile) -> dict[str, float]:
+def stored_constants(run: Reader) -> dict[str, float]:
     """Return the constants of the slider's step that a file tells, by name; none where it tells something else."""
     try:
         told: Any = json.loads(str(run.provenance["propagator_constants"]))
@@ -71,7 +71,7 @@ def stored_constants(run: RunFile) -> dict[str, float]:
         return {}
 
 
-def cells_per_tick(run: RunFile) -> int:
+def cells_per_tick(run: Reader) -> int:
     """Return into how many cells the slider's step divides a tick, as the file says; 1 where it says nothing of use."""
     cells = stored_constants(run).get("cells_per_tick", 1.0)
     return int(cells) if cells in CELLS else 1

@@ -2,31 +2,16 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.record.reader import Rows
+
 Doubles = NDArray[np.float64]
 
 PANEL_ROWS: Final = 65_536
-
-
-class Rows(Protocol):
-    """The columns of a run, in a file or elsewhere, named and in the units of a result file."""
-
-    @property
-    def columns(self) -> Mapping[str, Sequence[str]]:
-        """Names of the columns of each group."""
-        ...
-
-    def rows(self, group: str) -> int:
-        """Return the number of rows of a group."""
-        ...
-
-    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
-        ...
 
 
 class Columns(Mapping[str, NDArray[Any]]):

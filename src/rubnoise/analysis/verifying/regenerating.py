@@ -11,13 +11,13 @@ from rubnoise.analysis.verifying.findings import Check, LeftOut
 from rubnoise.analysis.verifying.lives import ended_early
 from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.origin import CONSTANTS, stored_constants
-from rubnoise.analysis.verifying.reading import Panel, Rows, panels
+from rubnoise.analysis.verifying.reading import Panel, panels
 from rubnoise.model import Model
+from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.run import extent, simulate, slider_constants
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.storage.reader import RunFile
 
 UNTOUCHED: Final = ("junction", "birth_distance", "diameter", "max_area", "shear_strength", "birth_time")
 """Columns of /junctions that an interrupt leaves as they are."""
@@ -52,7 +52,7 @@ class Compared:
                 self.notes.say(f"/{group}/{name} rows", found=first_row + found.size, expected=first_row + values.size)
 
 
-def regeneration_check(model: Model, run: RunFile, seed: int, count: int) -> tuple[Check, list[LeftOut]]:
+def regeneration_check(model: Model, run: Reader, seed: int, count: int) -> tuple[Check, list[LeftOut]]:
     """Return whether ``count`` blocks, spread evenly from the first to the last, come out again bit for bit.
 
     Each goes on from the rows of the junctions that were alive before it and from the slider's last tick. Blocks in
@@ -87,9 +87,7 @@ def _play(model: Model, seed: int, sink: Compared, state: State) -> None:
         return
 
 
-def _starts(
-    model: Model, run: RunFile, seed: int, table: BlockTable, blocks: list[int]
-) -> Iterator[tuple[State, bool]]:
+def _starts(model: Model, run: Reader, seed: int, table: BlockTable, blocks: list[int]) -> Iterator[tuple[State, bool]]:
     """Yield the state before each block, from the rows of the file, and whether interrupts have changed the block."""
     live, touched = _alive_before(model, run, table, blocks)
     for block in blocks:
@@ -115,7 +113,7 @@ def _starts(
 
 
 def _alive_before(
-    model: Model, run: RunFile, table: BlockTable, blocks: list[int]
+    model: Model, run: Reader, table: BlockTable, blocks: list[int]
 ) -> tuple[dict[int, LiveRows], dict[int, bool]]:
     """Return who lived on beyond the last tick before each block, and whether an interrupt ended a life since.
 
@@ -150,7 +148,7 @@ def _as_live(panel: Panel) -> LiveRows:
     )
 
 
-def _check_constants(notes: Notes, model: Model, run: RunFile) -> None:
+def _check_constants(notes: Notes, model: Model, run: Reader) -> None:
     """Compare the constants of the slider's step, computed anew, with those of the file."""
     constants, told = slider_constants(model), stored_constants(run)
     for name, value in constants.named().items() if constants else ():

@@ -10,8 +10,9 @@ from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.forces import force_moments
 from rubnoise.analysis.verifying.motion import CellMotion, cell_motion
 from rubnoise.analysis.verifying.notes import Notes
-from rubnoise.analysis.verifying.reading import PANEL_ROWS, Ahead, Rows, Window, panels
+from rubnoise.analysis.verifying.reading import PANEL_ROWS, Ahead, Window, panels
 from rubnoise.model import Model
+from rubnoise.record.reader import Rows
 
 Doubles = NDArray[np.float64]
 

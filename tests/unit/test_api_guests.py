@@ -1,0 +1,314 @@
+"""Watching a run and stepping into it from Python: observers and interventions, as a person would have them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis.verification import verify
+from rubnoise.contact.overlap import junction_area
+from rubnoise.errors import OutputRefused, Refused
+from rubnoise.record.rows import JunctionState
+from rubnoise.scenario import Scenario, build
+from rubnoise.scenario.sweep import expand, load_sweep
+from rubnoise.simulation import draws
+from rubnoise.simulation.intervention import Intervening
+from rubnoise.storage import writer
+from rubnoise.storage.reader import open_run
+from rubnoise.sweep.folder import SweepFolder
+from rubnoise.sweep.found import found_run
+from tests.cli.terminal import call, names
+from tests.unit.tampering import tell
+
+EVERY = 50.0
+"""um between two junctions that an intervention ends."""
+
+
+class Sheared(Exception):  # noqa: N818
+    """What a callback raises."""
+
+
+@pytest.fixture
+def scenario(monkeypatch: pytest.MonkeyPatch) -> Scenario:
+    """Return a run of three blocks, of which none are played together."""
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    return build(
+        {
+            "format": 1,
+            "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+            "strength": {"mean": "250 MPa"},
+            "sliding": {"speed": "1 mm/s", "distance": "1500 um"},
+            "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
+            "output": {"tick": "0.5 um"},
+        }
+    )
+
+
+def batch(scenario: Scenario) -> Scenario:
+    resolved = scenario.resolved()
+    return build(resolved | {"run": resolved["run"] | {"engine": "batch"}})
+
+
+def largest_goes(env: Any, live: rubnoise.LiveJunctions) -> Iterator[Any]:
+    """End the largest live junction at every multiple of a distance, wherever it begins."""
+    while True:
+        yield env.timeout(EVERY * (np.floor(env.now / EVERY + 1e-6) + 1.0) - env.now)
+        live.end(max(live, key=lambda junction: junction.area).number)
+
+
+def contents(result: Any) -> dict[tuple[str, str], bytes]:
+    return {
+        (group, column): np.asarray(getattr(result, group)[column]).tobytes()
+        for group in ("junctions", "trace", "slider")
+        for column in getattr(result, group).names
+    }
+
+
+def raising_after(times: int) -> rubnoise.Observer:
+    """Return who raises at a later birth."""
+    seen: list[int] = []
+
+    def birth(junction: int, _distance: float) -> None:
+        seen.append(junction)
+        if len(seen) > times:
+            raise Sheared(junction)
+
+    return rubnoise.Observer(birth=birth)
+
+
+def test_births_are_counted_as_they_happen_and_nothing_changes(scenario: Scenario, tmp_path: Path) -> None:
+    born: dict[int, float] = {}
+    counting = rubnoise.Observer(birth=born.__setitem__)
+    watched = rubnoise.simulate(scenario, observe=counting)
+    rows = watched.junctions["birth_distance"][:]
+    inside = ~np.signbit(rows)
+    assert born == dict(zip(np.flatnonzero(inside).tolist(), rows[inside].tolist(), strict=True))
+    assert contents(watched) == contents(rubnoise.simulate(scenario))
+    with rubnoise.run(scenario, tmp_path / "x.h5", observe=counting) as run:
+        assert contents(run) == contents(watched)
+        assert "intervention" not in run.provenance
+    # The comparison would notice a run in which one life is another.
+    assert contents(rubnoise.simulate(scenario, intervene=largest_goes)) != contents(watched)
+
+
+def test_what_an_intervention_ends_is_ended_early_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
+    with rubnoise.run(scenario, tmp_path / "x.h5", intervene=largest_goes) as run:
+        ended = (run.junctions["state"][:] & JunctionState.ENDED_EARLY) > 0
+        deaths = run.junctions["death_distance"][:][ended]
+        np.testing.assert_allclose(np.sort(deaths), EVERY * np.arange(1, deaths.size + 1), rtol=1e-12)
+        assert deaths.size == 30
+        assert run.provenance["intervention"] == f"{__name__}.largest_goes"
+        assert contents(run) == contents(rubnoise.simulate(scenario, intervene=largest_goes))
+    with open_run(tmp_path / "x.h5") as file:
+        found = verify(file, regenerate=3)
+    assert [str(check.first) for check in found.different] == []
+    tell(tmp_path / "x.h5", "provenance", "intervention", "another", seal=False)
+    with open_run(tmp_path / "x.h5") as file:
+        assert [check.name for check in verify(file).different] == ["hashes"]
+
+
+def test_who_lives_is_shown_with_number_birth_diameter_and_area(scenario: Scenario) -> None:
+    shown: list[tuple[float, list[Any]]] = []
+
+    def looks(env: Any, live: rubnoise.LiveJunctions) -> Iterator[Any]:
+        yield env.timeout(400.0)
+        there = list(live)
+        shown.append((env.now, there))
+        gone = there[3].number
+        assert gone in live
+        assert len(live) == len(there)
+        live.end(np.int64(gone))
+        assert gone not in live
+        assert len(live) == len(there) - 1
+        assert [each.number for each in live] == [each.number for each in there if each.number != gone]
+        with pytest.raises(ValueError, match=f"junction {gone} is not alive at 400 um"):
+            live.end(gone)
+        yield env.timeout(1.0)
+        assert gone not in live
+        assert repr(live) == f"{len(live)} junctions alive at 401 um"
+
+    record = rubnoise.simulate(scenario, intervene=looks)
+    ((now, there),) = shown
+    rows = {name: record.junctions[name][:] for name in ("birth_distance", "death_distance", "diameter")}
+    alive = (rows["birth_distance"] <= now) & (now <= rows["death_distance"])
+    assert [each.number for each in there] == np.flatnonzero(alive).tolist()
+    assert [each.birth_distance for each in there] == rows["birth_distance"][alive].tolist()
+    assert [each.diameter for each in there] == rows["diameter"][alive].tolist()
+    ages = now - rows["birth_distance"][alive]
+    np.testing.assert_allclose([each.area for each in there], junction_area(ages, rows["diameter"][alive]), atol=1e-9)
+    assert record.trace["junction_count"][:][800] == len(there) - 1
+
+
+def waits(places: list[float]) -> Any:
+    def process(env: Any, _live: Any) -> Iterator[Any]:
+        env.process(twice(env))
+        while True:
+            yield env.timeout(7.0)
+            places.append(env.now)
+
+    def twice(env: Any) -> Iterator[Any]:
+        for _ in range(2):
+            yield env.timeout(600.0)
+            places.append(-env.now)
+
+    return process
+
+
+def test_an_intervention_knows_nothing_of_blocks(scenario: Scenario) -> None:
+    places: list[float] = []
+    record = rubnoise.simulate(scenario, intervene=waits(places))
+    assert len(record["blocks"]["block"]) == 3
+    np.testing.assert_allclose([place for place in places if place > 0.0], np.arange(7.0, 1500.0, 7.0), rtol=1e-12)
+    np.testing.assert_allclose([-place for place in places if place < 0.0], [600.0, 1200.0], rtol=1e-12)
+
+
+def test_a_clock_made_anew_in_a_block_would_be_seen(scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Intervening.clock
+
+    def forgetful(self: Intervening, begin: float) -> Any:
+        self._clock, self._started = None, False
+        return clock(self, begin)
+
+    monkeypatch.setattr(Intervening, "clock", forgetful)
+    places: list[float] = []
+    rubnoise.simulate(scenario, intervene=waits(places))
+    assert not np.allclose(np.remainder([place + 1.0 for place in places if place > 0.0], 7.0), 1.0)
+
+
+def test_a_life_ended_where_it_begins_has_no_length_and_verifies(scenario: Scenario, tmp_path: Path) -> None:
+    bell: list[Any] = []
+
+    def birth(junction: int, _distance: float) -> None:
+        if junction % 100 == 50:
+            bell[0].succeed(junction)
+
+    def ends_newborns(env: Any, live: rubnoise.LiveJunctions) -> Iterator[Any]:
+        while True:
+            bell[:] = [env.event()]
+            number = yield bell[0]
+            live.end(number)
+
+    watching = rubnoise.Observer(birth=birth)
+    with rubnoise.run(scenario, tmp_path / "x.h5", observe=watching, intervene=ends_newborns) as run:
+        lives = run.junctions["life_distance"][:][50::100]
+        assert lives.size > 10
+        assert np.all((lives >= 0.0) & (lives < 1e-9))
+    with open_run(tmp_path / "x.h5") as file:
+        assert [str(check.first) for check in verify(file, regenerate=3).different] == []
+
+
+def test_what_a_callback_raises_comes_out_and_nothing_is_left(scenario: Scenario, tmp_path: Path) -> None:
+    def breaks(env: Any, _live: Any) -> Iterator[Any]:
+        yield env.timeout(700.0)
+        raise Sheared(700)
+
+    with pytest.raises(Sheared, match="700"):
+        rubnoise.simulate(scenario, intervene=breaks)
+    for guest in ({"observe": raising_after(1500)}, {"intervene": breaks}):
+        with pytest.raises(Sheared):
+            rubnoise.run(scenario, tmp_path / "x.h5", **guest)
+        assert names(tmp_path) == []
+    rubnoise.run(scenario, tmp_path / "x.h5", observe=raising_after(10_000)).close()
+    assert names(tmp_path) == ["x.h5"]
+
+
+def test_a_run_whose_observer_failed_goes_on_to_the_same_bits(
+    scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    with pytest.raises(Sheared):
+        rubnoise.run(scenario, tmp_path / "x.h5", observe=raising_after(1500))
+    assert "x.h5.part" in names(tmp_path)
+    told: list[int] = []
+    with rubnoise.resume(tmp_path / "x.h5.part", observe=rubnoise.Observer(birth=lambda n, _: told.append(n))) as run:
+        assert contents(run) == contents(rubnoise.simulate(scenario))
+        rows = len(run.junctions)
+    assert told == list(range(told[0], rows))
+    assert 900 < told[0] < 1500
+    assert names(tmp_path) == ["x.h5"]
+
+
+def test_a_run_with_an_intervention_goes_on_with_it_alone(
+    scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    path, part = tmp_path / "x.h5", tmp_path / "x.h5.part"
+    with pytest.raises(Sheared):
+        rubnoise.run(scenario, path, observe=raising_after(1500), intervene=largest_goes)
+    kept = part.read_bytes()
+    for again in (lambda: rubnoise.resume(part), lambda: rubnoise.run(scenario, path)):
+        with pytest.raises(Refused, match=r"largest_goes, takes part in this run; in Python rubnoise\.resume"):
+            again()
+    answer = call("resume", part)
+    assert answer.code == 2
+    assert "takes part in this run" in " ".join(answer.err.split())
+    assert part.read_bytes() == kept
+    with rubnoise.run(scenario, path, intervene=largest_goes) as run:
+        whole = rubnoise.simulate(scenario, intervene=largest_goes)
+        assert np.array_equal(run.junctions["state"][:], whole.junctions["state"][:])
+        for column in ("death_distance", "life_distance"):
+            np.testing.assert_allclose(run.junctions[column][:], whole.junctions[column][:], rtol=1e-12, atol=1e-9)
+    with open_run(path) as file:
+        assert verify(file, regenerate=3).different == []
+
+
+def test_a_run_begun_without_an_intervention_takes_none(
+    scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    with pytest.raises(Sheared):
+        rubnoise.run(scenario, tmp_path / "x.h5", observe=raising_after(1500))
+    with pytest.raises(Refused, match="begun without an intervention, and goes on without one"):
+        rubnoise.resume(tmp_path / "x.h5.part", intervene=largest_goes)
+    rubnoise.resume(tmp_path / "x.h5.part").close()
+
+
+@pytest.mark.parametrize(
+    ("guest", "reason"),
+    [
+        ({"observe": print}, r"observe: <built-in function print> is no Observer; rubnoise\.Observer\(birth="),
+        ({"observe": {"birth": print}}, "observe: .* is no Observer"),
+        ({"intervene": 3}, "intervene: 3 is no function of the environment and the live junctions"),
+        ({"intervene": lambda env, live: None}, "intervene: returned None, and has to be a process"),
+    ],
+)
+def test_guests_that_are_none_are_refused(scenario: Scenario, tmp_path: Path, guest: Any, reason: str) -> None:
+    for begin in (rubnoise.simulate, lambda given, **how: rubnoise.run(given, tmp_path / "x.h5", **how)):
+        with pytest.raises(Refused, match=reason):
+            begin(scenario, **guest)
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("guest", [{"observe": rubnoise.Observer()}, {"intervene": largest_goes}])
+def test_guests_need_events(scenario: Scenario, tmp_path: Path, guest: Any) -> None:
+    for begin in (rubnoise.simulate, lambda given, **how: rubnoise.run(given, tmp_path / "x.h5", **how)):
+        with pytest.raises(Refused, match='needs the engine "events", not "batch"'):
+            begin(batch(scenario), **guest)
+    assert names(tmp_path) == []
+
+
+def test_an_observer_is_made_of_functions() -> None:
+    with pytest.raises(Refused, match="Observer: death: 3 is no function of a junction's number and a distance"):
+        rubnoise.Observer(death=3)
+
+
+def test_a_run_with_an_intervention_is_no_run_of_a_sweep(tmp_path: Path) -> None:
+    file = tmp_path / "one.toml"
+    file.write_text(
+        'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
+        '[sliding]\ndistance = "300 um"\n[sweep]\nreplicates = 1\n',
+        encoding="utf-8",
+    )
+    (point,) = expand(load_sweep(file, ["run.engine=events"]))
+    folder = SweepFolder(tmp_path / "swept")
+    path = folder.run(point.run_id)
+    path.parent.mkdir(parents=True)
+    rubnoise.run(point.scenario, path, intervene=largest_goes).close()
+    assert found_run(point, root=folder.root) is None
+    with pytest.raises(OutputRefused, match="exists already"):
+        rubnoise.run(point.scenario, path)
+    rubnoise.run(point.scenario, path, force=True).close()
+    assert found_run(point, root=folder.root) is not None
