@@ -144,6 +144,10 @@ class Part:
             for name, column in files.items():
                 yield (group, name), column
 
+    def rows(self) -> dict[str, int]:
+        """Return how many rows each group has so far."""
+        return {group: next(iter(files.values())).rows_written for group, files in self._columns.items()}
+
     @property
     def names(self) -> list[Name]:
         """The columns that grow with the run, in the order of their marks."""

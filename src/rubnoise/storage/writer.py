@@ -82,6 +82,7 @@ class RunWriter:
                 self._take_up(opening)
             else:
                 self._begin(self._given, opening)
+            self._rows = self._part.rows()
             self._open = opening.pop_all()
         self._committed_at = monotonic()
         return self
@@ -100,7 +101,7 @@ class RunWriter:
 
     def commit(self, state: State) -> None:
         """Note that all rows before a state have been written; once a second see it all onto the disk."""
-        self.state = state
+        self.state, self._rows = state, self._part.rows()
         if self._safe and monotonic() - self._committed_at >= COMMIT_SECONDS:
             with self._telling():
                 self._commit(state)
@@ -147,8 +148,7 @@ class RunWriter:
         opening.callback(self._journal.close)
 
     def _commit(self, state: State, *, durable: bool = True) -> None:
-        rows = {"junctions": state.junctions, "trace": state.ticks, "slider": state.ticks, "blocks": state.block}
-        marks = self._part.marks(rows)
+        marks = self._part.marks(self._rows)
         if durable:
             disk.sync_rows(self._part.descriptor)
         self._journal.append("rows", packed_commit(marks, state), durable=durable)

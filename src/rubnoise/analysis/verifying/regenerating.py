@@ -107,6 +107,7 @@ def _starts(
                 ticks=tick,
                 events=0,
                 live=live[block],
+                slider_rows=tick if "slider" in run.columns else 0,
                 displacement=displacement,
                 velocity=velocity,
             ),
