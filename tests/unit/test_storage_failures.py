@@ -137,14 +137,14 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     """What a later process needs stands in the part itself: no writer has to have lived on."""
     rows = random_rows(describe())
     paths = OutputPaths.of(tmp_path / "run.h5")
-    with make_part(paths.part, paths.making, describe()) as part:
+    with make_part(paths, describe()) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
         assert part.marks(dict.fromkeys(rows, 0))
-    with open_run(paths.part, strict=True) as found, open_part(paths.part, found) as part:
+    with open_run(paths.part, strict=True) as found, open_part(paths, found) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
         ending = part.completion({}, "2026-01-02T03:05:00Z")
-        ending.carry_out(part.descriptor)
+        part.carry_out(ending)
         part.check(ending)
     with open_run(paths.part) as run:
         assert run.damaged() == ()
