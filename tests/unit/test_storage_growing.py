@@ -60,7 +60,8 @@ def small_steps_and_a_commit_every_block(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def described(compression: Compression = "none") -> RunDescription:
-    return describe(5 * BLOCKS, 8 * BLOCKS, BLOCKS, None, compression=compression)
+    description = describe(5 * BLOCKS, 8 * BLOCKS, BLOCKS, None, compression=compression)
+    return replace(description, scenario_resolved={"run": {"seed": 1}, "output": {"compression": compression}})
 
 
 def play(sink: Sink, state: State, commit: Callable[[State], None]) -> None:
@@ -274,7 +275,7 @@ def failing(call: str, after: int, suffix: str = ".rows") -> Callable[..., objec
     real, times = getattr(disk, call), [0]
 
     def called(descriptor: int, *given: object) -> object:
-        times[0] += os.readlink(f"/proc/self/fd/{descriptor}").endswith(suffix)
+        times[0] += str(Path(f"/proc/self/fd/{descriptor}").readlink()).endswith(suffix)
         if times[0] > after:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         return real(descriptor, *given)
@@ -312,13 +313,14 @@ def test_a_disk_that_fills_up_while_rows_are_copied_in_leaves_all_of_them(
     gone_on(tmp_path, described())
 
 
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="asks Linux for the name of an open file")
 def test_a_run_that_fails_before_its_first_commit_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(disk, "allocate", failing("allocate", 2))
     monkeypatch.setattr(writer, "COMMIT_SECONDS", 1e9)
-    with pytest.raises(KeyboardInterrupt), RunWriter(tmp_path / "x.h5", described()) as file:
-        play(file, START, file.commit)
-        raise KeyboardInterrupt
+    with pytest.raises(RubnoiseError, match="writing failed: No space left"):
+        make(tmp_path / "x.h5", described())
     assert names(tmp_path) == []
 
 
@@ -415,6 +417,6 @@ def test_a_simulated_run_is_the_same_whether_its_slider_grows_or_not(
         for group, columns in one.columns.items():
             for name in columns:
                 assert one.column(group, name).tobytes() == other.column(group, name).tobytes()
-        assert verify(one).different == ()
+        assert verify(one).different == []
     record = rubnoise.simulate(run)
     assert len(record.slider) == 3201
