@@ -27,6 +27,7 @@ TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
 ROWS = {
     "junctions": "one a junction",
     "ticks": "one a tick",
+    "slider": "one a tick",
     "blocks": "one a block",
     "curve": "one a point of the curve",
 }

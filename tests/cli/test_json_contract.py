@@ -127,8 +127,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
     full = "full.toml"
-    paths = OutputPaths.of("stopped.h5")
-    with make_part(paths.part, paths.making, describe(load(full), "stopped.h5", ["rubnoise", "run", full])):
+    with make_part(OutputPaths.of("stopped.h5"), describe(load(full), "stopped.h5", ["rubnoise", "run", full])):
         pass
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),

@@ -38,6 +38,7 @@ def describe(
     junctions: int = 7,
     ticks: int = 11,
     blocks: int = 3,
+    slider: int | None = 13,
     *,
     features: frozenset[Feature] = EVERYTHING,
     compression: Compression = "none",
@@ -45,7 +46,7 @@ def describe(
 ) -> RunDescription:
     return RunDescription(
         title="a small run of µm",
-        extent=Extent(junctions=junctions, ticks=ticks, blocks=blocks),
+        extent=Extent(junctions=junctions, ticks=ticks, blocks=blocks, slider=slider if "slider" in features else 0),
         features=features,
         compression=compression,
         scenario_toml=scenario_toml,

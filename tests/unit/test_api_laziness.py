@@ -35,7 +35,7 @@ def huge(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A whole result of 11 GB as its size says; no row was ever written, so that it takes no room on the disk."""
     path = tmp_path_factory.mktemp("huge") / "huge.h5"
     with h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
-        compose(file, describe(JUNCTIONS, LAST_TICK + 1), compressed=False)
+        compose(file, describe(JUNCTIONS, LAST_TICK + 1, slider=LAST_TICK + 1), compressed=False)
         complete(file, {}, {}, "2026-01-02T03:04:06Z")
     assert path.stat().st_size > 11e9
     if path.stat().st_blocks * 512 > 1e8:

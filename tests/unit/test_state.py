@@ -33,6 +33,7 @@ def test_a_state_without_rows_survives_its_bytes():
         ticks=7,
         events=9,
         live=LiveRows.none(),
+        slider_rows=5,
         displacement=-0.0,
         velocity=5e-324,
     )

@@ -41,7 +41,7 @@ def test_a_run_with_missing_rows_is_not_published(tmp_path: Path, compression: C
     description = describe(compression=compression)
     rows = random_rows(description)
     rows["slider"]["velocity"] = rows["slider"]["velocity"][:-1]
-    with pytest.raises(RubnoiseError, match="/slider/velocity has 10 of its 11 rows"):
+    with pytest.raises(RubnoiseError, match="/slider/velocity has 12 of its 13 rows"):
         write_run(tmp_path / "run.h5", description, rows)
     assert names(tmp_path) == []
 
@@ -117,7 +117,7 @@ def test_a_run_that_cannot_fit_is_refused_before_its_first_row(tmp_path: Path, s
 def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
     with (
         pytest.raises(OutputRefused, match=r"needs .* bytes, and the disk has|File too large"),
-        RunWriter(tmp_path / "run.h5", describe(10**13, 10**13)),
+        RunWriter(tmp_path / "run.h5", describe(10**13, 10**13, slider=10**13)),
     ):
         raise AssertionError
     assert names(tmp_path) == []
@@ -125,7 +125,7 @@ def test_a_run_larger_than_the_disk_is_refused(tmp_path: Path) -> None:
 
 def test_a_compressed_run_needs_room_for_two_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = random_rows(describe(2000, 2000))
-    room = expected_bytes(Extent(junctions=2000, ticks=2000, blocks=3), EVERYTHING) + SLACK_BYTES
+    room = expected_bytes(Extent(junctions=2000, ticks=2000, blocks=3, slider=13), EVERYTHING) + SLACK_BYTES
     monkeypatch.setattr("shutil.disk_usage", lambda path: SimpleNamespace(free=room))
     write_run(tmp_path / "raw.h5", describe(2000, 2000), rows)
     with pytest.raises(OutputRefused, match="and the disk has"):
@@ -137,14 +137,14 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     """What a later process needs stands in the part itself: no writer has to have lived on."""
     rows = random_rows(describe())
     paths = OutputPaths.of(tmp_path / "run.h5")
-    with make_part(paths.part, paths.making, describe()) as part:
+    with make_part(paths, describe()) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
         assert part.marks(dict.fromkeys(rows, 0))
-    with open_run(paths.part, strict=True) as found, open_part(paths.part, found) as part:
+    with open_run(paths.part, strict=True) as found, open_part(paths, found) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
         ending = part.completion({}, "2026-01-02T03:05:00Z")
-        ending.carry_out(part.descriptor)
+        part.carry_out(ending)
         part.check(ending)
     with open_run(paths.part) as run:
         assert run.damaged() == ()

@@ -297,14 +297,14 @@ def test_a_part_is_gone_on_with_only_as_it_was_read(tmp_path: Path) -> None:
     stop_after(tmp_path / "x.h5", WHOLE, 2)
     paths = OutputPaths.of(tmp_path / "x.h5")
     with open_run(paths.part, strict=True) as run:
-        open_part(paths.part, run).__exit__(None, None, None)
+        open_part(paths, run).__exit__(None, None, None)
         turned(paths.part, 9)
         with pytest.raises(RunFileRefused, match=r"x\.h5\.part: was changed just now"):
-            open_part(paths.part, run)
+            open_part(paths, run)
         turned(paths.part, 9)
         replaced(paths.part)
         with pytest.raises(RunFileRefused, match=r"x\.h5\.part: another file has taken its place just now"):
-            open_part(paths.part, run)
+            open_part(paths, run)
 
 
 def test_a_compressed_part_that_is_damaged_cannot_be_gone_on_with(tmp_path: Path) -> None:

@@ -93,7 +93,7 @@ def test_a_journal_begun_anew_forgets_the_old_one(tmp_path: Path) -> None:
 def state(block: int) -> State:
     return State(
         block=block, begin=1.0, next_birth=2.0, junctions=3 * block, ticks=2 * block, events=0, live=LiveRows.none(),
-        displacement=0.1, velocity=-0.0,
+        slider_rows=2 * block, displacement=0.1, velocity=-0.0,
     )  # fmt: skip
 
 

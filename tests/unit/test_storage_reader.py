@@ -212,7 +212,7 @@ def test_a_file_of_before_has_no_blocks(path: Path) -> None:
         del file["blocks"]
     with open_run(path) as run:
         assert "blocks" not in run.columns
-        assert run.extent == Extent(junctions=7, ticks=11, blocks=0)
+        assert run.extent == Extent(junctions=7, ticks=11, blocks=0, slider=13)
         assert run.damaged() == ()
 
 

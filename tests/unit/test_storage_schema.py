@@ -81,17 +81,17 @@ def test_flags_are_the_states_of_the_record() -> None:
 
 
 @pytest.mark.parametrize(
-    ("group", "rows"), [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 5), (BLOCKS, 2), (LIFE_CURVE, CURVE_ROWS)]
+    ("group", "rows"), [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 4), (BLOCKS, 2), (LIFE_CURVE, CURVE_ROWS)]
 )
 def test_rows_follow_the_extent(group: Group, rows: int) -> None:
-    assert row_count(group, Extent(junctions=3, ticks=5, blocks=2)) == rows
+    assert row_count(group, Extent(junctions=3, ticks=5, blocks=2, slider=4)) == rows
 
 
 def test_bytes_are_those_of_the_columns() -> None:
     features: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
-    grown = expected_bytes(Extent(junctions=1001, ticks=501, blocks=21), features) - expected_bytes(
-        Extent(junctions=1, ticks=1, blocks=1), features
+    grown = expected_bytes(Extent(junctions=1001, ticks=501, blocks=21, slider=301), features) - expected_bytes(
+        Extent(junctions=1, ticks=1, blocks=1, slider=1), features
     )
-    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4 + 5 * 8) + 20 * (6 * 8)
+    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4) + 300 * (5 * 8) + 20 * (6 * 8)
     curve = CURVE_ROWS * 2 * np.dtype("<f8").itemsize
-    assert expected_bytes(Extent(junctions=0, ticks=0, blocks=0), features) == STRUCTURE_BYTES + curve
+    assert expected_bytes(Extent(junctions=0, ticks=0, blocks=0, slider=None), features) == STRUCTURE_BYTES + curve

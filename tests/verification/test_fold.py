@@ -84,7 +84,7 @@ def test_the_extent_is_known_before_the_run():
 def test_a_run_without_births_is_one_block():
     run = model(count=0.01, distance=1e-3, tick=1e-3, start="empty")
     record, state = run_to_end(run)
-    assert record.extent == Extent(junctions=0, ticks=2, blocks=1)
+    assert record.extent == Extent(junctions=0, ticks=2, blocks=1, slider=2)
     assert record["blocks"]["birth_distance"][0] > run.distance
     assert state.block == 1
 

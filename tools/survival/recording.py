@@ -185,7 +185,7 @@ def _change(content: bytearray, call: Call) -> None:
         case ("write_all", _, data, offset):
             content.extend(b"\0" * (offset + len(data) - len(content)))
             content[offset : offset + len(data)] = data
-        case ("allocate" | "resize" as name, _, size):
+        case ("allocate" | "resize" as name, _, size, *_):
             content.extend(b"\0" * (size - len(content)))
             if name == "resize":
                 del content[size:]

@@ -26,7 +26,7 @@ MANIFEST: Final = "sweep.json"
 OWN: Final = frozenset(("index.h5", "merged.h5", MANIFEST, "runs", "journal"))
 """What a sweep makes in its folder, beside locks and what is being written."""
 
-UNFINISHED: Final = (".part", ".part.journal")
+UNFINISHED: Final = (".part", ".part.journal", ".part.rows")
 
 Watch = Callable[[int, int], None]
 

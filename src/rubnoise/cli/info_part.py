@@ -22,7 +22,7 @@ def contents(file: Path) -> dict[str, Any]:
         "started": origin.started,
         "bytes": file.stat().st_size,
         "share": found.share,
-        "done": {"junctions": found.junctions, "ticks": found.ticks},
+        "done": {"junctions": found.junctions, "ticks": found.ticks, **found.grown},
         "whole": {"junctions": about.extent.junctions, "ticks": about.extent.ticks},
         "committed": found.committed or None,
         "being_written": found.being_written,
@@ -32,7 +32,10 @@ def contents(file: Path) -> dict[str, Any]:
 def described(answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     done, whole = answer["done"], answer["whole"]
-    rows = ", ".join(f"{grouped(done[name])} of {grouped(whole[name])} {name}" for name in whole)
+    rows = ", ".join(
+        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else f"{grouped(count)} rows of /{name}"
+        for name, count in done.items()
+    )
     hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
     return [
         sentence(f"{answer['file']}: {printable(answer['title'])}, unfinished"),

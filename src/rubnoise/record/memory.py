@@ -24,6 +24,7 @@ class MemoryRecord:
     extent: Extent
     groups: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict)
     pulse: Pulse = LENS
+    _room: dict[str, dict[str, NDArray[Any]]] = field(default_factory=dict, repr=False)
 
     def __getitem__(self, group: str) -> dict[str, NDArray[Any]]:
         """Return the columns of one group."""
@@ -31,12 +32,23 @@ class MemoryRecord:
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Keep rows of a group (see Sink)."""
-        if group not in self.groups:
-            rows = {"junctions": self.extent.junctions, "blocks": self.extent.blocks}.get(group, self.extent.ticks)
+        rows = self.extent.rows(group)
+        if rows is None:
+            self._grow(group, columns, first_row + next(iter(columns.values())).size)
+        elif group not in self.groups:
             self.groups[group] = _room_for(columns, rows)
         kept = self.groups[group]
         for name, values in columns.items():
             kept[name][first_row : first_row + values.size] = values
+
+    def _grow(self, group: str, columns: Columns, rows: int) -> None:
+        """Let a group have so many rows; room is made for twice as many, so that rows are seldom copied."""
+        room = self._room.get(group)
+        if room is None or rows > next(iter(room.values())).size:
+            room = self._room[group] = _room_for(columns, 2 * rows)
+            for name, values in self.groups.get(group, {}).items():
+                room[name][: values.size] = values
+        self.groups[group] = {name: values[:rows] for name, values in room.items()}
 
 
 def _room_for(columns: Columns, rows: int) -> dict[str, NDArray[Any]]:

@@ -11,11 +11,19 @@ Columns = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Extent:
-    """How many rows each group of a run has, known exactly before its first event."""
+    """How many rows each group of a run has, known exactly before its first event.
+
+    slider: 0 without a slider, None where its rows grow with the run, so that only the end tells how many there are.
+    """
 
     junctions: int
     ticks: int
     blocks: int
+    slider: int | None
+
+    def rows(self, group: str) -> int | None:
+        """Return the number of rows of a group that is named as in a result file; None where it grows."""
+        return {"junctions": self.junctions, "trace": self.ticks, "slider": self.slider, "blocks": self.blocks}[group]
 
 
 class Sink(Protocol):
@@ -27,6 +35,20 @@ class Sink(Protocol):
         Rows come in order and without gaps; a row of "junctions" may come once more when its junction is ended early.
         """
         ...
+
+
+@dataclass(slots=True)
+class Appender:
+    """Hands rows of one group to a sink, each time behind those before; ``rows``: how many there are so far."""
+
+    sink: Sink
+    group: str
+    rows: int
+
+    def append(self, columns: Columns) -> None:
+        """Add rows to the group."""
+        self.sink.write(self.group, self.rows, columns)
+        self.rows += next(iter(columns.values())).size
 
 
 @dataclass(frozen=True, slots=True)

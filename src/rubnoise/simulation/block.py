@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
-from rubnoise.record.sink import Sink
+from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.draws import BlockBirths, blocks_together, draw_blocks
 from rubnoise.simulation.kernels import Room
@@ -72,6 +72,7 @@ def next_state(run: Run, state: State) -> State:
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     block_panels = list(panels(run.model, state, births, cells))
     motion = None if run.constants is None else _motion(run, state, run.constants)
+    slider = Appender(run.sink, "slider", state.slider_rows)
     rows, events = run.play(
         state=state,
         births_of_block=births,
@@ -79,7 +80,7 @@ def next_state(run: Run, state: State) -> State:
         panels=block_panels,
         run_end=run.model.distance,
         sample=lambda panel, rows: _write_trace(run, panel, rows),
-        move=None if motion is None else partial(_write_slider, run, motion, starts),
+        move=None if motion is None else partial(_write_slider, slider, motion, starts),
     )
     natural = natural_death(rows.birth, rows.diameter)
     _write_junctions(run, state, rows, natural)
@@ -93,6 +94,7 @@ def next_state(run: Run, state: State) -> State:
         ticks=ticks,
         events=state.events + events,
         live=_carried(rows, natural, (ticks - 1) * run.model.tick),
+        slider_rows=slider.rows,
         displacement=state.displacement if motion is None else motion.displacement,
         velocity=state.velocity if motion is None else motion.velocity,
     )
@@ -124,11 +126,11 @@ def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Sample:
 
 
 def _write_slider(
-    run: Run, motion: SliderMotion, starts: BlockStarts, panel: Panel, rows: LiveRows, found: Sample
+    slider: Appender, motion: SliderMotion, starts: BlockStarts, panel: Panel, rows: LiveRows, found: Sample
 ) -> None:
     columns = motion.through(panel, rows, found)
-    starts.pass_panel(panel, columns)
-    run.sink.write("slider", panel.first, columns)
+    starts.pass_slider(columns)
+    slider.append(columns)
 
 
 def _write_junctions(run: Run, state: State, rows: LiveRows, natural: Doubles) -> None:

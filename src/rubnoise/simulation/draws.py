@@ -165,6 +165,7 @@ def start(model: Model, seed: int) -> State:
     """Return the state before the first block: whoever is alive in a stationary contact, or nobody in an empty one."""
     live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()
     return State(
+        slider_rows=0,
         block=0,
         begin=0.0,
         next_birth=first_birth(model, seed),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import BlockBirths, births_per_block
-from rubnoise.simulation.panels import Panel, first_tick_at_or_after
+from rubnoise.simulation.panels import first_tick_at_or_after
 from rubnoise.simulation.state import State
 
 Doubles = NDArray[np.float64]
@@ -44,12 +44,12 @@ class BlockStarts:
             velocity=np.full(births.blocks, state.velocity),
         )
 
-    def pass_panel(self, panel: Panel, slider: Columns) -> None:
-        """Take note of how the slider moves at the last ticks before blocks."""
-        passed = np.flatnonzero((self.first_tick > panel.first) & (self.first_tick <= panel.end))
-        tick = self.first_tick[passed] - 1 - panel.first
-        self.displacement[passed] = slider["displacement"][tick]
-        self.velocity[passed] = slider["velocity"][tick]
+    def pass_slider(self, slider: Columns) -> None:
+        """Take note of how the slider moves in the last of some rows that lie before a block, but for the first one."""
+        before = np.searchsorted(slider["distance"], self.birth_distance)
+        passed = np.flatnonzero(before[1:]) + 1
+        self.displacement[passed] = slider["displacement"][before[passed] - 1]
+        self.velocity[passed] = slider["velocity"][before[passed] - 1]
 
     def columns(self, *, moving: bool) -> dict[str, NDArray[Any]]:
         """Return the columns of /blocks."""

@@ -63,7 +63,7 @@ class State:
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
     far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
-    carried;    displacement (um) and velocity (um/s) of the slider at the last finished tick.
+    carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one.
     """
 
     block: int
@@ -73,6 +73,7 @@ class State:
     ticks: int
     events: int
     live: LiveRows
+    slider_rows: int
     displacement: float
     velocity: float
 

@@ -1,4 +1,4 @@
-"""One column of a file on its way to disk: gathered to large pieces, hashed and written at its offset."""
+"""One column of a file on its way to disk: gathered to large pieces, hashed and written at its place."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
+from rubnoise.storage.growing import GrowingPlace
 from rubnoise.storage.place import Place
 
 PIECE_BYTES: Final = 1 << 15
@@ -31,14 +32,14 @@ class Mark:
 
 
 class ColumnFile:
-    """Rows of one contiguous column, written at their offset in an open file.
+    """Rows of one column, written at their place in an open file: in one piece, or as they grow.
 
     Rows wait in memory until a piece is full, or until ``flush``. The hash is that of the raw little-endian bytes,
     taken while rows arrive in order; a column of which a row was written twice is read once more. Without ``hashed``
     none is taken before somebody asks.
     """
 
-    def __init__(self, descriptor: int, place: Place, *, hashed: bool = True) -> None:
+    def __init__(self, descriptor: int, place: Place | GrowingPlace, *, hashed: bool = True) -> None:
         self._descriptor = descriptor
         self._place = place
         self._dtype = np.dtype(place.dtype)
@@ -50,13 +51,19 @@ class ColumnFile:
 
     @property
     def rows(self) -> int:
-        """Rows of the whole column."""
-        return self._place.rows
+        """Rows of the whole column: of one that grows those so far."""
+        return self.rows_written if self._place.rows is None else self._place.rows
 
     @property
     def offset(self) -> int:
-        """Where the column begins in its file; 0 for one without rows."""
+        """Where the column begins in its file; 0 for one without rows, and for one that grows."""
         return self._place.offset
+
+    def moved(self, descriptor: int, place: Place) -> "ColumnFile":
+        """Return the column where all of its rows have been copied to."""
+        column = ColumnFile(descriptor, place)
+        column._hash, column.rows_written = self._hash, self.rows_written
+        return column
 
     def write(self, first_row: int, values: NDArray[Any]) -> None:
         """Write rows that follow those written before, or replace some of them.
@@ -88,7 +95,7 @@ class ColumnFile:
         """Read the column as far as it is as the marks say, in order of rows; return how many of them it fits."""
         running = xxhash.xxh3_128()
         for number, (before, mark) in enumerate(pairwise([Mark(rows=0, digest=b""), *marks])):
-            if not before.rows <= mark.rows <= self.rows:
+            if not before.rows <= mark.rows <= self._place.held:
                 return number
             for panel in self._read(before.rows, mark.rows):
                 running.update(panel.data)
@@ -111,13 +118,13 @@ class ColumnFile:
 
     def stored_digest(self) -> str:
         """Return the same of the whole column as its file has it now."""
-        running, left, place = xxhash.xxh3_128(), self._bytes(self.rows), self._place.offset
+        running, left, begin = xxhash.xxh3_128(), self._bytes(self.rows), 0
         target = np.empty(min(READ_BYTES, left), dtype=np.uint8).data
         while left:
             piece = target[: min(READ_BYTES, left)]
-            self._fill(piece, place)
+            self._fill(piece, begin)
             running.update(piece)
-            left, place = left - len(piece), place + len(piece)
+            left, begin = left - len(piece), begin + len(piece)
         return running.hexdigest()
 
     def panels(self, size: int, rows: int | None = None) -> Iterator[NDArray[Any]]:
@@ -142,7 +149,8 @@ class ColumnFile:
     def _gather(self, data: Bytes) -> int:
         """Let bytes wait, as many as there is room for."""
         if not self._waiting.size:
-            self._waiting = np.empty(min(PIECE_BYTES, self._bytes(self.rows)), dtype=np.uint8)
+            most = PIECE_BYTES if self._place.rows is None else self._bytes(self._place.rows)
+            self._waiting = np.empty(min(PIECE_BYTES, most), dtype=np.uint8)
         taken = min(data.size, self._waiting.size - self._count)
         self._waiting[self._count : self._count + taken] = data[:taken]
         self._count += taken
@@ -151,12 +159,19 @@ class ColumnFile:
     def _pass_on(self, data: Bytes, offset: int) -> None:
         if self._hash is not None:
             self._hash.update(data.data)
-        disk.write_all(self._descriptor, data.data, self._place.offset + offset)
+        self._write(data, offset)
 
     def _replace(self, first_row: int, data: Bytes) -> None:
         self.flush()
         self._hash = None
-        disk.write_all(self._descriptor, data.data, self._place.offset + self._bytes(first_row))
+        self._write(data, self._bytes(first_row))
+
+    def _write(self, data: Bytes, offset: int) -> None:
+        self._place.reserve(offset + data.size)
+        done = 0
+        for place, size in self._place.pieces(offset, data.size):
+            disk.write_all(self._descriptor, data[done : done + size].data, place)
+            done += size
 
     def _running(self) -> "xxhash.xxh3_128":
         """Return the hash of the rows so far, read once more where some were replaced."""
@@ -179,12 +194,15 @@ class ColumnFile:
         size = size or PIECE_BYTES // self._dtype.itemsize
         for start in range(first, end, size):
             panel = np.empty(min(size, end - start), dtype=self._dtype)
-            self._fill(panel.view(np.uint8).data, self._place.offset + self._bytes(start))
+            self._fill(panel.view(np.uint8).data, self._bytes(start))
             yield panel
 
-    def _fill(self, target: memoryview, place: int) -> None:
-        if disk.read_into(self._descriptor, target, place) != len(target):
-            raise RubnoiseError("the part file was cut short meanwhile")
+    def _fill(self, target: memoryview, offset: int) -> None:
+        done = 0
+        for place, size in self._place.pieces(offset, len(target)):
+            if disk.read_into(self._descriptor, target[done : done + size], place) != size:
+                raise RubnoiseError("the part file was cut short meanwhile")
+            done += size
 
     def _bytes(self, rows: int) -> int:
         return rows * self._dtype.itemsize
@@ -193,6 +211,7 @@ class ColumnFile:
         """Return the number of rows, having refused what would land in the wrong place."""
         if values.dtype != self._dtype or values.ndim != 1:
             raise TypeError(f"rows of {values.dtype} in {values.ndim} dimensions for a column of {self._dtype}")
-        if not 0 <= first_row <= self.rows_written or first_row + values.size > self.rows:
+        fits = self._place.rows is None or first_row + values.size <= self._place.rows
+        if not 0 <= first_row <= self.rows_written or not fits:
             raise ValueError(f"rows {first_row} to {first_row + values.size} of {self.rows}, after {self.rows_written}")
         return values.size

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -37,7 +38,8 @@ def compressed(
         target = Unfailing(descriptor)
         try:
             with h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file:
-                compose(file, description, compressed=True)
+                extent = replace(description.extent, **part.grown_rows())
+                compose(file, replace(description, extent=extent), compressed=True)
                 _copy(part, file, between)
                 complete(file, digests, summary, finished)
         finally:

@@ -84,10 +84,10 @@ def resize(descriptor: int, size: int) -> None:
     os.ftruncate(descriptor, size)
 
 
-def allocate(descriptor: int, size: int) -> None:
-    """Take the space of a file's first bytes from the disk, where the system can."""
+def allocate(descriptor: int, size: int, start: int = 0) -> None:
+    """Take the space of a file's first bytes, or of those of them from ``start`` on, where the system can."""
     if sys.platform != "darwin":
-        os.posix_fallocate(descriptor, 0, size)
+        os.posix_fallocate(descriptor, start, size - start)
 
 
 def sync(descriptor: int) -> None:

@@ -19,7 +19,7 @@ from rubnoise.storage.ending import Ending
 from rubnoise.storage.journal import Frame, frames
 from rubnoise.storage.layout import Name, RunDescription
 
-VERSION: Final = 1
+VERSION: Final = 2
 MOST_COMMITS: Final = 4096
 """Commits that are remembered at most: of those long ago every other one is forgotten, again and again."""
 

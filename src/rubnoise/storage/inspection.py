@@ -13,9 +13,9 @@ import h5py
 import numpy as np
 
 from rubnoise.errors import RunFileRefused
-from rubnoise.record.sink import Extent
 from rubnoise.storage import disk
 from rubnoise.storage.described import description
+from rubnoise.storage.layout import stored_extent
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.place import between, digest_of, places_of
 from rubnoise.storage.provenance import package_version
@@ -93,8 +93,7 @@ def _made(found: Mapping[str, Any]) -> Overlay:
     """Return the file that is made of what a file says of itself, without its rows; raises RunFileRefused."""
     about, origin, summary = (_value(found[name]) for name in ("attributes", "provenance", "summary"))
     rows = {name: next(iter(columns.values()))["rows"] for name, columns in found["columns"].items()}
-    extent = Extent(junctions=rows["junctions"], ticks=rows["trace"], blocks=rows.get("blocks", 0))
-    told = description(str(about["title"]), origin, extent, frozenset(found["features"]))
+    told = description(str(about["title"]), origin, stored_extent(rows), frozenset(found["features"]))
     image = Overlay()
     with h5py.File(image, "w", libver=LIBRARY_VERSIONS) as file:
         compose(file, told, compressed=_is_compressed(found))

@@ -53,14 +53,24 @@ def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, 
 
 
 def row_count(group: Group, extent: Extent) -> int:
-    """Return the number of rows in a group."""
-    lengths = {
-        "junctions": extent.junctions,
-        "ticks": extent.ticks,
-        "blocks": extent.blocks,
-        "curve": CURVE_ROWS,
-    }
-    return lengths[group.length]
+    """Return the number of rows in a group that are there before a run: none where they grow."""
+    return CURVE_ROWS if group.length == "curve" else extent.rows(group.name) or 0
+
+
+def grows(group: Group, extent: Extent) -> bool:
+    """Whether only the end of a run tells how many rows a group has."""
+    return group.grows and extent.rows(group.name) is None
+
+
+def stored_extent(rows: Mapping[str, int]) -> Extent:
+    """Return what the rows of a file tell by group; one that may grow has none before its run has ended."""
+    growing = {group.name for group in GROUPS if group.grows and rows.get(group.name) == 0}
+    return Extent(
+        junctions=rows["junctions"],
+        ticks=rows["trace"],
+        blocks=rows.get("blocks", 0),
+        slider=None if "slider" in growing else rows.get("slider", 0),
+    )
 
 
 def expected_bytes(extent: Extent, features: frozenset[Feature]) -> int:

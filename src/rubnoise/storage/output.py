@@ -20,6 +20,7 @@ class OutputPaths:
     final: Path
     part: Path
     journal: Path
+    growing: Path
     making: Path
     lock: Path
 
@@ -31,9 +32,15 @@ class OutputPaths:
             final=final,
             part=final.with_name(f"{final.name}.part"),
             journal=final.with_name(f"{final.name}.part.journal"),
+            growing=final.with_name(f"{final.name}.part.rows"),
             making=final.with_name(f".{final.name}.making"),
             lock=final.with_name(f".{final.name}.lock"),
         )
+
+    def remove_beside(self) -> None:
+        """Remove what lies beside a part as long as it is not whole; without a journal growing rows tell nothing."""
+        disk.remove(self.growing)
+        disk.remove(self.journal)
 
 
 def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool = False) -> OutputPaths:
@@ -48,7 +55,7 @@ def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool 
         paths = OutputPaths.of(path)
         _check_folder(paths.final.parent)
         # Before the folder's rights: nobody wants to hear that /dev is not writable when the output is /dev/null.
-        for name in (paths.final, paths.part, paths.journal, paths.making, paths.lock):
+        for name in (paths.final, paths.part, paths.journal, paths.growing, paths.making, paths.lock):
             _check_regular(name)
         _check_writable(paths.final.parent)
     except (OSError, ValueError) as problem:

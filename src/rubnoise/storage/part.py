@@ -1,8 +1,8 @@
 """The unfinished file: made whole in structure, then filled column by column while HDF5 is not open."""
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -11,62 +11,77 @@ import h5py
 
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RubnoiseError, RunFileRefused
-from rubnoise.record.sink import Columns, Sink
+from rubnoise.record.sink import Columns, Extent, Sink
 from rubnoise.storage import disk
 from rubnoise.storage.columns import ColumnFile, Mark
 from rubnoise.storage.ending import Ending
+from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.history import Commit
-from rubnoise.storage.layout import Name, RunDescription
+from rubnoise.storage.layout import Name, RunDescription, grows, stored_groups
 from rubnoise.storage.life_curve import life_curve
-from rubnoise.storage.output import is_file, reserve
+from rubnoise.storage.output import OutputPaths, is_file, reserve
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.place import Place, between, digest_of
 from rubnoise.storage.pulse import pulse_of, stored_pulse
 from rubnoise.storage.reader import RunFile, refusing
-from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Scalar
-from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
+from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Feature, Scalar
+from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, enlarge
 
 SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
 
 
-def make_part(
-    path: Path, making: Path, description: RunDescription, *, hashed: bool = True, durable: bool = True
-) -> "Part":
+def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool = True, durable: bool = True) -> "Part":
     """Make a part file under a passing name, with its space reserved, and rename it when its structure is on the disk.
 
-    Without ``durable`` it is renamed before the disk has it.
+    A file for growing rows is made before. Without ``durable`` it is renamed before the disk has it.
     Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
     Raises OSError, and OutputRefused where the disk has no room; nothing is left behind then.
     """
     structure = Overlay()
     with h5py.File(structure, "w", libver=LIBRARY_VERSIONS) as file:
         columns = compose(file, description, compressed=False)
-    with new_file(making, stays_open=True) as descriptor:
-        structure.commit(descriptor)
-        copy = 0 if description.compression == "none" else structure.size
-        reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
-        if durable:
-            disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
-        part = Part(descriptor, columns, structure, pulse_of(description.scenario_resolved), hashed=hashed)
-        disk.rename(making, path)
+    groups = _growing_groups(columns, description.features, description.extent)
+    with ExitStack() as opening:
+        growing = GrowingFile.new(paths.growing, groups) if groups else None
+        if growing is not None:
+            opening.callback(disk.remove, paths.growing)
+            opening.callback(growing.close)
+        with new_file(paths.making, stays_open=True) as descriptor:
+            structure.commit(descriptor)
+            copy = 0 if description.compression == "none" else structure.size
+            reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
+            if durable:
+                disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
+            pulse = pulse_of(description.scenario_resolved)
+            part = Part(descriptor, columns, structure, pulse, growing, hashed=hashed)
+            disk.rename(paths.making, paths.part)
+        opening.pop_all()
     return part
 
 
-def open_part(path: Path, run: RunFile) -> "Part":
+def open_part(paths: OutputPaths, run: RunFile) -> "Part":
     """Open a part file whose structure has been read, and found to be one of ours: ``run`` is it, open for reading.
 
     Raises RunFileRefused where nothing can be written to a column, and where the file is not what was read.
     """
-    with refusing(path):
-        descriptor = disk.reopen(path)
-    try:
-        with refusing(path):
-            structure = _structure(path, descriptor, run)
-            return Part(descriptor, run.places, structure, stored_pulse(run.provenance["scenario_resolved"]))
-    except BaseException:
-        disk.close(descriptor)
-        raise
+    with ExitStack() as opening, refusing(paths.part):
+        descriptor = disk.reopen(paths.part)
+        opening.callback(disk.close, descriptor)
+        structure = _structure(paths.part, descriptor, run)
+        growing = None
+        if groups := _growing_groups(run.places, run.features, run.extent):
+            growing = GrowingFile.found(paths.growing, groups)
+            opening.callback(growing.close)
+        part = Part(descriptor, run.places, structure, stored_pulse(run.provenance["scenario_resolved"]), growing)
+        opening.pop_all()
+    return part
+
+
+def _growing_groups(columns: Iterable[Name], features: frozenset[Feature], extent: Extent) -> dict[str, list[str]]:
+    """Return the columns of the groups whose rows grow, by group."""
+    growing = [group.name for group in stored_groups(features) if grows(group, extent)]
+    return {name: [column for group, column in columns if group == name] for name in growing}
 
 
 def _structure(path: Path, descriptor: int, run: RunFile) -> Overlay:
@@ -103,7 +118,8 @@ class Part:
     """A part file opened for rows, with its columns where its structure has them.
 
     ``descriptor`` becomes its own, and is closed when the context ends; ``structure`` is what the file has outside of
-    its rows, in memory, where no other program can change it. Without ``hashed`` its columns get no hashes.
+    its rows, in memory, where no other program can change it. ``growing`` holds the rows that lie beside it, where
+    there are any. Without ``hashed`` its columns get no hashes.
     """
 
     def __init__(
@@ -112,16 +128,22 @@ class Part:
         columns: Mapping[Name, Place],
         structure: Overlay,
         pulse: Pulse,
+        growing: GrowingFile | None = None,
         *,
         hashed: bool = True,
     ) -> None:
         self.descriptor = descriptor
         self._places = columns
         self._structure = structure
+        self._growing = growing
         self._hashed = hashed
         self._columns: dict[str, dict[str, ColumnFile]] = {}
         for (group, name), place in columns.items():
-            self._columns.setdefault(group, {})[name] = ColumnFile(descriptor, place, hashed=hashed)
+            self._columns.setdefault(group, {})[name] = (
+                ColumnFile(growing.descriptor, growing.place((group, name)), hashed=hashed)
+                if growing is not None and group in growing.groups
+                else ColumnFile(descriptor, place, hashed=hashed)
+            )
         self.write(LIFE_CURVE.name, 0, life_curve(pulse.shape))
 
     def __enter__(self) -> Self:
@@ -131,6 +153,8 @@ class Part:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         disk.close(self.descriptor)
+        if self._growing is not None:
+            self._growing.close()
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
@@ -144,20 +168,34 @@ class Part:
             for name, column in files.items():
                 yield (group, name), column
 
+    def rows(self) -> dict[str, int]:
+        """Return how many rows each group has so far."""
+        return {group: next(iter(files.values())).rows_written for group, files in self._columns.items()}
+
     @property
     def names(self) -> list[Name]:
-        """The columns that grow with the run, in the order of their marks."""
-        return [name for name, _ in self._growing()]
+        """The columns that the run fills, in the order of their marks."""
+        return [name for name, _ in self._filled()]
 
     def marks(self, rows: Mapping[str, int]) -> list[Mark]:
-        """Return a mark of every growing column with the first rows of its group; all rows are with the system then."""
-        return [column.mark(rows[group]) for (group, _), column in self._growing()]
+        """Return a mark of every column with the first rows of its group; all rows are with the system then."""
+        return [column.mark(rows[group]) for (group, _), column in self._filled()]
+
+    def sync(self) -> None:
+        """See all rows that are with the system onto the disk."""
+        disk.sync_rows(self.descriptor)
+        self.sync_growing()
+
+    def sync_growing(self) -> None:
+        """See those rows onto the disk that lie beside the part."""
+        if self._growing is not None:
+            self._growing.sync()
 
     def go_on_from(self, commits: Sequence[Commit]) -> Commit | None:
         """Return the last commit whose rows are all in the file, and go on behind them; None for none and the start."""
-        fitting = [column.matching([commit.marks[name] for commit in commits]) for name, column in self._growing()]
+        fitting = [column.matching([commit.marks[name] for commit in commits]) for name, column in self._filled()]
         last = commits[min(fitting) - 1] if min(fitting) else None
-        for name, column in self._growing():
+        for name, column in self._filled():
             column.go_on_from(last.marks[name].rows if last else 0)
         return last
 
@@ -176,14 +214,26 @@ class Part:
 
         Raises RubnoiseError where rows are missing.
         """
-        digests = self.digests()
+        digests, grown = self.digests(), {}
         try:
             with h5py.File(self._structure, "r+", libver=LIBRARY_VERSIONS) as file:
+                grown = enlarge(file, self.grown_rows())
                 complete(file, digests, summary, finished)
         except (OSError, RuntimeError, LookupError, ValueError) as problem:  # of one that was not made here
             raise RubnoiseError(f"HDF5 fails on the structure of the part: {problem}") from problem
-        size = self._structure.size
-        return Ending(tuple(self._structure.pieces(between(self._places.values(), size))), size)
+        size, places = self._structure.size, {**self._places, **grown}
+        return Ending(tuple(self._structure.pieces(between(places.values(), size))), size, tuple(grown.items()))
+
+    def grown_rows(self) -> dict[str, int]:
+        """Return how many rows there are in each of the groups whose rows lie beside the part."""
+        groups = () if self._growing is None else self._growing.groups
+        return {group: rows for group, rows in self.rows().items() if group in groups}
+
+    def carry_out(self, ending: Ending) -> None:
+        """Write how the file ends; all of its rows lie in it then."""
+        ending.carry_out(self.descriptor, self._growing)
+        for (group, name), place in ending.grown:
+            self._columns[group][name] = self._columns[group][name].moved(self.descriptor, place)
 
     def check(self, ending: Ending) -> None:
         """Read the whole file once; raises NotAsWritten unless it has an ending, and every row that was written."""
@@ -201,5 +251,5 @@ class Part:
                 raise RubnoiseError(f"/{group}/{name} has {column.rows_written} of its {column.rows} rows")
         return {key: column.digest() for key, column in self.columns()} if self._hashed else {}
 
-    def _growing(self) -> Iterator[tuple[Name, ColumnFile]]:
+    def _filled(self) -> Iterator[tuple[Name, ColumnFile]]:
         return ((name, column) for name, column in self.columns() if name[0] != LIFE_CURVE.name)

@@ -1,6 +1,6 @@
 """Where the bytes of columns lie in a file, and where those that are no rows do."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -26,6 +26,18 @@ class Place:
     def end(self) -> int:
         """Where it ends."""
         return self.offset + self.rows * np.dtype(self.dtype).itemsize
+
+    @property
+    def held(self) -> int:
+        """Rows for which there is room: all of them."""
+        return self.rows
+
+    def reserve(self, end: int) -> None:
+        """Take the space of the first bytes of the column, which its file has from the start."""
+
+    def pieces(self, first: int, size: int) -> Iterator[tuple[int, int]]:
+        """Yield offset and size of each piece of the file that holds some bytes of the column: of one alone."""
+        yield self.offset + first, size
 
 
 def places_of(found: Mapping[str, Any]) -> dict[Name, Place]:

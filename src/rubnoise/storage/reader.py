@@ -24,7 +24,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk
-from rubnoise.storage.layout import Name, row_count
+from rubnoise.storage.layout import Name, row_count, stored_extent
 from rubnoise.storage.place import DTYPES, Place, places_of
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
@@ -66,11 +66,7 @@ class RunFile:
         self._found = found
         self.features: frozenset[Feature] = frozenset(found["features"])
         self._columns = {group: _stored(group, columns) for group, columns in found["columns"].items()}
-        self.extent = Extent(
-            junctions=self.rows("junctions"),
-            ticks=self.rows("trace"),
-            blocks=self.rows("blocks") if "blocks" in self._columns else 0,
-        )
+        self.extent = stored_extent({group: self.rows(group) for group in self._columns})
         _check_lengths(self._columns, self.extent)
         self._close = finalize(self, os.close, descriptor)
         self.watch: Watch | None = None

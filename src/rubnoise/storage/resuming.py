@@ -11,6 +11,7 @@ from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.described import described
 from rubnoise.storage.ending import Ending
+from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.history import History, identity, state_at
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, give_final_name, reserve, sole_writer
@@ -38,7 +39,7 @@ class TakenUp:
         """
         with mended(paths) as run:
             description = described(run)
-            part = opening.enter_context(open_part(paths.part, run))
+            part = opening.enter_context(open_part(paths, run))
         history = _history(paths, description, part)
         reserve(part.descriptor, os.fstat(part.descriptor).st_size)
         commit = part.go_on_from(history.commits)
@@ -60,7 +61,7 @@ def settle(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool)
     with mended(paths) as run:
         description = described(run)
         if paths.final.exists() and _is_result_of(paths, description):
-            disk.remove(paths.journal)
+            paths.remove_beside()
             disk.remove(paths.part)
         elif paths.final.exists() and not force:
             raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
@@ -75,7 +76,7 @@ def settle(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool)
 def _publish(paths: OutputPaths, run: RunFile, *, force: bool) -> None:
     try:
         _sync(paths)
-        disk.remove(paths.journal)
+        paths.remove_beside()
         give_final_name(paths, run.descriptor, force=force)
     except OSError as problem:
         raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
@@ -112,13 +113,15 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
         of_another = False
     if of_another:
         raise RunFileRefused(f"{paths.journal}: is of another run than the part file beside it (--force starts over)")
-    with refusing(paths.part):
+    with refusing(paths.part), ExitStack() as opened:
         part = disk.reopen(paths.part)
-        try:
-            ending.carry_out(part)
-            disk.sync(part)
-        finally:
-            disk.close(part)
+        opened.callback(disk.close, part)
+        growing = None
+        if ending.grown and paths.growing.exists():
+            growing = GrowingFile.found(paths.growing, ending.grown_groups)
+            opened.callback(growing.close)
+        ending.carry_out(part, growing)
+        disk.sync(part)
 
 
 def _history(paths: OutputPaths, description: RunDescription, part: Part) -> History:

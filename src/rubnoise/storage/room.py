@@ -14,14 +14,15 @@ _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 def disk_room(path: str | os.PathLike[str]) -> int:
     """Return how many bytes may be written at a path: what its disk has free, a file no larger than RLIMIT_FSIZE.
 
-    The space of a part file beside it counts as free, since it is the new result's or is given back. Raises OSError
-    where there is no such folder.
+    The space of a part file beside it, and of rows beside that, counts as free, since it is the new result's or is
+    given back. Raises OSError where there is no such folder.
     """
     final = Path(path).absolute()
     disk = os.statvfs(final.parent)
     room = disk.f_bavail * disk.f_frsize
-    with suppress(FileNotFoundError):
-        room += final.with_name(f"{final.name}.part").lstat().st_blocks * BLOCK_BYTES
+    for beside in (".part", ".part.rows"):
+        with suppress(FileNotFoundError):
+            room += final.with_name(f"{final.name}{beside}").lstat().st_blocks * BLOCK_BYTES
     largest = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
     return room if largest == resource.RLIM_INFINITY else min(room, largest)
 

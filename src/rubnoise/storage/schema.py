@@ -42,15 +42,17 @@ class Column:
 class Group:
     """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
 
+    ``grows``: the number of its rows may be known only at the end of a run (see growing); all others are known before.
     ``added``: files of the same format version that were written earlier do not have it.
     """
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "blocks", "curve"]
+    length: Literal["junctions", "ticks", "slider", "blocks", "curve"]
     columns: tuple[Column, ...]
     plotted: str
     needs: Feature | None = None
+    grows: bool = False
     added: bool = False
 
 
@@ -102,8 +104,9 @@ TRACE: Final = Group(
 SLIDER: Final = Group(
     name="slider",
     long_name="motion of the slider, uniform in time",
-    length="ticks",
+    length="slider",
     needs="slider",
+    grows=True,
     plotted="displacement",
     columns=(
         Column(name="time", units="s", symbol="t", long_name="time"),

@@ -19,11 +19,11 @@ from rubnoise.storage.schema import (
     CONVENTIONS,
     FORMAT,
     FORMAT_VERSION,
+    GROUPS,
     HASH,
     HASH_DIGITS,
     JUNCTION_AREA_FORMULAS,
     Column,
-    Feature,
     Group,
     Scalar,
 )
@@ -45,13 +45,25 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
         _put(file.id, name, value)
     places: dict[Name, Place] = {}
     for group in stored_groups(description.features):
-        rows = row_count(group, description.extent)
-        for column, dataset in _compose_group(file, group, description.features, rows, compressed=compressed):
+        rows, columns = row_count(group, description.extent), stored_columns(group, description.features)
+        for column, dataset in _compose_group(file, group, columns, rows, compressed=compressed):
             places[group.name, column.name] = _place(dataset, column)
     _put(_create_notes(file, "summary"), "NX_class", "NXcollection")
     provenance = _create_notes(file, "provenance")
     for name, value in ({"NX_class": "NXcollection"} | provenance_attributes(description)).items():
         _put(provenance, name, value)
+    return places
+
+
+def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, Place]:
+    """Make groups that have grown anew with their rows, and return where their columns lie from now on."""
+    places: dict[Name, Place] = {}
+    for group in GROUPS:
+        if group.name in rows:
+            stored = tuple(column for column in group.columns if column.name in file[group.name])
+            del file[group.name]
+            for column, dataset in _compose_group(file, group, stored, rows[group.name], compressed=False):
+                places[group.name, column.name] = _place(dataset, column)
     return places
 
 
@@ -96,14 +108,14 @@ def root_attributes(title: str, shape: Shape) -> dict[str, Scalar]:
 
 
 def _compose_group(
-    file: h5py.File, group: Group, features: frozenset[Feature], rows: int, *, compressed: bool
+    file: h5py.File, group: Group, stored: tuple[Column, ...], rows: int, *, compressed: bool
 ) -> list[tuple[Column, h5py.h5d.DatasetID]]:
     owner = _create_group(file, group.name)
     space = h5py.h5s.create_simple((rows,))
     creation = _chunked(min(rows, CHUNK_ROWS)) if compressed and rows else _contiguous()
     columns = [
         (column, h5py.h5d.create(owner, column.name.encode(), _number_kind(column.dtype), space, creation))
-        for column in stored_columns(group, features)
+        for column in stored
     ]
     (first, scale), *rest = columns
     h5py.h5ds.set_scale(scale, first.name.encode())

@@ -38,14 +38,15 @@ def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) 
     stays as it is.
     """
     paths = OutputPaths.of(path)
-    if kind != "torn" and not any(each.exists() for each in (paths.part, paths.journal, paths.making, paths.lock)):
+    beside = (paths.part, paths.journal, paths.growing, paths.making, paths.lock)
+    if kind != "torn" and not any(each.exists() for each in beside):
         return
     with suppress(OutputInUse), sole_writer(paths):
         if kind == "torn":
             disk.remove(paths.final)
         if kind == "whole" or not paths.part.exists() or _is_lost(paths):
             disk.remove(paths.part)
-            disk.remove(paths.journal)
+            paths.remove_beside()
         disk.remove(paths.making)
 
 

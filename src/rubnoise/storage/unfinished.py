@@ -1,6 +1,7 @@
 """A run that did not finish, as its part file and the journal beside it tell of it."""
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Final
 from rubnoise.errors import Refused, RunFileRefused, resume_hint
 from rubnoise.storage.described import described
 from rubnoise.storage.history import History, identity
-from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.layout import RunDescription, grows, stored_groups
 from rubnoise.storage.output import OutputPaths, is_being_written
 from rubnoise.storage.provenance import TIME
 from rubnoise.storage.reader import open_run
@@ -21,14 +22,15 @@ SUFFIX: Final = ".part"
 class Unfinished:
     """What is known of a run that did not finish, without reading its rows.
 
-    junctions, ticks: rows at the last commit; committed: its time in UTC, empty before the first; being_written:
-    whether a process writes it now.
+    junctions, ticks: rows at the last commit; grown: those of each group of which nobody knows how many there will be;
+    committed: its time in UTC, empty before the first; being_written: whether a process writes it now.
     """
 
     description: RunDescription
     source: str
     junctions: int
     ticks: int
+    grown: Mapping[str, int]
     committed: str
     being_written: bool
 
@@ -61,6 +63,7 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
     paths = paths_of(part)
     with open_run(part) as run:
         description, source = described(run), str(run.attributes["source"])
+    growing = [group.name for group in stored_groups(description.features) if grows(group, description.extent)]
     history = _history(paths.journal)
     commits = history.commits if history.run == identity(description) else []
     rows = {group: mark.rows for (group, _), mark in commits[-1].marks.items()} if commits else {}
@@ -69,6 +72,7 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
         source=source,
         junctions=rows.get("junctions", 0),
         ticks=rows.get("trace", 0),
+        grown={group: rows.get(group, 0) for group in growing},
         committed=datetime.fromtimestamp(commits[-1].moment, UTC).strftime(TIME) if commits else "",
         being_written=is_being_written(paths),
     )

@@ -82,6 +82,7 @@ class RunWriter:
                 self._take_up(opening)
             else:
                 self._begin(self._given, opening)
+            self._rows = self._part.rows()
             self._open = opening.pop_all()
         self._committed_at = monotonic()
         return self
@@ -100,7 +101,7 @@ class RunWriter:
 
     def commit(self, state: State) -> None:
         """Note that all rows before a state have been written; once a second see it all onto the disk."""
-        self.state = state
+        self.state, self._rows = state, self._part.rows()
         if self._safe and monotonic() - self._committed_at >= COMMIT_SECONDS:
             with self._telling():
                 self._commit(state)
@@ -126,6 +127,7 @@ class RunWriter:
 
     def _begin(self, description: RunDescription, opening: ExitStack) -> None:
         """Make a new part; a journal of before goes first, for good, so that it never lies beside this part."""
+        disk.remove(self._paths.growing)
         if self._paths.journal.exists():
             disk.remove(self._paths.journal)
             disk.sync_folder(self._paths.journal.parent)
@@ -147,10 +149,9 @@ class RunWriter:
         opening.callback(self._journal.close)
 
     def _commit(self, state: State, *, durable: bool = True) -> None:
-        rows = {"junctions": state.junctions, "trace": state.ticks, "slider": state.ticks, "blocks": state.block}
-        marks = self._part.marks(rows)
+        marks = self._part.marks(self._rows)
         if durable:
-            disk.sync_rows(self._part.descriptor)
+            self._part.sync()
         self._journal.append("rows", packed_commit(marks, state), durable=durable)
         self._keep_part = True
         self._committed_at = monotonic()
@@ -170,8 +171,10 @@ class RunWriter:
             return
         ending, descriptor = self._part.completion(summary, finished), self._part.descriptor
         if self._safe:
+            if durable:
+                self._part.sync_growing()
             self._journal.append("end", ending.packed(), durable=durable)
-        ending.carry_out(descriptor)
+        self._part.carry_out(ending)
         (disk.sync if durable else disk.begin_sync)(descriptor)
         if self._safe:
             self._part.check(ending)
@@ -183,9 +186,9 @@ class RunWriter:
         return Written.of(file, self.description, self._part.columns(), summary, finished)
 
     def _name(self, checked: int, *, durable: bool) -> None:
-        # The part is whole and needs its journal no more; one that went last would be left over by a kill.
+        # The part is whole and needs nothing beside it any more; what went last would be left over by a kill.
         self._journal.close()
-        disk.remove(self._paths.journal)
+        self._paths.remove_beside()
         try:
             give_final_name(self._paths, checked, force=self._force, durable=durable)
         except OutputAppearedError:
@@ -207,7 +210,7 @@ class RunWriter:
     def _discard(self) -> None:
         """Remove what is left, but no file of others that bears the name of the part."""
         if not self._keep_part:
-            disk.remove(self._paths.journal)
+            self._paths.remove_beside()
             if is_file(self._paths.part, self._own):
                 disk.remove(self._paths.part)
 
@@ -230,6 +233,6 @@ class RunWriter:
 
 def _make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool, durable: bool) -> Part:
     try:
-        return make_part(paths.part, paths.making, description, hashed=hashed, durable=durable)
+        return make_part(paths, description, hashed=hashed, durable=durable)
     except OSError as problem:
         raise OutputRefused(f"{paths.final}: cannot be written: {problem.strerror or problem}") from problem

@@ -105,6 +105,7 @@ def _starts(model: Model, run: Reader, seed: int, table: BlockTable, blocks: lis
                 ticks=tick,
                 events=0,
                 live=live[block],
+                slider_rows=tick if "slider" in run.columns else 0,
                 displacement=displacement,
                 velocity=velocity,
             ),
