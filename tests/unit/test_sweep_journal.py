@@ -64,6 +64,20 @@ def test_a_changed_byte_is_noticed(tmp_path: Path, place: int) -> None:
     assert list(entries(tmp_path / "j")) == [FAILED]
 
 
+def test_a_bit_that_turned_is_told_from_a_line_that_was_cut_short(tmp_path: Path) -> None:
+    """In any byte of a line that another one follows."""
+    whole = _written(tmp_path / "j", FAILED, DONE)
+    end = whole.index(b"\n")
+    for place in range(8 * end):
+        turned = bytearray(whole)
+        turned[place // 8] ^= 1 << place % 8
+        (tmp_path / "j").write_bytes(turned)
+        assert "damaged" in [entry for _, entry in journals.numbered(tmp_path / "j")], place
+    for kept in range(1, end):
+        (tmp_path / "j").write_bytes(whole[:kept] + b"\n" + whole[end + 1 :])
+        assert [entry for _, entry in journals.numbered(tmp_path / "j")] == ["cut short", DONE], kept
+
+
 def test_a_line_without_an_end_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journals, "LINE_BYTES", 1 << 16)
     path = tmp_path / "runs.jsonl"

@@ -100,7 +100,8 @@ def _meant(text: str) -> dict[str, Any] | None:
         )
     except (RubnoiseError, ValueError):
         return None
-    return {key: "another file" if key == "extends" else whole[key] for key in given}
+    told = {key: value for key, value in given.items() if value != {}}  # a table without keys says nothing
+    return {key: "another file" if key == "extends" else whole[key] for key in told}
 
 
 TOP: Final = ("extends", "format")

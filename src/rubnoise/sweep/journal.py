@@ -116,6 +116,8 @@ def _is_cut_short(digest: bytes, text: bytes) -> bool:
     A whole one ends with the brace that closes it, or did before its last byte was changed.
     """
     text = text.rstrip(b"\0")
+    if not text:
+        return len(digest.rstrip(b"\0")) <= _DIGITS  # a longer one has lost the space behind its checksum
     if not text.endswith(b"}"):
         return not _is_sound(digest, text[:-1] + b"}")
     try:
