@@ -8,10 +8,12 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
+import h5py
 import pytest
 
 import rubnoise.storage.vetting
@@ -87,11 +89,30 @@ def test_a_process_that_was_ended_is_started_again(path: Path) -> None:
         os.waitpid(child, 0)
         assert attendant.ask(file.fileno()) == first
         (child,) = set(processes_of(attendant)) - before
-    del attendant
+    del attendant  # with its user it goes by itself, and is waited for
     deadline = time.monotonic() + 60.0
-    while os.waitpid(child, os.WNOHANG) == (0, 0):  # with its user it goes by itself
+    while child in processes_of(Attendant()):
         assert time.monotonic() < deadline
         time.sleep(0.01)
+
+
+def is_free_after(path: Path, ask: Callable[[int], object]) -> bool:
+    """Whether a file that was open for writing while something was asked of another one can be written again."""
+    own = path.with_name("own.h5")
+    with h5py.File(own, "w"), path.open("rb") as file:
+        ask(file.fileno())
+    try:
+        h5py.File(own, "w").close()
+    except BlockingIOError:
+        return False
+    return True
+
+
+def test_it_holds_no_lock_of_its_user(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    attendant, careless = Attendant(), Attendant()
+    assert is_free_after(path, attendant.ask)
+    monkeypatch.setattr(subprocess, "Popen", partial(subprocess.Popen, close_fds=False))
+    assert not is_free_after(path, careless.ask)
 
 
 @pytest.mark.parametrize("answers", [0, 1], ids=["before it has answered", "before its answer is read"])

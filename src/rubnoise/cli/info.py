@@ -75,6 +75,7 @@ def contents(run: "Run", file: Path) -> dict[str, Any]:
         "source": run.attributes["source"],
         "seed": origin["seed"],
         "command": origin["command"],
+        **({"intervention": origin["intervention"]} if "intervention" in origin else {}),
         "started": origin["started"],
         "finished": origin["finished"],
         "bytes": file.stat().st_size,
@@ -95,6 +96,7 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
         line("written by", answer["source"]),
         line("from, to", f"{answer['started']}, {answer['finished']}"),
         line("command", answer["command"], whole=True),
+        *([line("intervention", answer["intervention"], whole=True)] if "intervention" in answer else []),
         line("seed", str(answer["seed"])),
         line("size", size(answer["bytes"])),
     ]

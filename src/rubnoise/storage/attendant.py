@@ -16,9 +16,12 @@ from weakref import finalize
 from rubnoise.storage.vetting import WALL_SECONDS, vetted
 
 if TYPE_CHECKING:
+    from subprocess import Popen
+
     from rubnoise.storage.looks import LookName
 
 START_SECONDS: Final = 60.0
+END_SECONDS: Final = 2.0
 PROGRAM: Final = "from rubnoise.storage.attendant import attend; attend()"
 CHANNEL: Final = 0
 LENGTH_BYTES: Final = 8
@@ -56,8 +59,9 @@ class Attendant:
     def _renew(self) -> None:
         if self._channel is not None:
             self._channel.close()
-        self._channel, self._owner = _started(), os.getpid()
-        finalize(self, self._channel.close)
+        self._channel, process = _started()
+        self._owner = os.getpid()
+        finalize(self, _end, self._channel, process)
 
 
 ATTENDANT: Final = Attendant()
@@ -79,19 +83,28 @@ def attend() -> None:
             channel.sendall(len(answer).to_bytes(LENGTH_BYTES, "big") + answer)
 
 
-def _started() -> socket.socket:
-    """Start the process; it has our modules' folders, and the other end of the channel in place of standard input."""
+def _started() -> "tuple[socket.socket, Popen[bytes]]":
+    """Start the process; it has our modules' folders, and the other end of the channel in place of standard input.
+
+    No other descriptor: a lock that this program holds, on a file that it has open in HDF5, would outlive its file.
+    """
+    from subprocess import Popen  # which only a program with threads needs
+
     ours, its = socket.socketpair()
     ours.settimeout(START_SECONDS + WALL_SECONDS)
     folders = os.pathsep.join(filter(None, sys.path))
     with its:
-        os.posix_spawn(
-            sys.executable,
-            [sys.executable, "-P", "-c", PROGRAM],
-            os.environ | {"PYTHONPATH": folders},
-            file_actions=[(os.POSIX_SPAWN_DUP2, its.fileno(), CHANNEL)],
-        )
-    return ours
+        command = [sys.executable, "-P", "-c", PROGRAM]
+        return ours, Popen(command, stdin=its.fileno(), env={**os.environ, "PYTHONPATH": folders})  # noqa: S603  (our own words)
+
+
+def _end(channel: socket.socket, process: "Popen[bytes]") -> None:
+    """Let the process see that nobody asks any more, and wait a moment for its end."""
+    from subprocess import TimeoutExpired
+
+    channel.close()
+    with suppress(TimeoutExpired):
+        process.wait(END_SECONDS)
 
 
 def _received(channel: socket.socket, count: int) -> bytes:
