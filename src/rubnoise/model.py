@@ -81,6 +81,11 @@ class Model:
         return None if self.sliding_speed is None else self.tick / self.sliding_speed
 
     @property
+    def slider_rows(self) -> int | None:
+        """Rows of /slider: one at every tick, none without a slider; None where only the end of a run would tell."""
+        return 0 if self.slider is None else self.tick_count + 1
+
+    @property
     def stationary_mean_area(self) -> float:
         """Exact stationary mean of the real contact area, lam c_1 E[d^3] in um^2 (Campbell); c_1 = 2/3 for the lens."""
         return self.birth_rate * self.pulse.life_integral(1) * self.sizes.moment(3)

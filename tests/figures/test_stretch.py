@@ -36,13 +36,13 @@ def file(path: Path) -> Iterator[RunFile]:
 
 def test_all_of_a_run_is_shown_unless_somebody_chooses(file: RunFile) -> None:
     whole = Stretch.of(file)
-    assert (whole.start, whole.stop, whole.ticks) == (0.0, 3000.0, (0, 30_001))
+    assert (whole.start, whole.stop, whole.rows("trace")) == (0.0, 3000.0, (0, 30_001))
     assert not whole.chosen
     assert whole.title == "a contact"
     chosen = Stretch.of(file, 1.0, 2.0)
     assert chosen.chosen
-    assert chosen.ticks == (10, 21)
-    assert Stretch.of(file, stop=1e9).ticks == (0, 30_001)
+    assert chosen.rows("trace") == (10, 21)
+    assert Stretch.of(file, stop=1e9).rows("slider") == (0, 30_001)
 
 
 def test_narrowing_leaves_a_choice_alone(file: RunFile) -> None:
@@ -51,12 +51,12 @@ def test_narrowing_leaves_a_choice_alone(file: RunFile) -> None:
     assert whole.narrowed(1e6) == whole
     chosen = Stretch.of(file, 500.0, None)
     assert chosen.narrowed(30.0) == chosen
-    assert chosen.whole().ticks == whole.ticks
+    assert chosen.whole().rows("trace") == whole.rows("trace")
 
 
 def test_the_ends_are_ticks_even_where_division_rounds(file: RunFile) -> None:
     for tick in (3, 7, 29, 57, 1234, 29_999):
-        assert Stretch.of(file, 0.1 * tick, 0.1 * (tick + 1)).ticks == (tick, tick + 2)
+        assert Stretch.of(file, 0.1 * tick, 0.1 * (tick + 1)).rows("trace") == (tick, tick + 2)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """An index says what it was given; one that is none of ours, or leads elsewhere, is refused with the reason."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -12,7 +13,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.storage.index import Filled, Index, Stack, write_index
 from rubnoise.storage.index_file import open_index
 from rubnoise.storage.reader import TooNew, open_run
-from rubnoise.storage.schema import Column
+from rubnoise.storage.schema import Column, Feature
 from rubnoise.sweep.table import figure, text, whole
 
 COUNT = 5
@@ -35,7 +36,13 @@ def _index(*more: Filled) -> Index:
             *more,
         ],
         stacks=[
-            Stack(rows=[0, 2], files=["runs/a.h5", "runs/b.h5"], features=frozenset({"speed", "strength"}), ticks=3)
+            Stack(
+                rows=[0, 2],
+                files=["runs/a.h5", "runs/b.h5"],
+                features=frozenset({"speed", "strength"}),
+                ticks=3,
+                slider=0,
+            )
         ],
         arrays_of_runs=[(2, {"spectrum": np.arange(4.0)}), (0, {"spectrum": -np.arange(4.0)})],
         arrays_of_points=[(0, {"spectrum_place": np.arange(4.0)})],
@@ -79,6 +86,19 @@ def test_traces_refer_to_files_beside_the_index(path: Path) -> None:
         assert [source.dset_name for source in force.virtual_sources()] == ["/trace/friction_force"] * 2
         assert "slider" not in file["traces/0"]
         assert file["traces/0/trace/run"][:].tolist() == [0, 2]
+
+
+@pytest.mark.parametrize(("rows", "shape"), [(5, (2, 5)), (None, None)])
+def test_a_slider_is_stacked_by_rows_of_its_own(
+    tmp_path: Path, rows: int | None, shape: tuple[int, int] | None
+) -> None:
+    features: frozenset[Feature] = frozenset({"speed", "strength", "slider"})
+    stack = Stack(rows=[0, 2], files=["runs/a.h5", "runs/b.h5"], features=features, ticks=3, slider=rows)
+    write_index(tmp_path / "index.h5", replace(_index(), stacks=[stack]))
+    with h5py.File(tmp_path / "index.h5") as file:
+        assert file["traces/0/trace/real_contact_area"].shape == (2, 3)
+        there = file["traces/0"].get("slider")
+        assert (None if there is None else there["velocity"].shape) == shape
 
 
 def test_an_index_is_no_run_and_a_run_no_index(path: Path, tmp_path: Path) -> None:

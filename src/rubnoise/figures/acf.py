@@ -48,7 +48,7 @@ def acf_figure(stretch: Stretch) -> "Figure":
 
 def _steps(stretch: Stretch) -> NDArray[np.int64]:
     """Return lags in ticks up to somewhat more than a mean life, or half of the stretch."""
-    first, last = stretch.ticks
+    first, last = stretch.rows("trace")
     reach = min(int(LIVES * stretch.model.mean_life_distance / stretch.model.tick) + 1, (last - first) // 2)
     return np.arange(0, reach + 1, max(1, reach // LAGS))
 

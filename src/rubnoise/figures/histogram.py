@@ -56,7 +56,7 @@ def _told(stretch: Stretch, values: Doubles, law: Distribution | None) -> str:
     told = f"How large the real contact area is: {moments}"
     if law is not None and law.atom_at_zero > RARE:
         told += f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {law.atom_at_zero:.3g})"
-    first, last = stretch.ticks
+    first, last = stretch.rows("trace")
     return told + (f"\nfrom its first {values.size * stretch.model.tick:.4g} µm" if values.size < last - first else "")
 
 

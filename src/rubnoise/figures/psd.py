@@ -55,7 +55,7 @@ def psd_figure(stretch: Stretch) -> "Figure":
 
 
 def _spectrum(stretch: Stretch) -> Spectrum:
-    first, last = stretch.ticks
+    first, last = stretch.rows("trace")
     tick = stretch.model.tick
     longest = int(LONGEST_LIVES * stretch.model.mean_life_distance / tick)
     ticks = 2 * (min(2 * (last - first) // (SEGMENTS + 1), longest) // 2)

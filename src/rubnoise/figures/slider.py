@@ -104,7 +104,7 @@ def _spectrum(stretch: Stretch) -> Spectrum | None:
 
     None for a stretch of too few ticks, and for a slider that nothing but rounding moves.
     """
-    first, last = stretch.ticks
+    first, last = stretch.rows("slider")
     ticks = 2 * ((last - first) // (SEGMENTS + 1))
     if ticks < FEWEST_TICKS or stretch.model.tick_duration is None:
         return None

@@ -58,7 +58,7 @@ class Stretch:
         if not 0.0 <= self.start < self.stop:
             ends = f"{self.start:g} to {self.stop:g} um"
             raise Refused(f"nothing lies in {ends}; the run goes from 0 to {self.model.distance:g} um")
-        first, last = self.ticks
+        first, last = self.rows("trace")
         if last - first < 2:
             ticks = f"a tick every {self.model.tick:g} um"
             raise Refused(f"{self.start:g} to {self.stop:g} um is too short to draw; the run has {ticks}")
@@ -77,22 +77,24 @@ class Stretch:
         kept = {name: getattr(self, name) for name in ("file", "model", "title", "chosen")}
         return type(self)(**kept, start=start, stop=stop)
 
-    @property
-    def ticks(self) -> tuple[int, int]:
-        """Rows of /trace, and of /slider, from the first to behind the last in the stretch."""
+    def rows(self, group: str) -> tuple[int, int]:
+        """Return the rows of /trace or /slider from the first to behind the last in the stretch.
+
+        Those of /trace are a tick apart; those of /slider as far apart as it takes to drive a tick.
+        """
         first = ceil(self.start / self.model.tick - SLACK)
         last = floor(self.stop / self.model.tick + SLACK) + 1
-        return first, min(last, self.file.rows("trace"))
+        return first, min(last, self.file.rows(group))
 
     def panels(self, group: str, name: str, rows: int = PANEL_ROWS) -> Iterator[NDArray[Any]]:
         """Yield a column of the stretch as arrays of so many rows, the last one shorter."""
-        first, last = self.ticks
+        first, last = self.rows(group)
         for begin in range(first, last, rows):
             yield self.file.column(group, name, begin, min(begin + rows, last))
 
     def record(self, group: str, name: str) -> Doubles:
         """Return a column of the stretch as doubles, or its beginning where there is more than a picture needs."""
-        first, last = self.ticks
+        first, last = self.rows(group)
         return self.file.column(group, name, first, min(last, first + MOST_READ)).astype(np.float64)
 
     def curve(self, group: str, name: str) -> tuple[Doubles, Doubles]:
@@ -100,7 +102,7 @@ class Stretch:
 
         However long the stretch, a panel is held at a time.
         """
-        first, last = self.ticks
+        first, last = self.rows(group)
         step = ceil((last - first) / MOST_POINTS)
         if step <= 2:
             places = self.model.tick * np.arange(first, last, dtype=np.float64)
@@ -109,7 +111,7 @@ class Stretch:
         return self._extremes(group, name, 2 * step)
 
     def _extremes(self, group: str, name: str, step: int) -> tuple[Doubles, Doubles]:
-        first, last = self.ticks
+        first, last = self.rows(group)
         values = []
         for panel in self.panels(group, name, step * max(1, PANEL_ROWS // step)):
             starts = np.arange(0, panel.size, step)

@@ -17,7 +17,6 @@ from rubnoise.simulation.intervention import Intervening, Intervention
 from rubnoise.simulation.junctions import play_block
 from rubnoise.simulation.observer import Observer, Telling
 from rubnoise.simulation.propagator import Propagator, propagator
-from rubnoise.simulation.slider import slider_rows
 from rubnoise.simulation.state import State
 
 Engine = Literal["events", "batch"]
@@ -30,7 +29,7 @@ def extent(model: Model, seed: int) -> Extent:
     return Extent(
         junctions=start(model, seed).junctions + sum(born),
         ticks=model.tick_count + 1,
-        slider=slider_rows(model),
+        slider=model.slider_rows,
         blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
     )
 

@@ -15,11 +15,6 @@ from rubnoise.simulation.recurrence import advance_slider
 from rubnoise.simulation.state import LiveRows
 
 
-def slider_rows(model: Model) -> int | None:
-    """Return how many rows /slider will have; None where only the run tells. A one-way slider has one at every tick."""
-    return 0 if model.slider is None else model.tick_count + 1
-
-
 class SliderMotion:
     """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick."""
 

@@ -14,7 +14,6 @@ from rubnoise.scenario import Scenario
 from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, seconds, work, working_bytes
 from rubnoise.simulation.draws import births_per_block
 from rubnoise.simulation.run import Engine, extent
-from rubnoise.simulation.slider import slider_rows
 from rubnoise.simulation.yardstick import pace
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.room import disk_room, memory_in_use, memory_room
@@ -66,7 +65,7 @@ def expected(scenario: Scenario) -> Budget:
         junctions=round(births + alive),
         ticks=model.tick_count + 1,
         blocks=ceil(births / births_per_block(model)) + 1,
-        slider=slider_rows(model),
+        slider=model.slider_rows,
     )
     return _budget(scenario, rows)
 

@@ -49,17 +49,22 @@ class Filled:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stack:
-    """Runs with the same ticks and the same columns: their rows in /runs, and their files seen from the index."""
+    """Runs with the same ticks and the same columns: their rows in /runs, and their files seen from the index.
+
+    ``slider``: rows of /slider in each of them, None where every run has another number.
+    """
 
     rows: Sequence[int]
     files: Sequence[str]
     features: frozenset[Feature]
     ticks: int
+    slider: int | None
 
     @property
-    def groups(self) -> tuple[Group, ...]:
-        """The groups of columns that its runs have over ticks."""
-        return (TRACE, SLIDER) if "slider" in self.features else (TRACE,)
+    def groups(self) -> dict[Group, int]:
+        """The groups of columns of which its runs have equally many rows, and how many."""
+        of_slider = {SLIDER: self.slider} if "slider" in self.features and self.slider is not None else {}
+        return {TRACE: self.ticks} | of_slider
 
     def columns(self, group: Group) -> tuple[Column, ...]:
         """The columns of a group that its runs have, the scale first."""
@@ -100,8 +105,8 @@ def compose_index(file: h5py.File, index: Index) -> None:
     """Write an index into an empty file."""
     describe(file, index)
     for number, stack in enumerate(index.stacks):
-        for group in stack.groups:
-            _refer(file.create_group(f"{TRACES}/{number}/{group.name}", track_order=True), group, stack)
+        for group, rows in stack.groups.items():
+            _refer(file.create_group(f"{TRACES}/{number}/{group.name}", track_order=True), group, rows, stack)
 
 
 def seal_of_index(attributes: Mapping[str, str], hashes: Mapping[str, str]) -> str:
@@ -179,28 +184,28 @@ def attach(dataset: h5py.Dataset, *scales: h5py.Dataset) -> None:
         dimension.attach_scale(scale)
 
 
-def _refer(owner: h5py.Group, group: Group, stack: Stack) -> None:
-    """Write one group of like runs as datasets of run and tick, whose values stay in the files of the runs."""
+def _refer(owner: h5py.Group, group: Group, count: int, stack: Stack) -> None:
+    """Write one group of like runs as datasets of run and row, whose values stay in the files of the runs."""
     about, *rest = stack.columns(group)
     runs = create_scale(owner, RUN, np.asarray(stack.rows))
     # Like runs have the same ticks: those of the first one stand for all.
-    ticks = _virtual(owner, about, stack.files[:1], group, stack.ticks, flat=True)
+    ticks = _virtual(owner, about, stack.files[:1], group, count, flat=True)
     ticks.make_scale(about.name)
     for column in rest:
-        attach(_virtual(owner, column, stack.files, group, stack.ticks, flat=False), runs, ticks)
+        attach(_virtual(owner, column, stack.files, group, count, flat=False), runs, ticks)
 
 
 def _virtual(
-    owner: h5py.Group, about: Column, files: Sequence[str], group: Group, ticks: int, *, flat: bool
+    owner: h5py.Group, about: Column, files: Sequence[str], group: Group, count: int, *, flat: bool
 ) -> h5py.Dataset:
     """Create a dataset that stands for the columns of files; by HDF5's own calls, as h5py's take five times as long."""
-    shape = (ticks,) if flat else (len(files), ticks)
+    shape = (count,) if flat else (len(files), count)
     creation = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    source, whole = h5py.h5s.create_simple((ticks,)), h5py.h5s.create_simple(shape)
+    source, whole = h5py.h5s.create_simple((count,)), h5py.h5s.create_simple(shape)
     place = f"/{group.name}/{about.name}".encode()
     for row, file in enumerate(files):
         if not flat:
-            whole.select_hyperslab((row, 0), (1, 1), block=(1, ticks))
+            whole.select_hyperslab((row, 0), (1, 1), block=(1, count))
         creation.set_virtual(whole, file.encode(), place, source)
     kind = h5py.h5t.py_create(np.dtype(about.dtype))
     space = h5py.h5s.create_simple(shape)

@@ -81,10 +81,11 @@ def _stacks(points: Sequence[Point], known: Known) -> Iterator[Stack]:
     for row, (point, file, state) in enumerate(zip(points, known.files, known.states, strict=True)):
         if file and state == DONE:
             model = point.scenario.model()
-            kind = (model.tick_count, model.tick, features_of(model), model.sliding_speed)
+            kind = (model.tick_count, model.tick, features_of(model), model.sliding_speed, model.slider_rows)
             alike.setdefault(kind, []).append(row)
-    for (tick_count, _, features, _), rows in alike.items():
-        yield Stack(rows=rows, files=[known.files[row] for row in rows], features=features, ticks=tick_count + 1)
+    for (tick_count, _, features, _, slider), rows in alike.items():
+        files = [known.files[row] for row in rows]
+        yield Stack(rows=rows, files=files, features=features, ticks=tick_count + 1, slider=slider)
 
 
 def _arrays_of_runs(folder: SweepFolder, known: Known) -> Arrays:

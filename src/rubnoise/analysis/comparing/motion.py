@@ -51,7 +51,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     needed = first * model.tick + max(decays, needed_for_mean(model))
     if model.distance < needed:
         return [too_short("displacement", needed)]
-    return _figures(model, exact, *_read(rows, first))
+    return _figures(model, exact, *_read(rows, first * model.tick))
 
 
 def first_tick(model: Model, exact: Response) -> int:
@@ -70,14 +70,13 @@ def _forgetting(model: Model, exact: Response) -> float:
     return slowest_decay(model.slider) * log((1.0 + away / spread) / _FORGOTTEN)
 
 
-def _read(rows: Rows, first: int) -> tuple[Moments, Moments]:
+def _read(rows: Rows, begin: float) -> tuple[Moments, Moments]:
+    """Return the moments of displacement (um) and velocity (um/s) in the rows from a distance (um) on."""
     place, speed = Moments(powers=2), Moments(powers=2)
-    done = 0
-    for columns in panels(rows, "slider", ("displacement", "velocity")):
-        skipped = max(first - done, 0)
-        place.add(columns["displacement"][skipped:])
-        speed.add(columns["velocity"][skipped:])
-        done += columns["velocity"].size
+    for columns in panels(rows, "slider", ("distance", "displacement", "velocity")):
+        settled = columns["distance"] >= begin
+        place.add(columns["displacement"][settled])
+        speed.add(columns["velocity"][settled])
     return place, speed
 
 

@@ -33,6 +33,8 @@ def layout_check(model: Model, run: HashedReader) -> Check:
         expected = tuple(column.name for column in stored_columns(group, features))
         notes.say(f"/{group.name}", found=tuple(run.columns.get(group.name, ())), expected=expected)
     notes.say("/trace rows", found=run.rows("trace"), expected=model.tick_count + 1)
+    if model.slider_rows and "slider" in run.columns:
+        notes.say("/slider rows", found=run.rows("slider"), expected=model.slider_rows)
     return notes.check()
 
 

@@ -1,7 +1,7 @@
 """The slider of a run held against its force: every tick from the one before it."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,9 @@ LONG: Final = 8.0
 
 
 def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
-    """Return whether /slider tells the times and forces of /trace, and moves as they make it move.
+    """Return whether /slider tells its times and the forces of /trace at its places, and moves as they make it move.
+
+    Row i of a one-way slider is told at the time i tick / V, when it has slid by i ticks.
 
     ``cells`` is into how many equal parts a tick is divided, in each of which the force is known by three moments.
     """
@@ -40,11 +42,17 @@ def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
 def _columns_check(model: Model, rows: Rows) -> Check:
     notes = Notes("slider_columns")
     for panel in panels(rows, "slider"):
-        for name in ("distance", "friction_force"):
-            trace = rows.column("trace", name, panel.first, panel.end)
-            notes.equal(f"/slider/{name}", panel.first, panel[name], trace)
-        notes.equal("/slider/time", panel.first, panel["time"], panel["distance"] / (model.sliding_speed or 1.0))
+        distance = np.arange(panel.first, panel.end, dtype=np.float64) * model.tick
+        notes.equal("/slider/distance", panel.first, panel["distance"], distance)
+        notes.equal("/slider/time", panel.first, panel["time"], distance / (model.sliding_speed or 1.0))
+        notes.equal("/slider/friction_force", panel.first, panel["friction_force"], _force_at(distance, model, rows))
     return notes.check()
+
+
+def _force_at(distance: Doubles, model: Model, rows: Rows) -> NDArray[Any]:
+    """Return the force of /trace at distances in um one tick apart."""
+    first = round(float(distance[0]) / model.tick) if distance.size else 0
+    return rows.column("trace", "friction_force", first, first + distance.size)
 
 
 def _motion_check(model: Model, rows: Rows, cells: int) -> Check:
