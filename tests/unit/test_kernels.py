@@ -9,6 +9,7 @@ import pytest
 from rubnoise.contact.overlap import junction_area
 from rubnoise.simulation.kernels import coarse, lens
 from rubnoise.simulation.kernels.ticks import count_live
+from tests.frozen import frozen
 
 DIAMETERS = [0.03, 1.0, 5.53, 240.0]
 
@@ -56,6 +57,7 @@ def fine_cell_moments(positions, birth, diameter, departure=np.inf, strength=1.0
 KERNELS = pytest.mark.parametrize("moments_of", [cell_moments, fine_cell_moments])
 
 
+@frozen
 def exact_cell_moments(left, right, birth, diameter, departure=np.inf):
     """The same over one cell, by quadrature at 30 digits with breaks where the area is not smooth."""
     with mpmath.workdps(30):

@@ -6,6 +6,7 @@ import pytest
 
 from rubnoise.model import Slider
 from rubnoise.simulation.propagator import propagator
+from tests.frozen import frozen
 
 CRITICAL = 2.0 * np.sqrt(300.0 * 0.005)
 SLIDERS = {
@@ -17,6 +18,7 @@ SLIDERS = {
 }
 
 
+@frozen
 def oracle(slider, speed, tick):
     """The same by a series matrix exponential and Gauss-Legendre, at 40 digits."""
     with mpmath.workdps(40):
