@@ -38,6 +38,9 @@ def goals(found: Results) -> Iterator[Goal]:
     yield from _batch(found)
     program = "C, the same polynomial"
     yield Goal("pulse kernel: ours over C", _ratio(found.kernel.timings, kernel.OURS, program), 1.15, least=False)
+    for ticks, pulses in found.kernel_over_ticks.items():
+        what = f"pulse kernel: numba's loops over ours, {grouped(ticks)} ticks in a mean life"
+        yield Goal(what, _ratio(pulses.timings, kernel.NUMBA, kernel.OURS), 1.0)
     yield Goal(
         "slider: error of lsim at equal ticks over ours",
         found.motion.errors["lsim"] / found.motion.errors[motion.OURS],

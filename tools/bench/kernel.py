@@ -1,7 +1,7 @@
 """The pulse kernel alone: ns for each tick of each junction, beside C, numba and nothing but square roots."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ ROOTS = "C, square roots alone"
 WAYS = {"C, the same polynomial": "polynomial", "C, textbook formula": "textbook", ROOTS: "roots"}
 OURS = "rubnoise"
 BY_TICK = "rubnoise, tick by tick"
+NUMBA = "numba loops"
 Fill = Callable[[Doubles], None]
 
 
@@ -40,24 +41,24 @@ class KernelTimings:
                 yield from beyond(f"pulse kernel, {name}", "area", self.errors.get(name), AREA_BOUND)
 
 
-def fills(birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
+def fills(case: Case, birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
     """Return everybody's way of adding the areas of junctions to the ticks."""
-    ticks, weight = CASE.ticks, diameter * diameter
-    count = np.zeros(ticks.size)
+    weight = diameter * diameter
+    count = np.zeros(case.ticks.size)
     found: dict[str, Fill] = {
-        OURS: _by_series(birth, diameter, weight),
-        BY_TICK: _by_tick(birth, diameter, weight),
-        "numba loops": lambda total: numba_loops.add_pulses(birth, diameter, CASE.tick, total, count),
+        OURS: _by_the_door(case, birth, diameter, weight),
+        BY_TICK: _by_tick(case, birth, diameter, weight),
+        NUMBA: lambda total: numba_loops.add_pulses(birth, diameter, case.tick, total, count),
     }
     if c_kernel.available():
         for name, way in WAYS.items():
-            found[name] = _of_c(c_kernel.deposit(way), ticks, birth, diameter)
+            found[name] = _of_c(case, c_kernel.deposit(way), birth, diameter)
     return found
 
 
-def _by_series(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
+def _by_the_door(case: Case, birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
     """Return our way, as in a run: by the one door, which chooses between series and single ticks life by life."""
-    grid, whole = Grid.around(0, CASE.ticks.size, CASE.tick), np.full(birth.size, np.inf)
+    grid, whole = Grid.around(0, case.ticks.size, case.tick), np.full(birth.size, np.inf)
     rows = LiveRows(
         junction=np.arange(birth.size), birth=birth, diameter=diameter, strength=np.ones(birth.size), departure=whole
     )
@@ -68,9 +69,9 @@ def _by_series(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
     return fill
 
 
-def _by_tick(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
+def _by_tick(case: Case, birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
     """Return our way for lives of few ticks."""
-    grid, nothing = Grid.around(0, CASE.ticks.size, CASE.tick), np.empty(0)
+    grid, nothing = Grid.around(0, case.ticks.size, case.tick), np.empty(0)
     wanted, whole = grid.wanted, np.zeros(grid.position.size)
     where = (grid.position, grid.spacing, wanted.start, wanted.stop)
     lives = (birth, diameter, np.full(birth.size, np.inf), weight)
@@ -83,22 +84,34 @@ def _by_tick(birth: Doubles, diameter: Doubles, weight: Doubles) -> Fill:
     return fill
 
 
-def _of_c(deposit: c_kernel.Deposit, ticks: Doubles, birth: Doubles, diameter: Doubles) -> Fill:
-    return lambda total: deposit(CASE, ticks, birth, diameter, total)
+def _of_c(case: Case, deposit: c_kernel.Deposit, birth: Doubles, diameter: Doubles) -> Fill:
+    ticks = case.ticks
+    return lambda total: deposit(case, ticks, birth, diameter, total)
 
 
 def measured(repeats: int) -> KernelTimings:
     """Return times and errors of everybody's kernel on the contact of Figure 5."""
-    birth, diameter = Drawn(CASE, seed=1).rows()
-    right, _ = naive_numpy.superpose(CASE, birth, diameter)
+    return _measured(CASE, repeats, lambda _: True)
+
+
+def measured_over_ticks(repeats: int, ticks: Sequence[float]) -> dict[float, KernelTimings]:
+    """Return times and errors of our kernel and of plain loops, by the ticks in a mean life."""
+    some = (OURS, NUMBA)
+    return {each: _measured(replace(CASE, ticks_per_life=each), repeats, some.__contains__) for each in ticks}
+
+
+def _measured(case: Case, repeats: int, takes_part: Callable[[str], bool]) -> KernelTimings:
+    birth, diameter = Drawn(case, seed=1).rows()
+    right, _ = naive_numpy.superpose(case, birth, diameter)
     errors, tasks = {}, {}
-    units = REPETITIONS * 2.0 * float(diameter.sum()) / CASE.tick
-    for name, fill in fills(birth, diameter).items():
-        total = np.zeros(right.size)
-        fill(total)
-        if name != ROOTS:
-            errors[name] = relative_error(total, right)
-        tasks[name] = Task(_repeated(fill, total), units)
+    units = REPETITIONS * 2.0 * float(diameter.sum()) / case.tick
+    for name, fill in fills(case, birth, diameter).items():
+        if takes_part(name):
+            total = np.zeros(right.size)
+            fill(total)
+            if name != ROOTS:
+                errors[name] = relative_error(total, right)
+            tasks[name] = Task(_repeated(fill, total), units)
     return KernelTimings(interleaved(tasks, repeats), errors)
 
 

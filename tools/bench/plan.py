@@ -12,7 +12,8 @@ from bench.entrants import NAIVE_NUMPY, NAIVE_SIMPY, SUPERPOSED, Entrant
 class Plan:
     """Repeats of everything, and the points at which growth and memory are looked at.
 
-    ``counts`` are N_jm, ``ticks`` those of a mean life, ``lengths`` and ``memory`` numbers of junctions.
+    ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths`` and
+    ``memory`` numbers of junctions. Whole runs need ticks that are fine enough for everybody's slider.
     """
 
     quick: bool
@@ -20,6 +21,7 @@ class Plan:
     growth_repeats: int
     counts: tuple[float, ...]
     ticks: tuple[float, ...]
+    kernel_ticks: tuple[float, ...]
     lengths: tuple[int, ...]
     memory: tuple[int, ...]
     longest: Mapping[str, int]
@@ -44,7 +46,8 @@ FULL = Plan(
     repeats=21,
     growth_repeats=3,
     counts=(10.0, 100.0, 1000.0),
-    ticks=(30.0, 220.0, 2200.0),
+    ticks=(10.0, 30.0, 220.0, 2200.0),
+    kernel_ticks=(3.0, 10.0, 30.0, 220.0, 2200.0),
     lengths=(10_000, 100_000, 1_000_000),
     memory=(100, 100_000, 1_000_000, 10_000_000),
     longest={NAIVE_SIMPY: 10_000, NAIVE_NUMPY: 100_000, SUPERPOSED: 100_000},
@@ -55,6 +58,7 @@ QUICK = Plan(
     growth_repeats=1,
     counts=(10.0, 100.0),
     ticks=(30.0, 220.0),
+    kernel_ticks=(3.0, 30.0, 220.0),
     lengths=(1_000, 10_000, 100_000),
     memory=(100_000,),
     longest={NAIVE_SIMPY: 1_000, NAIVE_NUMPY: 1_000, SUPERPOSED: 1_000},

@@ -29,6 +29,7 @@ class Results:
     areas: Timings
     births: Timings
     kernel: KernelTimings
+    kernel_over_ticks: dict[float, KernelTimings]
     motion: MotionTimings
     growth: dict[str, Growth]
     memory: dict[str, dict[int, float]]
@@ -41,7 +42,8 @@ class Results:
         checked = {(verdict.part, verdict.name) for verdict in self.verdicts}
         for part, timings in (("runs", self.runs), ("areas", self.areas), ("births", self.births)):
             yield from (f"{part}, {name}: never checked" for name in timings if (part, name) not in checked)
-        yield from self.kernel.faults()
+        for pulses in (self.kernel, *self.kernel_over_ticks.values()):
+            yield from pulses.faults()
         yield from self.motion.faults()
 
 
@@ -63,6 +65,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     bare, born = speed.timed(areas(engines), plan), speed.timed(births(), plan)
     tell("the pulse kernel and the slider")
     pulses, motions = kernel.measured(plan.repeats), motion.measured(fastest, plan.repeats)
+    over_ticks = kernel.measured_over_ticks(plan.repeats, plan.kernel_ticks)
     tell("growth")
     growth = speed.growths(runs(engines), plan, path)
     path.unlink()
@@ -76,6 +79,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
         areas=bare,
         births=born,
         kernel=pulses,
+        kernel_over_ticks=over_ticks,
         motion=motions,
         growth=growth,
         memory=memory.measured(runs(engines), plan.memory, folder),
