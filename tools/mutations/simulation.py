@@ -166,6 +166,12 @@ PLACES = (
         "except Interrupt:\n    pass\ndel live.processes[live.numbers[row]]",
     ),
     one(
+        "an intervention that ends with its block",
+        "test_an_intervention_knows_nothing_of_blocks",
+        "if not isinstance(entry[3], Wait)]",
+        "if False]",
+    ),
+    one(
         "mid-life told at half of it",
         "test_everything_is_told_once_and_in_order",
         "middle = rows.birth + rows.diameter",
