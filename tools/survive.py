@@ -1,5 +1,6 @@
 """Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
+With --growing nobody counts the rows of /slider beforehand: they grow beside the part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
 
@@ -8,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -21,6 +23,7 @@ from survival.full import full  # noqa: E402
 from survival.kills import kills  # noqa: E402
 from survival.power import power  # noqa: E402
 from survival.signals import signals  # noqa: E402
+from survival.stories import growing  # noqa: E402
 from survival.sweeps import sweeps  # noqa: E402
 from survival.writes import writes  # noqa: E402
 
@@ -45,13 +48,25 @@ def main() -> int:
     parser.add_argument("--count", type=int, help="how often; as often as docs/survival.md tells by default")
     parser.add_argument("--jobs", type=int, default=1, help="processes (1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of every choice (1)")
+    parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
     asked = parser.parse_args()
     torture, usual = TORTURES[asked.what]
     began = time.monotonic()
-    outcome = _shared(torture, asked.count or usual, asked.jobs, asked.seed)
+    outcome = _shared(_Grown(torture) if asked.growing else torture, asked.count or usual, asked.jobs, asked.seed)
     print(outcome.told())
     print(f"in {time.monotonic() - began:.0f} s")
     return int(bool(outcome.findings))
+
+
+@dataclass(frozen=True, slots=True)
+class _Grown:
+    """A torture of runs whose rows of /slider grow."""
+
+    torture: Torture
+
+    def __call__(self, count: int, seed: int) -> Outcome:
+        with growing():
+            return self.torture(count, seed)
 
 
 def _shared(torture: Torture, count: int, jobs: int, seed: int) -> Outcome:

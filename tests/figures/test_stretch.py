@@ -42,7 +42,7 @@ def test_all_of_a_run_is_shown_unless_somebody_chooses(file: RunFile) -> None:
     chosen = Stretch.of(file, 1.0, 2.0)
     assert chosen.chosen
     assert chosen.rows("trace") == (10, 21)
-    assert Stretch.of(file, stop=1e9).rows("slider") == (0, 30_001)
+    assert Stretch.of(file, stop=1e9).rows("trace") == (0, 30_001)
 
 
 def test_narrowing_leaves_a_choice_alone(file: RunFile) -> None:

@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 from survival import cost, flips, full, kills, power, signals, sweeps, writes
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story
+from survival.stories import SHORT, SMALL, Story, growing
 
 from rubnoise.storage import disk, resuming, writer
+from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.history import History
 from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
@@ -18,6 +19,7 @@ from rubnoise.sweep import found
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
 BARE, COMPRESSED = SMALL[2], SMALL[3]
+WITH_SLIDER, MOVING = SMALL[0], replace(SHORT[0], distance="10 mm")
 SHORTEST = replace(SHORT[2], distance="10 mm")
 
 
@@ -144,6 +146,24 @@ def test_a_part_that_is_not_kept_is_found_by_signals(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(RunWriter, "_discard", discarding)
     outcome = signals.signals(8, seed=3, stories=(SHORTEST,))
     assert any("no part is there, and it said stopped" in finding for finding in outcome.findings)
+
+
+def test_rows_that_grow_beside_a_part_are_no_more_easily_lost() -> None:
+    with growing((WITH_SLIDER, MOVING)):
+        outcome = writes.writes(1, seed=3, stories=(WITH_SLIDER,), every=29)
+        outcome.add(power.power(16, seed=3, stories=(WITH_SLIDER,)))
+        outcome.add(flips.flips(9, seed=3, stories=(WITH_SLIDER,)))
+        outcome.add(full.full(2, seed=3, stories=(WITH_SLIDER,), every=97))
+        outcome.add(kills.kills(4, seed=3, stories=(MOVING,)))
+    assert outcome.findings == []
+    assert outcome.counts["commits"] > 0 < outcome.counts["stopped in the middle of a write"]
+
+
+def test_growing_rows_that_never_reach_the_disk_are_found_by_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(GrowingFile, "sync", lambda _: None)
+    with growing((WITH_SLIDER,)):
+        outcome = power.power(30, seed=3, stories=(WITH_SLIDER,))
+    assert any("had been committed" in finding for finding in outcome.findings)
 
 
 def test_the_cost_of_safety_is_measured_beside_runs_without_it() -> None:

@@ -98,7 +98,8 @@ def _metadata(path: Path) -> Iterator[range]:
 
 def _places(column: h5py.Dataset) -> Iterator[tuple[int, int]]:
     if column.chunks is None:
-        yield column.id.get_offset(), column.id.get_offset() + column.nbytes
+        offset = column.id.get_offset() or 0  # of a column without rows
+        yield offset, offset + column.nbytes
         return
     for number in range(column.id.get_num_chunks()):
         about = column.id.get_chunk_info(number)

@@ -25,7 +25,7 @@ def power(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
             recording.after_power_cut(folder, moment, random)
             _check_published(outcome, folder, where, published=recording.noted("published", moment) >= 0)
             committed = recording.noted("committed", moment)
-            _take_away_journal(outcome, folder)
+            _take_away_what_is_left(outcome, folder)
             for wrong in gone_on(outcome, story, folder, committed, again=random.random() < 0.5):
                 outcome.find(f"{where}: {wrong}")
     return outcome
@@ -36,9 +36,11 @@ def _check_published(outcome: Outcome, folder: Path, where: str, *, published: b
         outcome.find(f"{where}: it had been published, and is gone")
 
 
-def _take_away_journal(outcome: Outcome, folder: Path) -> None:
-    """Take away a journal that is left alone beside a whole result, where it does no harm."""
+def _take_away_what_is_left(outcome: Outcome, folder: Path) -> None:
+    """Take away a journal and rows that are left alone beside a whole result, where they do no harm."""
     names = OutputPaths.of(folder / NAME)
-    if names.final.exists() and names.journal.exists() and not names.part.exists():
-        names.journal.unlink()
-        outcome.count("journals left beside a whole result")
+    if names.final.exists() and not names.part.exists():
+        for what, path in (("journals", names.journal), ("files of rows", names.growing)):
+            if path.exists():
+                path.unlink()
+                outcome.count(f"{what} left beside a whole result")

@@ -2,19 +2,23 @@
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any, Final
+from unittest.mock import patch
 
 import h5py
 import xxhash
 
 import rubnoise
+from rubnoise.model import Model
 from rubnoise.scenario import Scenario, build
+from rubnoise.storage import growing as steps
 
 NAME: Final = "x.h5"
 SLIDER: Final = {
@@ -96,6 +100,18 @@ LONG: Final = (
 
 SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
 """Runs that take a quarter of that."""
+
+
+@contextmanager
+def growing(stories: Sequence[Story] = (*SMALL, *LONG)) -> Iterator[None]:
+    """Let nobody know how many rows of /slider there will be, so that they grow beside the part, in short steps.
+
+    What is expected of a story is asked before: the result of a run whose rows were counted.
+    """
+    for story in stories:
+        _ = story.expected
+    with patch.object(Model, "slider_rows", None), patch.object(steps, "STEP_BYTES", 1 << 13):
+        yield
 
 
 def chance(seed: int, trial: object) -> Random:
