@@ -8,6 +8,7 @@ import pytest
 from hypothesis import settings
 
 from tests import frozen, warm
+from tests.wishes import Wishes
 
 TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup", "bench")}
 """Folders all of whose tests are tortures."""
@@ -37,7 +38,7 @@ def pytest_configure(config: pytest.Config) -> None:
     else:
         named = config.args_source is pytest.Config.ArgsSource.ARGS
         config.option.tortures |= named or bool(config.option.markexpr) or config.option.all
-    frozen.Wishes.anew, frozen.Wishes.freeze = config.option.all, config.option.freeze
+    Wishes.everything, Wishes.freeze = config.option.all, config.option.freeze
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -48,7 +49,7 @@ def pytest_configure_node(node: Any) -> None:
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
     del session
-    if frozen.Wishes.freeze:
+    if Wishes.freeze:
         frozen.write()
 
 

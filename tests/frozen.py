@@ -13,17 +13,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.wishes import Wishes
+
 KEPT = Path(__file__).parent / "reference" / "frozen"
 ROUNDING = 1e-13
 WORKED_OUT: dict[Path, dict[str, Any]] = {}
 """What has been worked out so far, where --freeze asks for it."""
-
-
-class Wishes:
-    """What the command line asks for; set once, before any test."""
-
-    freeze = False
-    anew = False
 
 
 def frozen(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -36,7 +31,7 @@ def frozen(function: Callable[..., Any]) -> Callable[..., Any]:
         key = ", ".join(map(_named, arguments))
         if Wishes.freeze:
             return WORKED_OUT.setdefault(path, {}).setdefault(key, _plain(function(*arguments)))
-        if Wishes.anew:
+        if Wishes.everything:
             assert key in _read(path), f"{path.name} has nothing for {key}; --freeze writes it"
             assert _flat(function(*arguments)) == pytest.approx(_flat(_read(path)[key]), rel=ROUNDING, abs=0.0)
         return _read(path)[key] if key in _read(path) else _plain(function(*arguments))

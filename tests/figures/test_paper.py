@@ -74,7 +74,9 @@ def test_its_axes_have_units(drawn: Any, name: str) -> None:
         assert re.search(r"\((?:µm²?|mN|mm/s|s|1/µm²|rad/µm|rad|1/rad)\)|µm⁴ per rad/µm", words)
 
 
-@pytest.mark.parametrize("name", ["fig3", "fig6", "fig7", "fig8"])
+@pytest.mark.parametrize(
+    "name", ["fig3", "fig8", *(pytest.param(name, marks=pytest.mark.torture) for name in ("fig6", "fig7"))]
+)
 def test_a_figure_is_the_same_again_and_whatever_is_set(drawn: Any, name: str, tmp_path: Path) -> None:
     with mpl.rc_context({"font.size": 20.0, "axes.facecolor": "red", "svg.hashsalt": "x"}):
         again = paper_figure(name, style.FORMATS, Sources(folder=short_papers(tmp_path)))

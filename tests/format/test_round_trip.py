@@ -19,6 +19,7 @@ from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import CHUNK_ROWS, HASH, JUNCTIONS, Feature
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import BARE, EVERYTHING, FEATURES, Compression, Rows, describe, random_rows, write_run
+from tests.wishes import examples
 
 sizes = st.one_of(st.sampled_from((0, 1, 2)), st.integers(0, 3000))
 
@@ -34,7 +35,7 @@ def assert_holds(path: Path, rows: Rows) -> None:
         assert run.damaged() == ()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(20, 60), deadline=None)
 @given(
     junctions=sizes,
     ticks=sizes.filter(bool),
@@ -91,7 +92,7 @@ def test_hash_is_that_of_the_raw_bytes(tmp_path: Path, compression: Compression)
                 assert file[group][name].attrs[HASH].decode() == expected
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(12, 40), deadline=None)
 @given(
     compression=st.sampled_from(("none", "gzip")),
     again=st.lists(st.tuples(st.integers(0, 49), st.integers(1, 10)), min_size=1, max_size=5),

@@ -21,7 +21,13 @@ HARMLESS = {
 }
 
 
-@pytest.mark.parametrize("name", HARMLESS)
+BRIEFLY = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
+"""One setting of each kind, for every day."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in BRIEFLY else pytest.mark.torture) for name in HARMLESS]
+)
 def test_a_brief_run_has_its_golden_bits(name: str) -> None:
     command = [sys.executable, "-m", "tests.golden.hashes", BRIEF]
     environment = {**os.environ, **HARMLESS[name].variables}

@@ -41,6 +41,7 @@ def test_it_runs_as_a_script_and_leaves_nothing_behind(notebook: Path, tmp_path:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.torture
 def test_a_wrong_claim_stops_it(tmp_path: Path) -> None:
     text = (ROOT / "notebooks" / "lifetimes.py").read_text(encoding="utf-8")
     right, wrong = "theory.length_biased_mean_diameter) < 4.0", "theory.mean_diameter) < 4.0"

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from rubnoise.analysis.verification import verify
 from rubnoise.storage.reader import open_run
 from tests.unit.tampering import flip, run_of
+from tests.wishes import examples
 
 UNEQUAL = {"diameter": {"law": "lognormal", "spread": "70 %"}, "strength": {"law": "lognormal", "spread": "60 %"}}
 ALL_BLOCKS = 99
@@ -21,7 +22,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run_of(tmp_path_factory.mktemp("verification") / "right.h5", **UNEQUAL)
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(15, 60), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_any_bit_of_any_value_counts(result: Path, tmp_path: Path, data: st.DataObject) -> None:
     path = Path(copy(result, tmp_path / "x.h5"))

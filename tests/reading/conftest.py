@@ -10,7 +10,7 @@ import rubnoise
 FIG5 = Path(__file__).parents[2] / "scenarios" / "paper" / "fig5.toml"
 
 
-@pytest.fixture(scope="session", params=["none", "gzip"])
+@pytest.fixture(scope="session", params=["none", pytest.param("gzip", marks=pytest.mark.torture)])
 def kept_run(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     """Return the beginning of Figure 5: its first junctions are those of the whole run."""
     path = tmp_path_factory.mktemp("reading") / "fig5.h5"

@@ -52,6 +52,7 @@ def constants(kernel_text: str) -> dict[str, object]:
     return generated_constants(kernel_text)
 
 
+@pytest.mark.torture
 def test_the_tool_writes_what_stands_in_the_kernels() -> None:
     assert tool.main(["--check", str(KERNELS)]) == 0
     assert tool.main(["--near", "--check", str(FINE)]) == 0

@@ -175,7 +175,7 @@ def gone_on(folder: Path, run: Scenario) -> dict[str, tuple[bytes, bytes]]:
     return datasets(path)
 
 
-@pytest.mark.parametrize("run", [BARE, GZIP], ids=["none", "gzip"])
+@pytest.mark.parametrize("run", [BARE, pytest.param(GZIP, marks=pytest.mark.torture)], ids=["none", "gzip"])
 def test_killed_between_any_two_writes_it_goes_on(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], run: Scenario
 ) -> None:

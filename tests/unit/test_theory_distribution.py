@@ -34,7 +34,8 @@ Doubles = NDArray[np.float64]
 
 MEAN = 5.53
 PEAK = 0.25 * pi * MEAN**2
-COUNTS = [0.01, 0.5, 1.0, 5.0, 20.0, 500.0, 5000.0]
+BETWEEN = [pytest.param(count, marks=pytest.mark.torture) for count in (1.0, 500.0)]
+COUNTS = [0.01, 0.5, 5.0, 20.0, 5000.0, *BETWEEN]
 SPREADS = {
     "none": Spread(),
     "0.2 um": Spread(absolute=0.2),
