@@ -203,7 +203,7 @@ def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, c
                 gone_on(folder, described(compression))
 
 
-def test_after_a_power_cut_what_was_committed_is_there(tmp_path: Path) -> None:
+def test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path: Path) -> None:
     random = Random(seed_of("power cut of growing rows"))  # noqa: S311  (chance, no secret)
     with recorded(tmp_path / "run") as recording:
         calls = recording.calls
@@ -230,7 +230,7 @@ def test_after_a_power_cut_what_was_committed_is_there(tmp_path: Path) -> None:
 def test_growing_rows_that_never_reach_the_disk_are_missed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(GrowingFile, "sync", lambda _: None)
     with pytest.raises(AssertionError):
-        test_after_a_power_cut_what_was_committed_is_there(tmp_path)
+        test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path)
 
 
 def test_a_commit_is_written_down_when_the_disk_has_its_growing_rows(tmp_path: Path) -> None:
@@ -247,7 +247,7 @@ def test_a_commit_is_written_down_when_the_disk_has_its_growing_rows(tmp_path: P
     assert commits >= BLOCKS
 
 
-def test_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(tmp_path: Path) -> None:
+def test_growing_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(tmp_path: Path) -> None:
     stopped_after(tmp_path / "x.h5", 5)
     paths = OutputPaths.of(tmp_path / "x.h5")
     with paths.growing.open("r+b") as file:
