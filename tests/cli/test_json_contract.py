@@ -7,12 +7,14 @@ from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
+from unittest.mock import patch
 
 import pytest
 
 from rubnoise.api.describing import describe
 from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
 from rubnoise.cli.claims import contents
+from rubnoise.model import Model
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import make_part
@@ -127,8 +129,12 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
     full = "full.toml"
-    with make_part(OutputPaths.of("stopped.h5"), describe(load(full), "stopped.h5", ["rubnoise", "run", full])):
-        pass
+    for name, rows in (("stopped.h5", Model.slider_rows), ("growing.h5", None)):
+        with (
+            patch.object(Model, "slider_rows", rows),
+            make_part(OutputPaths.of(name), describe(load(full), name, ["rubnoise", "run", full])),
+        ):
+            pass
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
@@ -142,6 +148,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--merge", "--json")),
         ("folder", ("info", "swept", "--json")),
         ("unfinished", ("info", "stopped.h5.part", "--json")),
+        ("unfinished", ("info", "growing.h5.part", "--json")),
         ("run", ("resume", "stopped.h5.part", "--json")),
         ("compare", ("compare", "long.h5", "--json")),
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),

@@ -22,10 +22,12 @@ from rubnoise.scenario import build
 from rubnoise.simulation import draws
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.storage import disk, growing, writer
+from rubnoise.storage.ending import Ending
 from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.history import History
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, sole_writer
+from rubnoise.storage.place import Place
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.resuming import settle
 from rubnoise.storage.together import clear_unsettled
@@ -201,7 +203,7 @@ def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, c
                 gone_on(folder, described(compression))
 
 
-def test_after_a_power_cut_what_was_committed_is_there(tmp_path: Path) -> None:
+def test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path: Path) -> None:
     random = Random(seed_of("power cut of growing rows"))  # noqa: S311  (chance, no secret)
     with recorded(tmp_path / "run") as recording:
         calls = recording.calls
@@ -228,7 +230,7 @@ def test_after_a_power_cut_what_was_committed_is_there(tmp_path: Path) -> None:
 def test_growing_rows_that_never_reach_the_disk_are_missed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(GrowingFile, "sync", lambda _: None)
     with pytest.raises(AssertionError):
-        test_after_a_power_cut_what_was_committed_is_there(tmp_path)
+        test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path)
 
 
 def test_a_commit_is_written_down_when_the_disk_has_its_growing_rows(tmp_path: Path) -> None:
@@ -245,7 +247,7 @@ def test_a_commit_is_written_down_when_the_disk_has_its_growing_rows(tmp_path: P
     assert commits >= BLOCKS
 
 
-def test_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(tmp_path: Path) -> None:
+def test_growing_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(tmp_path: Path) -> None:
     stopped_after(tmp_path / "x.h5", 5)
     paths = OutputPaths.of(tmp_path / "x.h5")
     with paths.growing.open("r+b") as file:
@@ -376,6 +378,39 @@ def test_commits_are_those_of_the_growing_rows(tmp_path: Path) -> None:
     commits = History.read(tmp_path / "x.h5.part.journal").commits
     grown = [commit.marks["slider", "velocity"].rows for commit in commits]
     assert grown[:5] == np.cumsum(COUNTS)[:5].tolist()
+
+
+def test_an_ending_remembers_where_rows_go() -> None:
+    grown = ((("slider", "time"), Place(offset=4096, rows=655, dtype="<f8")),)
+    ending = Ending(((0, b"head"), (9000, b"tail")), 9004, grown)
+    assert Ending.unpacked(ending.packed()) == ending
+    assert ending.grown_groups == {"slider": ["time"]}
+    without = Ending(ending.pieces, ending.size)
+    assert Ending.unpacked(without.packed()) == without
+    assert ending.packed().startswith(without.packed())
+
+
+@pytest.mark.parametrize(
+    "told",
+    [
+        b"\xff",
+        b"{}x",
+        b'[["slider", "time", "much", 3]]',
+        b'[["slider", "mass", 1, 3]]',
+        b'[["slider", "time", []]]',
+        b"7",
+    ],
+)
+def test_an_ending_that_tells_nonsense_is_refused(told: bytes) -> None:
+    with pytest.raises((ValueError, KeyError, TypeError)):
+        Ending.unpacked(Ending((), 0).packed() + told)
+
+
+def test_rows_of_a_hostile_ending_are_not_copied(tmp_path: Path) -> None:
+    file = GrowingFile.new(tmp_path / "rows", {"slider": ["time", "velocity"]})
+    for rows in (1, 2**70, -3):
+        file.copy(("slider", "time"), Place(offset=0, rows=rows, dtype="<f8"), -1)  # which no call could write to
+    file.close()
 
 
 def test_a_record_in_memory_grows(tmp_path: Path) -> None:

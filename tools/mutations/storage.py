@@ -14,8 +14,32 @@ MUTANTS = (
     one(
         "rows committed before the disk has them",
         "test_a_commit_is_written_down_when_the_disk_has_its_rows",
-        "disk.sync_rows(self._part.descriptor)",
-        "pass",
+        "disk.sync_rows(self.descriptor) self.sync_growing()",
+        "self.sync_growing()",
+    ),
+    one(
+        "growing rows committed before the disk has them",
+        "test_a_commit_is_written_down_when_the_disk_has_its_growing_rows",
+        "if self._growing is not None: self._growing.sync()",
+        "return",
+    ),
+    one(
+        "committed rows believed to be there when their steps are not",
+        "test_growing_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one",
+        "if not before.rows <= mark.rows <= self._place.held:",
+        "if not before.rows <= mark.rows:",
+    ),
+    one(
+        "growing rows copied in once, and not where a kill came between",
+        "test_killed_between_any_two_calls_or_within_one_it_goes_on",
+        "ending.carry_out(part, growing)",
+        "ending.carry_out(part, None)",
+    ),
+    one(
+        "steps of growing rows that run on into one another",
+        "test_rows_that_grow_end_in_the_file",
+        "count = min(size, width - within)",
+        "count = size",
     ),
     one(
         "a lock that two may hold",
@@ -44,8 +68,8 @@ MUTANTS = (
     one(
         "hashes that miss a replaced row",
         "test_a_row_replaced_is_in_every_later_mark",
-        "self.flush() self._hash = None disk.write_all(",
-        "self.flush()\ndisk.write_all(",
+        "self.flush() self._hash = None self._write(",
+        "self.flush()\nself._write(",
     ),
     one(
         "short writes taken for whole ones",

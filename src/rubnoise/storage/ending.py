@@ -51,7 +51,7 @@ class Ending:
             begin += length
         told = json.loads(content[begin:]) if content[begin:] else []
         grown = tuple(
-            ((group, name), Place(offset=offset, rows=rows, dtype=DTYPES[group, name]))
+            ((group, name), Place(offset=int(offset), rows=int(rows), dtype=DTYPES[group, name]))
             for group, name, offset, rows in told
         )
         return cls(tuple(pieces), size, grown)

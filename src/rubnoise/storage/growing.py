@@ -79,7 +79,7 @@ class GrowingPlace:
     def pieces(self, first: int, size: int) -> Iterator[tuple[int, int]]:
         """Yield offset and size of each piece of the file that holds some bytes of the column."""
         width, start = self.steps.rows * np.dtype(self.dtype).itemsize, self.steps.starts[self.name]
-        while size:
+        while size > 0:
             number, within = divmod(first, width)
             count = min(size, width - within)
             yield self.steps.places[number] + start + within, count
