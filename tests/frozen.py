@@ -63,4 +63,5 @@ def _plain(value: Any) -> Any:
 
 
 def _flat(value: Any) -> list[float]:
-    return np.ravel(_plain(value)).tolist()
+    plain = _plain(value)
+    return [number for each in plain for number in _flat(each)] if isinstance(plain, list) else [plain]

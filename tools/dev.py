@@ -31,7 +31,7 @@ LOCKS = {
 USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 
   run [ARGUMENTS]    rubnoise run, with every argument passed on (try: run --help)
-  test [ARGUMENTS]   the tests, with every argument passed on to pytest
+  test [ARGUMENTS]   the tests, with every argument passed on to pytest; test --all adds what takes long
   lint               ruff and mypy
   sync               only install, what tests, pictures and tables need too
   bench [ARGUMENTS]  speed and errors beside everything else a user could pick; bench --quick takes a minute or two

@@ -16,7 +16,6 @@ from rubnoise.storage.reader import open_run
 from tests.cli.terminal import LONGEST, begin_on_terminal, command, read_terminal, shown_on_terminal
 from tests.format.runs import attempt
 
-CONTACT = Path("../given/contact.toml")
 SLIDER = Path("../given/slider.toml")
 LINE = re.compile(
     r"\r *(?P<share>\d+)%  (?P<reached>[\d.e-]+) of 100 mm  (?P<junctions>[\d,]+) junctions, (?P<live>\d+) alive"
@@ -25,7 +24,7 @@ LINE = re.compile(
 
 
 def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
-    arguments = command("run", CONTACT, "--force", "--set", "sliding.distance=100 mm")
+    arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=100 mm")
     code, first = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))
     assert code == 0
     assert first.count("Compiling the kernels") == 1

@@ -120,7 +120,7 @@ def test_four_moments_by_the_distribution_function(count: float, spread: str) ->
     ],
     ids=["lognormal", "gamma", "exponential", "wide lognormal"],
 )
-@pytest.mark.parametrize("count", [0.5, 20.0, 300.0])
+@pytest.mark.parametrize("count", [0.5, pytest.param(20.0, marks=pytest.mark.torture), 300.0])
 def test_laws_with_a_long_tail(law: Law, count: float) -> None:
     """Only the mean, where the tail that doubles can hold is the moment's: the fourth needs probabilities of 1e-20."""
     model = with_law(law, count)

@@ -62,7 +62,10 @@ def distance(areas: Doubles, law: Law) -> float:
     return float(max(apart) * sqrt(areas.size))
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.torture if name in ("half a junction", "fifty") else ()) for name in CASES],
+)
 def test_areas_of_a_long_run_have_the_exact_distribution(name: str) -> None:
     model, areas = run(name)
     law = distribution(model)
