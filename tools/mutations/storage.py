@@ -24,22 +24,10 @@ MUTANTS = (
         "return",
     ),
     one(
-        "committed rows believed to be there when their steps are not",
-        "test_growing_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one",
-        "if not before.rows <= mark.rows <= self._place.held:",
-        "if not before.rows <= mark.rows:",
-    ),
-    one(
-        "growing rows copied in once, and not where a kill came between",
-        "test_killed_between_any_two_calls_or_within_one_it_goes_on",
-        "ending.carry_out(part, growing)",
-        "ending.carry_out(part, None)",
-    ),
-    one(
-        "steps of growing rows that run on into one another",
+        "growing rows left beside a whole result",
         "test_rows_that_grow_end_in_the_file",
-        "count = min(size, width - within)",
-        "count = size",
+        "disk.remove(self.growing) disk.remove(self.journal)",
+        "disk.remove(self.journal)",
     ),
     one(
         "a lock that two may hold",

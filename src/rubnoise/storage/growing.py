@@ -7,7 +7,6 @@ to one group and holds as many of its rows as fit into it, column after column.
 import os
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, Self
@@ -21,9 +20,6 @@ from rubnoise.storage.schema import GROUPS
 
 STEP_BYTES: Final = 1 << 18
 """Some thousand rows: few calls of the system for many rows, little space for few."""
-
-COPIED_BYTES: Final = 1 << 20
-"""Bytes of a column that are copied at a time."""
 
 _MAGIC: Final = b"rng1"
 _HEAD: Final = struct.Struct("<4sI")
@@ -152,7 +148,7 @@ class GrowingFile:
         source, left, offset = self.place(name), place.end - place.offset, place.offset
         if place.rows > source.held:
             return
-        buffer = np.empty(min(COPIED_BYTES, STEP_BYTES), dtype=np.uint8).data
+        buffer = np.empty(STEP_BYTES, dtype=np.uint8).data
         for begin, count in source.pieces(0, left):
             if disk.read_into(self.descriptor, buffer[:count], begin) != count:
                 return
@@ -164,10 +160,8 @@ class GrowingFile:
         steps = {each.group: each for each in self._steps.values()}
         end = os.fstat(self.descriptor).st_size
         while self._size + STEP_BYTES <= end:
-            with suppress(KeyError):
-                magic, number = _HEAD.unpack(disk.read(self.descriptor, _HEAD.size, self._size))
-                if magic == _MAGIC:
-                    steps[number].places.append(self._size)
-                    self._size += STEP_BYTES
-                    continue
-            return
+            magic, number = _HEAD.unpack(disk.read(self.descriptor, _HEAD.size, self._size))
+            if magic != _MAGIC or number not in steps:
+                return
+            steps[number].places.append(self._size)
+            self._size += STEP_BYTES
