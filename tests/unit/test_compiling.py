@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import rubnoise
 from rubnoise import compiling
 
@@ -19,6 +21,7 @@ print(sum(deposit.stats.cache_hits.values()), total[1] + total[2])
 """
 
 
+@pytest.mark.torture
 def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
     package = tmp_path / "rubnoise"
     shutil.copytree(Path(rubnoise.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))

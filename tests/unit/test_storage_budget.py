@@ -45,8 +45,8 @@ RUNS = {
         "output.tick=1 nm",
     ),
 }
-ALIKE = ("thin", "slow", "compressed")
-"""Where the memory of both engines goes to rows and panels, which they share."""
+DENSEST = ("dense", "batch")
+"""What is tried every day beside Figure 5: its memory goes to junctions."""
 
 
 def _with(text: str, *overrides: str) -> Scenario:
@@ -166,6 +166,7 @@ def test_a_run_asks_before_it_makes_anything(tmp_path: Path, monkeypatch: pytest
 
 
 def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(budget, "memory_in_use", lambda: 0)  # it may be more than the result takes
     scenario = loads(whole(distance='"500 mm"'))
     _with_room(monkeypatch, memory=expected(scenario).peak_bytes)
     check_memory(scenario, expected(scenario))
@@ -177,7 +178,7 @@ def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("name", "engine"),
     [
-        pytest.param(name, engine, marks=pytest.mark.torture if engine == "events" and name in ALIKE else ())
+        pytest.param(name, engine, marks=() if name == "Figure 5" or (name, engine) == DENSEST else pytest.mark.torture)
         for name in RUNS
         for engine in ("events", "batch")
     ],

@@ -175,7 +175,8 @@ def gone_on(folder: Path, run: Scenario) -> dict[str, tuple[bytes, bytes]]:
     return datasets(path)
 
 
-@pytest.mark.parametrize("run", [BARE, pytest.param(GZIP, marks=pytest.mark.torture)], ids=["none", "gzip"])
+@pytest.mark.torture
+@pytest.mark.parametrize("run", [BARE, GZIP], ids=["none", "gzip"])
 def test_killed_between_any_two_writes_it_goes_on(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], run: Scenario
 ) -> None:
@@ -189,6 +190,7 @@ def test_killed_between_any_two_writes_it_goes_on(
             assert gone_on(tmp_path / f"{moment}", run) == expected["bare"], moment
 
 
+@pytest.mark.torture
 def test_after_a_power_cut_what_was_committed_is_there(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]]
 ) -> None:
