@@ -59,7 +59,7 @@ def weak_coupling_change(strength: float, kick: float) -> float:
     """Return sqrt(u/Pi), u the smaller root of u = Pi (1 + q + (3 + 10 q) u + 15 u^2); 1 + 1.5 Pi + q/2 when small.
 
     u = Var x'/V^2 in two-way coupling, by its balance of energy. A junction with J = int psi A ds takes 2 J/m from w^2,
-    w = V - x', and so brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass; junctions come at a rate lam w. Damping
+    w = V - x', and so brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, at a rate of lam w junctions. Damping
     takes c Var x' = V lam (E[J^2] <1/w^2> + E[J^3] <1/w^4>/m)/(2m), with x' nearly Gaussian: <V^2/w^2> =
     1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2) is the velocity that one junction gives,
     over V. nan where there is no root.
