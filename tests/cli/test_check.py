@@ -32,8 +32,13 @@ def test_figure_5_says_what_follows_from_it(here: Path) -> None:
     assert _value(answer.out, "displacement") == "mean 170.5613, std 195.3059 um"
     assert _value(answer.out, "velocity") == "std 47241.1 um/s"
     assert _value(answer.out, "one-way validity").startswith("47.2411 ")
+    assert _value(answer.out, "coupling strength") == "2929.741 (Pi; weak below 0.03)"
+    assert _value(answer.out, "stick number") == "16.86028 (theta; a slow slider sticks above 1)"
+    assert _value(answer.out, "expected change") == "not known: the coupling is too strong for the"
     assert _value(answer.out, "births") == "36,166 expected"
-    assert "  warning: the velocity of the slider spreads by 47.2 times the sliding speed" in answer.out
+    flat = " ".join(answer.out.split())
+    assert "warning: the velocity of the slider spreads by 47.2 times the sliding speed" in flat
+    assert "two-way coupling is needed above 0.1" in flat
     assert "+2.3% off the 200 um^2 asked for" in answer.out
     assert names(here) == []
 
@@ -48,6 +53,16 @@ def test_a_stiff_slider_gets_no_warning(here: Path) -> None:
 
 
 FAST = ("--set", "sliding.speed=100 mm/s")
+
+
+def test_a_weak_coupling_foretells_what_it_would_change(here: Path) -> None:
+    answer = call("check", PAPER / "fig5.toml", *FAST)
+    assert _value(answer.out, "coupling strength").startswith("0.002929741 ")
+    assert _value(answer.out, "expected change") == "+0.48% of std displacement, if two-way"
+    assert "two-way coupling is needed" not in " ".join(answer.out.split())
+    told = call("check", PAPER / "fig5.toml", *FAST, "--json").json()["scenarios"][str(PAPER / "fig5.toml")]["slider"]
+    assert told["expected_change"] == pytest.approx(1.00479, abs=5e-6)
+    assert "change_unknown" not in told
 
 
 def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
@@ -102,6 +117,10 @@ def test_json_holds_the_figures_in_full(here: Path) -> None:
     assert told["calibrated_diameter"] == pytest.approx(5.5300126361, abs=1e-10)
     assert told["real_contact_area"]["std"] == pytest.approx(56.42936, abs=5e-6)
     assert told["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
+    assert told["slider"]["coupling_strength"] == pytest.approx(2929.741, abs=5e-4)
+    assert told["slider"]["stick_number"] == pytest.approx(16.86028, abs=5e-6)
+    assert told["slider"]["expected_change"] is None
+    assert "too strong" in told["slider"]["change_unknown"]
     assert told["cost"]["ticks"] == 200_001
     assert len(told["notes"]) == 1
 

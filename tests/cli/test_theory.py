@@ -76,6 +76,9 @@ def test_figure_5_has_everything() -> None:
     assert found["slider"]["displacement_std"] == pytest.approx(195.3059, abs=5e-5)
     assert found["slider"]["velocity_std"] == pytest.approx(47_241.1, abs=0.05)
     assert found["slider"]["one_way_validity"] == pytest.approx(47.2411, abs=5e-5)
+    assert found["slider"]["coupling_strength"] == pytest.approx(2929.741, abs=5e-4)
+    assert found["slider"]["stick_number"] == pytest.approx(16.86028, abs=5e-6)
+    assert found["slider"]["expected_change"] is None
     covariance = found["autocovariance"]["value"]
     assert covariance[0] == pytest.approx(found["area"]["cumulants"][1], rel=1e-12)
     assert covariance[1] == covariance[2]
@@ -240,6 +243,9 @@ def test_text_fits_a_terminal_and_warns(here: Path) -> None:
     assert max(map(len, lines[1:])) <= 80
     assert "  real contact area             mean 204.6736, std 56.42936 um^2" in lines
     assert "  one-way validity              47.2411 (std of velocity over sliding speed)" in lines
+    assert "  coupling strength             2929.741 (Pi; weak below 0.03)" in lines
+    assert "  stick number                  16.86028 (theta; a slow slider sticks above 1)" in lines
+    assert "not known: the coupling is too strong for the law of weak coupling" in " ".join(answer.out.split())
     assert "warning: the velocity of the slider spreads by 47.2 times the sliding speed" in answer.out
     assert "warning" not in call("theory", SLIDER, "--set", 'strength.mean="0.1 MPa"').out
 
@@ -260,7 +266,8 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     answer = call("theory", FIG5, "--csv", *points)
     heading, *rows = csv.reader(StringIO(answer.out))
     assert heading == ["quantity", "at", "at_unit", "value", "unit"]
-    found = {(name, at): (float(value), unit) for name, at, _, value, unit in rows}
+    assert ["slider.expected_change", "", "", "", "1"] in rows
+    found = {(name, at): (float(value or "nan"), unit) for name, at, _, value, unit in rows}
     json_ = told(FIG5, *points)
     assert found["area.mean", ""] == (json_["area"]["mean"], "um^2")
     assert found["area.cumulants", "3"] == (json_["area"]["cumulants"][2], "um^6")
@@ -272,7 +279,7 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
     assert found["crossings.displacement_skewness", ""] == (json_["crossings"]["displacement_skewness"], "1")
     assert found["from_empty.area_mean", "3.0"] == (json_["from_empty"]["area_mean"][0], "um^2")
     assert found["from_empty.run_count_mean", ""] == (json_["from_empty"]["run_count_mean"], "1")
-    assert len(rows) == len(found) == 2 + 2 * 10 + 4 + 3 + 2 + 1 + 2 * 2 + 1 + 4 + 4
+    assert len(rows) == len(found) == 2 + 2 * 10 + 7 + 3 + 2 + 1 + 2 * 2 + 1 + 4 + 4
     table = call("theory", FIG5, "--csv", *points, "--segment", "4").out
     assert table.count("\nestimated_spectrum.standard_error,") == 3
     assert "\nestimated_spectrum.segments,,,99999,1\n" in table

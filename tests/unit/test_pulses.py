@@ -52,3 +52,19 @@ def test_squared_kinks_are_those_of_the_slope(pulse):
         for at in (0.0, 1.0, 2.0)
     ]
     assert sum(jump**2 for jump in jumps) == pytest.approx(pulse.squared_kinks, rel=1e-3)
+
+
+@every_pulse
+def test_the_slope_is_that_of_the_area(pulse):
+    ages = np.array([-0.5, 0.2, 0.9, 1.1, 1.8, 2.5])
+    step = 1e-6
+    rise = (pulse.area(3.0 * ages + step, 3.0) - pulse.area(3.0 * ages - step, 3.0)) / (2.0 * step)
+    assert pulse.slope(3.0 * ages, 3.0) == pytest.approx(rise, abs=1e-8)
+    assert pulse.slope(0.5, 3.0) > 0.5
+
+
+@every_pulse
+def test_squared_slope_is_the_integral_of_the_slope_squared(pulse):
+    places, weights = np.polynomial.legendre.leggauss(8)
+    rising = 0.5 * weights @ np.square(pulse.slope(0.5 + 0.5 * places, 1.0))
+    assert 2.0 * rising == pytest.approx(pulse.squared_slope, rel=1e-14)

@@ -83,4 +83,34 @@ MUTANTS = (
         "sum(comb(n - 1, i) * found[i] * moments[n - 1 - i] for i in range(n - 1))",
         "sum(comb(n, i) * found[i] * moments[n - 1 - i] for i in range(n - 1))",
     ),
+    one(
+        "coupling that falls too slowly with speed",
+        "test_the_strength_is_that_of_the_sixth_moment",
+        "drive.slider.damping * drive.speed**3)",
+        "drive.slider.damping * drive.speed**2)",
+    ),
+    one(
+        "damping that acting back does not undo",
+        "test_the_printed_figures_of_weak_coupling",
+        "(3.0 + 10.0 * kick) * strength",
+        "(1.0 + 10.0 * kick) * strength",
+    ),
+    one(
+        "kick of a junction left out",
+        "test_the_law_is_that_of_oscillators_hit_by_junctions_without_width",
+        "sqrt(2.0 * (1.0 + kick) / (lost + sqrt(under_root)))",
+        "sqrt(2.0 / (lost + sqrt(under_root)))",
+    ),
+    one(
+        "slope of the lens taken for that of its square",
+        "test_squared_slope_is_the_integral_of_the_slope_squared",
+        "return 4.0 / 3.0",
+        "return 2.0 / 3.0",
+    ),
+    one(
+        "slopes of neighbours that do not meet",
+        "test_the_variance_of_the_slope_is_the_curvature_of_the_autocovariance[regular]",
+        "np.square(total) - squares",
+        "-squares",
+    ),
 )

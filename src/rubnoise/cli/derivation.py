@@ -4,15 +4,14 @@ from pathlib import Path
 from typing import Any
 
 from rubnoise.analysis.summary import missing_for_motion
+from rubnoise.cli.coupling import coupling_figures, coupling_lines
 from rubnoise.cli.foresight import told
 from rubnoise.cli.layout import (
-    WORTH_A_WARNING,
     about,
     duration,
     grouped,
     line,
     number,
-    one_way_warning,
     remark,
     size,
     too_short_for_motion,
@@ -58,6 +57,7 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
             "displacement_std": theory.slider.displacement_std,
             "velocity_std": theory.slider.velocity_std,
             "one_way_validity": theory.slider.one_way_validity,
+            **coupling_figures(theory),
             "cells_per_tick": cells_per_tick(model),
         } | ({} if missing is None else {"needed_distance": missing.needed})
     return answer
@@ -113,11 +113,9 @@ def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
     ]
 
 
-def _slider_lines(slider: dict[str, float] | None) -> list[str]:
+def _slider_lines(slider: dict[str, Any] | None) -> list[str]:
     if slider is None:
         return []
-    validity = slider["one_way_validity"]
-    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING else []
     return [
         line("natural frequency", f"{number(slider['natural_frequency'])} Hz"),
         line("damping ratio", number(slider["damping_ratio"])),
@@ -125,8 +123,7 @@ def _slider_lines(slider: dict[str, float] | None) -> list[str]:
             "displacement", f"mean {number(slider['displacement_mean'])}, std {number(slider['displacement_std'])} um"
         ),
         line("velocity", f"std {number(slider['velocity_std'])} um/s"),
-        line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)"),
-        *doubt,
+        *coupling_lines(slider),
     ]
 
 

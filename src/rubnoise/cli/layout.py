@@ -85,7 +85,7 @@ def one_way_warning(validity: float) -> str:
     """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
     return (
         f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
-        " which one-way coupling takes for constant"
+        f" which one-way coupling takes for constant; two-way coupling is needed above {WORTH_A_WARNING:g}"
     )
 
 

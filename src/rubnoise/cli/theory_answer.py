@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from rubnoise.cli.coupling import coupling_figures
 from rubnoise.cli.theory_points import Points
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -68,6 +69,7 @@ def _motion(theory: Exact) -> dict[str, Any]:
         "displacement_std": theory.slider.displacement_std,
         "velocity_std": theory.slider.velocity_std,
         "one_way_validity": theory.slider.one_way_validity,
+        **coupling_figures(theory),
     }
     return {"slider": slider}
 
@@ -157,4 +159,4 @@ def _finite(value: Any) -> Any:
         return {name: _finite(item) for name, item in value.items()}
     if isinstance(value, list | np.ndarray):
         return [_finite(item) for item in np.asarray(value, dtype=np.float64).tolist()]
-    return value if isinstance(value, str) or isfinite(value) else None
+    return value if value is None or isinstance(value, str) or isfinite(value) else None

@@ -5,7 +5,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.cli.layout import WORTH_A_WARNING, line, number, one_way_warning, printable, remark
+from rubnoise.cli.coupling import coupling_lines
+from rubnoise.cli.layout import line, number, printable, remark
 from rubnoise.cli.terminal import sentence
 
 COLUMN: Final = 19
@@ -87,13 +88,10 @@ def _cumulant_lines(label: str, unit: str, group: dict[str, Any]) -> Iterator[st
 def _slider_lines(slider: dict[str, Any] | None) -> Iterator[str]:
     if slider is None:
         return
-    validity = slider["one_way_validity"]
     place = f"mean {_shown(slider['displacement_mean'])}, std {_shown(slider['displacement_std'])} um"
     yield line("displacement", place)
     yield line("velocity", f"std {_shown(slider['velocity_std'])} um/s")
-    yield line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)")
-    if validity > WORTH_A_WARNING:
-        yield remark(f"warning: {one_way_warning(validity)}")
+    yield from coupling_lines(slider)
 
 
 def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:

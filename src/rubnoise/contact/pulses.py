@@ -39,8 +39,17 @@ class Pulse(Protocol):
         """The sum over a life of unit diameter of the squares of the jumps of slope, which is the spectrum's tail."""
         ...
 
+    @property
+    def squared_slope(self) -> float:
+        """The integral of a'^2 over a life of unit diameter; that of A'^2 is d^3 times it."""
+        ...
+
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return A(s; d) in um^2 for s and d in um (they broadcast), and 0 outside 0 <= s <= 2d."""
+        ...
+
+    def slope(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return A'(s; d) = dA/ds in um for s and d in um (they broadcast), and 0 outside 0 <= s <= 2d."""
         ...
 
     def life_integral(self, power: int) -> float:
@@ -79,9 +88,20 @@ class LensPulse:
         """4: the slope jumps by -2 at mid-life."""
         return 4.0
 
+    @property
+    def squared_slope(self) -> float:
+        """4/3."""
+        return 4.0 / 3.0
+
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return the area of the lens in um^2, as `rubnoise.contact.overlap.junction_area` has it."""
         return overlap.junction_area(distance_since_birth, diameter)
+
+    def slope(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return sqrt(s (2d - s)) in um, negative for s > d: the height of the lens."""
+        d = np.asarray(diameter, dtype=np.float64)
+        s = np.asarray(distance_since_birth, dtype=np.float64)
+        return np.asarray(np.sqrt(np.maximum(s * (2.0 * d - s), 0.0)) * np.sign(d - s), dtype=np.float64)
 
     def life_integral(self, power: int) -> float:
         """Return c_n of the lens: c_1 = 2/3, c_2 = pi/3 - 32/45."""
@@ -129,11 +149,22 @@ class TrianglePulse:
         """3 pi^2 / 8: the slope jumps by pi/4 at both ends and by -pi/2 at mid-life."""
         return 0.375 * pi**2
 
+    @property
+    def squared_slope(self) -> float:
+        """pi^2 / 8."""
+        return 0.125 * pi**2
+
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return (pi/4) d (d - |d - s|) in um^2, and 0 outside 0 <= s <= 2d."""
         d = np.asarray(diameter, dtype=np.float64)
         s = np.asarray(distance_since_birth, dtype=np.float64)
         return 0.25 * np.pi * d * np.maximum(np.minimum(s, 2.0 * d - s), 0.0)
+
+    def slope(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return (pi/4) d in um, negative for s > d; 0 at birth, at mid-life and at death, where it jumps."""
+        d = np.asarray(diameter, dtype=np.float64)
+        s = np.asarray(distance_since_birth, dtype=np.float64)
+        return 0.25 * np.pi * d * np.sign(d - s) * ((s > 0.0) & (s < 2.0 * d))
 
     def life_integral(self, power: int) -> float:
         """Return c_n = 2 (pi/4)^n / (n + 1)."""

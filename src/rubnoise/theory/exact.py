@@ -10,6 +10,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.coupling import Coupling, coupling
 from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.motion_cumulants import MotionCumulants, motion_cumulants
@@ -101,6 +102,13 @@ class Exact:
         if not (isfinite(slid) and slid > 0.0):
             raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
         return slid
+
+    def coupling(self) -> Coupling:
+        """Return how strongly the slider acts back on the contact: ``strength``, ``stick_number``, ``expected_change``.
+
+        Raises Refused without slider, strength or speed.
+        """
+        return coupling(self.model)
 
     def crossing_rate(self, level: ArrayLike) -> Doubles:
         """Return how many times a second the displacement passes levels in um upwards, of any shape.

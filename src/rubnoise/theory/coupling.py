@@ -1,0 +1,97 @@
+"""How much the slider acts back on the contact that drives it: the numbers that judge one-way coupling."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import inf, nan, sqrt
+
+from rubnoise.model import Model
+from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.force_slope import force_slope_std
+from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.response import response
+from rubnoise.theory.spectrum import force_spectral_density
+
+WEAK = 0.1
+"""First change of the variance, 3 Pi + q, from which more than the law of weak coupling is at work."""
+
+WHITE = 0.95
+"""r^2 / Pi below which the slider feels that junctions live for a while."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coupling:
+    """What two-way coupling would be for a slider: Pi, theta, and std x over that in one-way coupling; plain numbers.
+
+    ``expected_change`` is nan where the law of weak coupling does not hold, and ``unknown`` then says why; else it is
+    None.
+    """
+
+    strength: float
+    stick_number: float
+    expected_change: float
+    unknown: str | None
+
+
+@lru_cache(maxsize=8)
+def coupling(model: Model) -> Coupling:
+    """Return how strongly a slider acts back on its contact, and how that changes the vibration while it is weak.
+
+    strength Pi = S_F(0)/(2 m c V^3), S_F the spectral density of the force (E[psi^2] S of the area, Poisson births);
+    inf without damping. It is the square of r = std x'/V, one-way, for a force white in s; r^2/Pi <= 1 is the mean of
+    S_F(k)/S_F(0) over the slider's response. stick_number theta = std F'/k, F' = dF/ds: beyond about 1 a slow slider
+    sticks. expected_change = std x, two-way, over std x, one-way, of `weak_coupling_change`, for Poisson births, a
+    force white to the slider (r^2 >= 0.95 Pi, so that w_0 d/V and c d/(m V) are small) and 3 Pi + q < 0.1, with the
+    kick q = c_1 E[psi^3] m_9 / (E[psi^2] m_6 m V^2). Raises Refused without slider, strength or speed.
+    """
+    drive = drive_of(model)
+    strength = _strength(model, drive)
+    unknown = _unknown(model, drive, strength)
+    change = nan if unknown else weak_coupling_change(strength, _kick(model, drive))
+    return Coupling(
+        strength=strength,
+        stick_number=force_slope_std(model) / drive.slider.stiffness,
+        expected_change=change,
+        unknown=unknown,
+    )
+
+
+def weak_coupling_change(strength: float, kick: float) -> float:
+    """Return sqrt(u/Pi), u the smaller root of u = Pi (1 + q + (3 + 10 q) u + 15 u^2); 1 + 1.5 Pi + q/2 when small.
+
+    u = Var x'/V^2 in two-way coupling, by its balance of energy. A junction with J = int psi A ds takes 2 J/m from w^2,
+    w = V - x', and so brings V (w - sqrt(w^2 - 2 J/m)) - J/m of energy per mass, at a rate of lam w junctions. Damping
+    takes c Var x' = V lam (E[J^2] <1/w^2> + E[J^3] <1/w^4>/m)/(2m), with x' nearly Gaussian: <V^2/w^2> =
+    1 + 3 u + 15 u^2, <V^4/w^4> = 1 + 10 u. The kick q = E[J^3]/(E[J^2] m V^2) is the velocity that one junction gives,
+    over V. nan where there is no root.
+    """
+    lost = 1.0 - (3.0 + 10.0 * kick) * strength
+    under_root = lost * lost - 60.0 * strength**2 * (1.0 + kick)
+    if lost <= 0.0 or under_root < 0.0:
+        return nan
+    return sqrt(2.0 * (1.0 + kick) / (lost + sqrt(under_root)))
+
+
+def _strength(model: Model, drive: Drive) -> float:
+    if drive.slider.damping == 0.0:
+        return inf
+    density = float(force_spectral_density(model, drive.strengths, 0.0))
+    return density / (2.0 * drive.slider.mass * drive.slider.damping * drive.speed**3)
+
+
+def _kick(model: Model, drive: Drive) -> float:
+    sizes, strengths = model.sizes, drive.strengths
+    impulse = model.pulse.life_integral(1) * strengths.moment(3) / strengths.moment(2)
+    return impulse * sizes.moment(9) / sizes.moment(6) / (drive.slider.mass * drive.speed**2)
+
+
+def _unknown(model: Model, drive: Drive, strength: float) -> str | None:
+    """Return why nothing is known of the change, if so."""
+    if strength == inf:
+        return "without damping nothing is stationary"
+    if not are_at_random(model):
+        return "it is known for births at random alone"
+    if 3.0 * strength + _kick(model, drive) >= WEAK:
+        return "the coupling is too strong for the law of weak coupling"
+    if response(model).one_way_validity ** 2 < WHITE * strength:
+        return "a junction lives too long for the slider to take its force for white noise"
+    return None
