@@ -98,7 +98,7 @@ def _variance_of_velocity(strength: float, kick: float, *, acts_back: bool) -> t
     forgets as exp(-c t), which makes the relative error of its mean over a time T sqrt(2/(c T)).
     """
     generator = np.random.default_rng(20)
-    damping, fastest, oscillators, steps, left_out = 0.2, 2.0, 12_000, 890, 178
+    damping, fastest, oscillators, steps, left_out = 0.2, 2.0, 4000, 890, 178
     births = 2.0 * damping * strength / kick**2
     rate, turn = births * fastest, sqrt(1.0 - 0.25 * damping**2)
     mean = births * kick
@@ -123,7 +123,7 @@ def _variance_of_velocity(strength: float, kick: float, *, acts_back: bool) -> t
 def test_the_law_is_that_of_oscillators_hit_by_junctions_without_width() -> None:
     strength, kick = 0.008, 0.03
     ratio, error = _variance_of_velocity(strength, kick, acts_back=True)
-    assert error < 0.003
+    assert error < 0.006
     assert abs(ratio / weak_coupling_change(strength, kick) ** 2 - 1.0) < 4.0 * error
     assert abs(ratio / weak_coupling_change(strength, 0.0) ** 2 - 1.0) > 4.0 * error
     assert abs(ratio - 1.0) > 4.0 * error
