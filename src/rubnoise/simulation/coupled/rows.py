@@ -229,6 +229,8 @@ def place_in_step(time: float, size: float, duration: float, clock: int, in_time
     share = min(max(time / duration, 0.0), 1.0)
     if in_time:
         return np.sqrt(share) if clock == LEFT else share
+    if share == 0.0 or share == 1.0:
+        return share
     low, high, q = 0.0, 1.0, share
     for _ in range(_NEWTON):
         beyond = size * integral_to(q, work, PACE) - time
