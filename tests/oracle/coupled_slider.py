@@ -92,7 +92,12 @@ def motion(  # noqa: C901, PLR0912, PLR0915
             return float(psi @ areas_of(np.minimum(np.abs(d - (s - born)), d), d))
 
         def slope(
-            t: float, y: Doubles, force: Callable[[float], float] = force, begin: float = begin, start: float = start, way: float = way
+            t: float,
+            y: Doubles,
+            force: Callable[[float], float] = force,
+            begin: float = begin,
+            start: float = start,
+            way: float = way,
         ) -> tuple[float, float]:
             x = start + speed * (t - begin) - y[0]
             return y[1], (k * x + c * (speed - y[1]) - way * force(place + y[0])) / m  # noqa: B023
@@ -132,9 +137,7 @@ def motion(  # noqa: C901, PLR0912, PLR0915
                 arrived = True
         travelled, w = (float(value) for value in step.sol(end))
 
-        def state(
-            time: float, step: object = step, begin: float = begin, start: float = start
-        ) -> tuple[float, float]:
+        def state(time: float, step: object = step, begin: float = begin, start: float = start) -> tuple[float, float]:
             y = step.sol(time)  # type: ignore[attr-defined]
             return start + speed * (time - begin) - float(y[0]), speed - float(y[1])
 
@@ -195,7 +198,9 @@ def frozen(
         crossed = np.flatnonzero(sign[:-1] & ~sign[1:])
         if not crossed.size:
             return found
-        end = brentq(lambda time: speed - velocity(time), grid[crossed[0]], grid[crossed[0] + 1], xtol=1e-18, rtol=1e-15)  # noqa: B023
+        end = brentq(
+            lambda time: speed - velocity(time), grid[crossed[0]], grid[crossed[0] + 1], xtol=1e-18, rtol=1e-15
+        )  # noqa: B023
         t, x, v = t + end, place(end), speed
         f = k * x + c * speed
         if abs(f) <= bears:

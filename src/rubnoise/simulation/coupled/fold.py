@@ -308,6 +308,6 @@ def constants(model: Model, tolerance: float) -> Doubles:
     found[rows.LIMIT] = 0.3 * error
     found[rows.BEND_LIMIT] = bend
     found[rows.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
-    found[rows.TOUCH] = 0.1 * tolerance * speed
+    found[rows.TOUCH] = found[rows.LIMIT] * slider.natural_angular_frequency
     found[rows.LONGEST] = 1.0 / slider.natural_angular_frequency
     return found

@@ -124,8 +124,8 @@ def next_border(near: Doubles, count: int, offset: float, way: float, width: flo
 @compiled_bare
 def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int) -> int:
     """Return how many cells of the grid may be taken together by a speed alone: a power of two, or 0."""
-    # int of what the moments leave of a kink: 7e-4 h (kink h^2 / (m u^2)) in the displacement.
-    most = u * u * constants[KINK_LIMIT]
+    # int of what the moments leave of a kink: 7e-4 h (kink h^2 / (m u^2)) in the displacement, V/u times as much in x.
+    most = u * u * constants[KINK_LIMIT] * min(u / constants[DRIVE], 1.0)
     cells = GROUP
     while cells > 0:
         aligned = cell % cells == 0 and (way < 0.0 or cell + cells <= last)
@@ -161,12 +161,17 @@ def leave_stick(whole: Integers, numbers: Doubles, constants: Doubles, out: Doub
 
 
 @compiled_bare
-def arrive(whole: Integers, numbers: Doubles, constants: Doubles, marks: Doubles, force: float) -> None:
-    """Decide what follows at w = 0, where the contact can bear ``force`` uN."""
+def arrive(whole: Integers, numbers: Doubles, constants: Doubles, marks: Doubles, force: float, touched: bool) -> None:
+    """Decide what follows at w = 0, where the contact can bear ``force`` uN.
+
+    touched: whether w' = 0, too, which makes f = G: a stick of no length, whatever rounding makes of the difference.
+    """
     f = constants[STIFFNESS] * numbers[DISPLACEMENT] + constants[DAMPING] * constants[DRIVE]
     reversed_before = whole[PHASE] == REVERSED
     before = -force if reversed_before else force
     numbers[RELATIVE] = 0.0
+    if touched:
+        f = min(f, force)
     if f > force:
         if reversed_before:
             tell_landmark(whole, numbers, constants, marks, FORWARD, before, force)
@@ -393,7 +398,8 @@ def advance(
         jerk = way * stiffness * drive / mass
         if fresh:
             growth = 0.0
-        after, passed, size, duration, clock, in_time, arrived = 0.0, 0.0, 0.0, 0.0, PLAIN, False, False
+        after, passed, size, duration, clock, in_time = 0.0, 0.0, 0.0, 0.0, PLAIN, False
+        arrived, touched = False, False
         done, keep = False, numbers[STEP]
         if u > 0.0:
             size, clock = length, border_clock
@@ -448,6 +454,7 @@ def advance(
                                 clock, per_half, far, near, count, lens, work, q < 0.0,
                             )  # fmt: skip
                             if done:
+                                touched = q < 0.0
                                 break
                             duration *= 0.5
                         else:
@@ -487,4 +494,5 @@ def advance(
         pass_time(whole, numbers, constants, duration)
         if arrived:
             place = offset if cell == gathered else (h if cell > gathered else 0.0)
-            arrive(whole, numbers, constants, marks, force_in_cell(place, per_half, far, near, count, lens))
+            force = force_in_cell(place, per_half, far, near, count, lens)
+            arrive(whole, numbers, constants, marks, force, touched)

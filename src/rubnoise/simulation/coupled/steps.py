@@ -268,11 +268,9 @@ def event_cell(
     store(work, PUSH, load(work, _SCRATCH))
     store(work, _SCRATCH, _times(table, LEGENDRE, work, PACE))
     store(work, PACE, load(work, _SCRATCH))
-    error = (
-        0.03
-        * length
-        * (abs(work[PACE + NODES - 1]) * u + abs(work[PUSH + NODES - 1]) * per_mass / (2.0 * least_energy))
-    )
+    # An error in t is one of V times as much in x at the same place.
+    late = abs(work[PACE + NODES - 1]) + abs(work[PUSH + NODES - 1]) * per_mass / (2.0 * least_energy * u)
+    error = 0.03 * length * max(u, drive) * late
     return np.sqrt(2.0 * end), total, error
 
 
