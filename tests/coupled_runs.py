@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.simulation.coupled import rows
+from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.fold import CoupledMotion, Told, constants
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
@@ -23,7 +23,7 @@ Doubles = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoupledRun:
-    """All that a two-way run tells, its last state, and the constants it was made with."""
+    """All that a two-way run tells, its last state, its constants, and the displacement at the start in um."""
 
     slider: dict[str, NDArray[Any]]
     landmarks: dict[str, NDArray[Any]]
@@ -31,6 +31,7 @@ class CoupledRun:
     deaths: tuple[NDArray[np.int64], Doubles]
     state: CoupledState
     constants: Doubles
+    start: float
 
     @property
     def duration(self) -> float:
@@ -39,7 +40,7 @@ class CoupledRun:
 
     def number(self, name: str) -> float:
         """Return one of the sums in the last state."""
-        return float(self.state.numbers[getattr(rows, name)])
+        return float(self.state.numbers[getattr(layout, name)])
 
     def contents(self) -> list[bytes]:
         """Return everything as bytes; first passages in order of junctions."""
@@ -72,7 +73,8 @@ def coupled(
     before = start(model, seed)
     state = CoupledState.start(model, numbers, before.live)
     if displacement is not None:
-        state.numbers[rows.DISPLACEMENT] = displacement
+        state.numbers[layout.DISPLACEMENT] = displacement
+    begin = float(state.numbers[layout.DISPLACEMENT])
     told: list[Told] = []
     block, place, junctions = before.block, before.next_birth, before.junctions
     earlier = earlier or partial(lived, model, seed)
@@ -92,12 +94,12 @@ def coupled(
             block, place, junctions = block + births.blocks, births.next_birth, junctions + count
             known = place if place <= model.distance else np.inf
         shares = np.arange(1, pieces) / pieces
-        for border in [*(reached + shares * (min(known, model.distance) - reached)).tolist(), known]:
-            told.append(motion.through(born, border))
+        borders = (reached + shares * (min(known, model.distance) - reached)).tolist()
+        told.extend(motion.through(born, border) for border in [*borders, known])
         if resumed:
             motion = CoupledMotion(model, numbers, CoupledState.unpack(motion.state.pack()), Room(0), earlier, cells)
             motion.finished = known == np.inf
-    return _told(told, motion.state, numbers)
+    return _told(told, motion.state, numbers, begin)
 
 
 def among(
@@ -109,7 +111,7 @@ def among(
     """
     numbers = constants(model, tolerance)
     state = CoupledState.start(model, numbers, junctions)
-    state.numbers[rows.DISPLACEMENT] = displacement
+    state.numbers[layout.DISPLACEMENT] = displacement
     motion = CoupledMotion(
         model, numbers, replace(state, covered=-np.inf), Room(0), lambda _begin, _end: LiveRows.none()
     )
@@ -118,10 +120,10 @@ def among(
         told.append(motion.through(LiveRows.none(), known))
         if most and sum(some.landmarks["time"].size for some in told) >= most:
             break
-    return _told(told, motion.state, numbers)
+    return _told(told, motion.state, numbers, displacement)
 
 
-def _told(told: list[Told], state: CoupledState, numbers: Doubles) -> CoupledRun:
+def _told(told: list[Told], state: CoupledState, numbers: Doubles, begin: float) -> CoupledRun:
     return CoupledRun(
         slider={name: np.concatenate([some.slider[name] for some in told]) for name in told[0].slider},
         landmarks={name: np.concatenate([some.landmarks[name] for some in told]) for name in told[0].landmarks},
@@ -129,6 +131,7 @@ def _told(told: list[Told], state: CoupledState, numbers: Doubles) -> CoupledRun
         deaths=_together([some.deaths for some in told]),
         state=state,
         constants=numbers,
+        start=begin,
     )
 
 

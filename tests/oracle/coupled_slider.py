@@ -59,7 +59,7 @@ def force_at(rows: Rows, s: float, areas_of: Callable[[Doubles, Doubles], Double
     return float(rows.strength[live] @ areas_of(x, d))
 
 
-def motion(  # noqa: C901, PLR0912, PLR0915
+def motion(  # noqa: C901, PLR0915
     slider: Oscillator,
     speed: float,
     rows: Rows,
@@ -200,7 +200,7 @@ def frozen(
             return found
         end = brentq(
             lambda time: speed - velocity(time), grid[crossed[0]], grid[crossed[0] + 1], xtol=1e-18, rtol=1e-15
-        )  # noqa: B023
+        )
         t, x, v = t + end, place(end), speed
         f = k * x + c * speed
         if abs(f) <= bears:

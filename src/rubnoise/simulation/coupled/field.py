@@ -33,6 +33,13 @@ Doubles = NDArray[np.float64]
 Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles]
 """Birth, diameter, 1/diameter, psi d^2, and the largest death of all rows up to each."""
 
+Part = tuple[float, Doubles, Doubles, int, int]
+"""A gathered cell: 2 over its width, `far`, `near`, how many are near, and the shape."""
+
+LENS_SHAPE, TRIANGLE_SHAPE = range(2)
+SHAPES: Final = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE}
+"""Pulse shapes by the number that what is compiled knows them by."""
+
 GROUP: Final = 8
 """Cells that a step may take together; ranges begin and end at multiples of it."""
 
@@ -56,24 +63,24 @@ class Field:
     first: int
     end: int
     spacing: float
-    lens: bool
+    shape: int
     moments: Doubles
     rows: LiveRows
     lives: Lives
 
     @classmethod
-    def over(cls, shape: Shape, rows: LiveRows, first: int, end: int, spacing: float, room: Room) -> Self:
+    def over(cls, pulse: Shape, rows: LiveRows, first: int, end: int, spacing: float, room: Room) -> Self:
         """Return the field of rows over a range of cells; its moments hold until ``room`` is used again."""
         weight = rows.strength * (rows.diameter * rows.diameter)
         grid = Grid.around(first + 1, end + 1, spacing)
-        moments = deposit(shape, grid, rows, weight, room, areas=False).moments
+        moments = deposit(pulse, grid, rows, weight, room, areas=False).moments
         reach = np.maximum.accumulate(rows.birth + 2.0 * rows.diameter)
         none = np.zeros(NODES)
         return cls(
             first=first,
             end=end,
             spacing=spacing,
-            lens=shape == "lens",
+            shape=SHAPES[pulse],
             moments=np.ascontiguousarray(moments),
             rows=rows,
             lives=(
@@ -100,16 +107,27 @@ def first_beyond(ordered: Doubles, place: float) -> int:
 
 
 @inlined
-def _fraction(u: Any, lens: bool) -> Any:
+def near_index(ordered: Doubles, place: float, guess: int) -> int:
+    """Return what `first_beyond` does from a guess, step by step."""
+    index = min(max(guess, 0), len(ordered) - 1)
+    while index > 0 and ordered[index - 1] > place:
+        index -= 1
+    while ordered[index] <= place:
+        index += 1
+    return index
+
+
+@inlined
+def _fraction(u: Any, shape: int) -> Any:
     """Return the area over d^2 in lanes, u in [0, 1] the nearer end's distance over d."""
-    if lens:
+    if shape == LENS_SHAPE:
         return (u * root(u)) * polynomial(AREA_COEFFICIENTS, u)
     return u * spread(_QUARTER_TURN)
 
 
 @compiled_bare
 def gather(
-    lives: Lives, lens: bool, origin: float, width: float, table: Doubles, near: Doubles, far: Doubles, work: Doubles
+    lives: Lives, shape: int, origin: float, width: float, table: Doubles, near: Doubles, far: Doubles, work: Doubles
 ) -> int:
     """Take the lives of a cell apart: return how many are ``near``, (4, n) by rows, and fill the polynomial ``far``.
 
@@ -138,7 +156,7 @@ def gather(
             continue
         s = (places + spread(age)) * spread(inverse[row])
         u = s if middle > 0.0 else two - s
-        total = fused(spread(weight[row]), _fraction(u, lens), total)
+        total = fused(spread(weight[row]), _fraction(u, shape), total)
     store(work, 0, total)
     powers = spread(0.0)
     for n in range(NODES):
@@ -148,8 +166,9 @@ def gather(
 
 
 @inlined
-def force_in_lanes(offset: Any, per_half: float, far: Doubles, near: Doubles, count: int, lens: bool) -> Any:
-    """Return G in uN at eight offsets in a gathered cell; per_half is 2 over the cell's width."""
+def force_in_lanes(offset: Any, part: Part) -> Any:
+    """Return G in uN at eight offsets in a gathered cell."""
+    per_half, far, near, count, shape = part
     z = fused(offset, spread(per_half), spread(-1.0))
     total = spread(far[NODES - 1])
     for n in range(NODES - 2, -1, -1):
@@ -159,13 +178,14 @@ def force_in_lanes(offset: Any, per_half: float, far: Doubles, near: Doubles, co
     for n in range(count):
         s = (offset + spread(near[AGE * size + n])) * spread(near[INVERSE * size + n])
         u = larger(smaller(s, two - s), none)
-        total = fused(spread(near[SHARE * size + n]), _fraction(u, lens), total)
+        total = fused(spread(near[SHARE * size + n]), _fraction(u, shape), total)
     return total
 
 
 @compiled_bare
-def force_in_cell(offset: float, per_half: float, far: Doubles, near: Doubles, count: int, lens: bool) -> float:
+def force_in_cell(offset: float, part: Part) -> float:
     """Return G in uN at one offset (um) in a gathered cell."""
+    per_half, far, near, count, shape = part
     z = offset * per_half - 1.0
     total = far[NODES - 1]
     for n in range(NODES - 2, -1, -1):
@@ -174,17 +194,17 @@ def force_in_cell(offset: float, per_half: float, far: Doubles, near: Doubles, c
     for n in range(count):
         s = (offset + near[AGE * size + n]) * near[INVERSE * size + n]
         u = max(min(s, 2.0 - s), 0.0)
-        part = u * np.sqrt(u) * horner(AREA_COEFFICIENTS, u) if lens else u * _QUARTER_TURN
+        part = u * np.sqrt(u) * horner(AREA_COEFFICIENTS, u) if shape == LENS_SHAPE else u * _QUARTER_TURN
         total += near[SHARE * size + n] * part
     return total
 
 
 @inlined
-def _integral(s: Any, lens: bool) -> Any:
+def _integral(s: Any, shape: int) -> Any:
     """Return int_0^s of the area over d^2 in lanes, s over d."""
     one, two, none = spread(1.0), spread(2.0), spread(0.0)
     u = larger(smaller(s, two - s), none)
-    if lens:
+    if shape == LENS_SHAPE:
         rise = ((u * u) * root(u)) * polynomial(FIRST_INTEGRAL_COEFFICIENTS, u)
         return where_above(one, s, spread(2.0 / 3.0) - rise, rise)
     rise = (u * u) * spread(0.5 * _QUARTER_TURN)
@@ -193,12 +213,15 @@ def _integral(s: Any, lens: bool) -> Any:
 
 @compiled_bare
 def force_and_integral(
-    lives: Lives, lens: bool, origin: float, begin: float, end: float, work: Doubles
+    lives: Lives, shape: int, origin: float, begin: float, end: float, guess: int, work: Doubles
 ) -> tuple[float, float]:
-    """Return G at origin + end (uN) and int G ds from origin + begin to there (uN um), whatever lies in between."""
+    """Return G at origin + end (uN) and int G ds from origin + begin to there (uN um), whatever lies in between.
+
+    guess: about how many are born before.
+    """
     birth, diameter, inverse, weight, reach = lives
-    low = first_beyond(reach, origin + min(begin, end))
-    high = first_beyond(birth, origin + max(begin, end))
+    high = near_index(birth, origin + max(begin, end), guess)
+    low = near_index(reach, origin + min(begin, end), high)
     force, integral = 0.0, 0.0
     start, stop, place = spread(begin), spread(end), spread(origin)
     two, none = spread(2.0), spread(0.0)
@@ -207,8 +230,8 @@ def force_and_integral(
         before, after = (age + start) * per_size, (age + stop) * per_size
         u = larger(smaller(after, two - after), none)
         share = load(weight, row)
-        store(work, 0, share * _fraction(u, lens))
-        store(work, NODES, share * load(diameter, row) * (_integral(after, lens) - _integral(before, lens)))
+        store(work, 0, share * _fraction(u, shape))
+        store(work, NODES, share * load(diameter, row) * (_integral(after, shape) - _integral(before, shape)))
         for n in range(min(NODES, high - row)):
             force += work[n]
             integral += work[NODES + n]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.simulation.coupled import rows
+from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, Field
 from rubnoise.simulation.coupled.motion import AHEAD, BACK, DONE, FULL, advance
 from rubnoise.simulation.coupled.quadrature import NODES, TABLE
@@ -69,9 +69,9 @@ class CoupledMotion:
         self._cells = cells // GROUP * GROUP
         self.state = state
         self.finished = False
-        self._out = np.empty((5, _ROOM_FOR_ROWS))
-        self._marks = np.empty((7, _ROOM_FOR_LANDMARKS))
-        width = float(constants[rows.SPACING])
+        self._out = np.empty((layout.ROW_COLUMNS, _ROOM_FOR_ROWS))
+        self._marks = np.empty((layout.MARK_COLUMNS, _ROOM_FOR_LANDMARKS))
+        width = float(constants[layout.SPACING])
         self._last = floor(model.distance / width)
         while float(self._last) * width > model.distance:
             self._last -= 1
@@ -84,7 +84,7 @@ class CoupledMotion:
         among them or have come before.
         """
         self._take(born)
-        told = _Telling(self._constants, int(self.state.whole[rows.ROW]) + 1)
+        told = _Telling(self._constants, int(self.state.whole[layout.ROW]) + 1)
         end = self._end_of(known)
         while not self.finished:
             begin, stop = self._range(end)
@@ -92,7 +92,7 @@ class CoupledMotion:
                 break
             code = self._move_in(begin, stop, told)
             self.finished = code == DONE
-            cell = int(self.state.whole[rows.CELL])
+            cell = int(self.state.whole[layout.CELL])
             if code == AHEAD and (cell // GROUP + 1) * GROUP > end:
                 break
         self._forget()
@@ -116,7 +116,7 @@ class CoupledMotion:
         """Return the cell before which everything is known: a whole multiple of a group, but at the end of the run."""
         if known >= self._model.distance:
             return (self._last // GROUP + 1) * GROUP
-        width = float(self._constants[rows.SPACING])
+        width = float(self._constants[layout.SPACING])
         end = floor(known / width)
         while float(end) * width > known:
             end -= 1
@@ -124,11 +124,11 @@ class CoupledMotion:
 
     def _range(self, end: int) -> tuple[int, int]:
         """Return the cells of the next range, around where the slider is."""
-        cell = int(self.state.whole[rows.CELL])
-        back = self.state.phase == rows.REVERSED
+        cell = int(self.state.whole[layout.CELL])
+        back = self.state.phase == layout.REVERSED
         needed = (cell - back) // GROUP * GROUP
         wished = needed - (self._cells // 2 if back else _BEHIND)
-        carried = ceil(max(self.state.covered / float(self._constants[rows.SPACING]), -1e18) / GROUP) * GROUP
+        carried = ceil(max(self.state.covered / float(self._constants[layout.SPACING]), -1e18) / GROUP) * GROUP
         # Nobody is drawn again for cells that are not needed yet.
         begin = min(max(wished, carried), needed) if carried <= needed else wished
         return begin, min(begin + self._cells, end)
@@ -136,31 +136,31 @@ class CoupledMotion:
     def _move_in(self, begin: int, end: int, told: "_Telling") -> int:
         """Move within a range of cells; return why it ended."""
         state, constants = self.state, self._constants
-        width = float(constants[rows.SPACING])
+        width = float(constants[layout.SPACING])
         living, births, deaths = self._living(float(begin) * width, float(end) * width)
-        shape = self._model.pulse.shape
-        field = Field.over(shape, living, begin, end, width, self._room)
+        field = Field.over(self._model.pulse.shape, living, begin, end, width, self._room)
         order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
         whole, numbers = state.whole.copy(), state.numbers.copy()
-        whole[rows.BORN] = born = len(living) - int(np.isnan(births).sum())
-        whole[rows.DIED] = died = len(living) - int(np.isnan(deaths).sum())
+        whole[layout.BORN] = born = len(living) - int(np.isnan(births).sum())
+        whole[layout.DIED] = died = len(living) - int(np.isnan(deaths).sum())
         near = np.empty(4 * (len(living) + 1))
+        met = (field.lives, field.shape, order, births, deaths)
         far, work, powers = np.empty(NODES), np.zeros(WORK), np.zeros(10)
         while True:
             code = advance(
-                whole, numbers, constants, TABLE, field.lens, field.lives, field.moments, begin, end, self._last,
-                self._rest, order, births, deaths, self._out, self._marks, near, far, work, powers,
+                whole, numbers, constants, TABLE, field.moments, begin, end, self._last, self._rest, met,
+                self._out, self._marks, near, far, work, powers,
             )  # fmt: skip
-            if code == FULL and whole[rows.ROWS] == 0 and whole[rows.LANDMARKS] == 0:
-                self._out = np.empty((5, 2 * self._out.shape[1]))
+            if code == FULL and whole[layout.ROWS] == 0 and whole[layout.LANDMARKS] == 0:
+                self._out = np.empty((layout.ROW_COLUMNS, 2 * self._out.shape[1]))
             told.add(self._out, self._marks, whole)
             if code != FULL:
                 break
         if code not in (DONE, AHEAD, BACK):
             place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
             raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")
-        passed = order[died : whole[rows.DIED]]
-        told.pass_births(living.junction[born : whole[rows.BORN]], births[born : whole[rows.BORN]])
+        passed = order[died : whole[layout.DIED]]
+        told.pass_births(living.junction[born : whole[layout.BORN]], births[born : whole[layout.BORN]])
         told.pass_deaths(living.junction[passed], deaths[passed])
         self._note(living, births, deaths)
         self.state = replace(self.state, whole=whole, numbers=numbers)
@@ -227,9 +227,9 @@ class _Telling:
 
     def add(self, out: Doubles, marks: Doubles, whole: Integers) -> None:
         """Take over what room holds, and free it."""
-        self._rows.append(out[:, : whole[rows.ROWS]].copy())
-        self._marks.append(marks[:, : whole[rows.LANDMARKS]].copy())
-        whole[rows.ROWS] = whole[rows.LANDMARKS] = 0
+        self._rows.append(out[:, : whole[layout.ROWS]].copy())
+        self._marks.append(marks[:, : whole[layout.LANDMARKS]].copy())
+        whole[layout.ROWS] = whole[layout.LANDMARKS] = 0
 
     def pass_births(self, junction: Integers, time: Doubles) -> None:
         """Take note of births that have been passed for the first time."""
@@ -241,15 +241,15 @@ class _Telling:
 
     def all(self) -> Told:
         """Return everything together."""
-        out = np.concatenate([np.empty((5, 0)), *self._rows], axis=1)
-        marks = np.concatenate([np.empty((7, 0)), *self._marks], axis=1)
-        step = float(self._constants[rows.ROW_TIME])
+        out = np.concatenate([np.empty((layout.ROW_COLUMNS, 0)), *self._rows], axis=1)
+        marks = np.concatenate([np.empty((layout.MARK_COLUMNS, 0)), *self._marks], axis=1)
+        step = float(self._constants[layout.ROW_TIME])
         number = np.arange(self._first_row, self._first_row + out.shape[1])
         names = ("distance", "friction_force", "displacement", "velocity", "phase")
         slider: dict[str, NDArray[Any]] = {"time": number * step, **dict(zip(names, out, strict=True))}
         slider["phase"] = slider["phase"].astype(np.uint8)
-        names = ("time", "distance", "kind", "displacement", "velocity", "force_before", "force_after")
-        landmarks: dict[str, NDArray[Any]] = dict(zip(names, marks, strict=True))
+        of_marks = ("time", "distance", "kind", "displacement", "velocity", "force_before", "force_after")
+        landmarks: dict[str, NDArray[Any]] = dict(zip(of_marks, marks, strict=True))
         landmarks["kind"] = landmarks["kind"].astype(np.uint8)
         return Told(
             first_row=self._first_row,
@@ -301,13 +301,13 @@ def constants(model: Model, tolerance: float) -> Doubles:
     bend = 0.4
     while (bend / 0.2) ** 6 > tolerance / 1e-9:
         bend *= 0.9375
-    found = np.zeros(rows.CONSTANTS)
+    found = np.zeros(layout.CONSTANTS)
     found[:4] = slider.mass, slider.stiffness, slider.damping, speed
-    found[rows.SPACING] = width
-    found[rows.ROW_TIME] = model.tick / speed
-    found[rows.LIMIT] = 0.3 * error
-    found[rows.BEND_LIMIT] = bend
-    found[rows.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
-    found[rows.TOUCH] = found[rows.LIMIT] * slider.natural_angular_frequency
-    found[rows.LONGEST] = 1.0 / slider.natural_angular_frequency
+    found[layout.SPACING] = width
+    found[layout.ROW_TIME] = model.tick / speed
+    found[layout.LIMIT] = 0.3 * error
+    found[layout.BEND_LIMIT] = bend
+    found[layout.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
+    found[layout.TOUCH] = found[layout.LIMIT] * slider.natural_angular_frequency
+    found[layout.LONGEST] = 1.0 / slider.natural_angular_frequency
     return found

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.births import RegularBirths
-
 from rubnoise.model import Model
 from rubnoise.simulation.draws import births_per_block, blocks_together, draw_blocks, first_birth, start
 from rubnoise.simulation.state import LiveRows
@@ -21,7 +20,10 @@ Doubles = NDArray[np.float64]
 
 
 def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
-    """Return all junctions that live between two distances in um, in order of birth; those of the past count down from -1."""
+    """Return all junctions that live between two distances in um, in order of birth.
+
+    Those of the past count down from -1.
+    """
     first = start(model, seed)
     found = [_between(first.live, begin, end)]
     block, place, number = first.block, first.next_birth, first.junctions

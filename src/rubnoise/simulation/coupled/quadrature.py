@@ -82,7 +82,7 @@ def _legendre(count: int) -> list[Polynomial]:
     found: list[Polynomial] = [[Fraction(1)], [Fraction(-1), Fraction(2)]]
     for n in range(1, count - 1):
         first = _times([Fraction(-(2 * n + 1), n + 1), Fraction(2 * (2 * n + 1), n + 1)], found[n])
-        found.append([a - Fraction(n, n + 1) * b for a, b in zip(first, [*found[n - 1], 0, 0], strict=True)])
+        found.append([a - Fraction(n, n + 1) * b for a, b in zip(first, [*found[n - 1], Fraction(0), Fraction(0)], strict=True)])
     return found
 
 
@@ -101,7 +101,7 @@ def _table() -> NDArray[np.float64]:
     areas = [_integrated(polynomial) for polynomial in basis]
     weights = [_value(area, Fraction(1)) for area in areas]
     clocks: list[Polynomial] = [[Fraction(c) for c in y] for y in ((0, 1), (0, 0, 1), (0, 2, -1), (0, 0, 3, -2))]
-    rates = [[n * c for n, c in enumerate(y)][1:] for y in clocks]
+    rates = [[Fraction(n) * c for n, c in enumerate(y)][1:] for y in clocks]
     numbers = [_value(area, q) for area in areas for q in nodes]
     numbers += [
         (2 * n + 1) * w * _value(p, q) for w, q in zip(weights, nodes, strict=True) for n, p in enumerate(legendre)
@@ -118,7 +118,7 @@ TABLE: Final = _table()
 
 
 def _three() -> tuple[tuple[tuple[float, ...], ...], ...]:
-    """Return for three nodes: the nodes, the weights, the integrals to each node, and the powers through 0, nodes, 1."""
+    """Return of three nodes: themselves, weights, integrals to each, and the powers through 0, the nodes and 1."""
     nodes = [(1 - _THREE) / 2, Fraction(1, 2), (1 + _THREE) / 2]
     areas = [_integrated(_through(nodes, j)) for j in range(3)]
     five = [Fraction(0), *nodes, Fraction(1)]

@@ -10,18 +10,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled_bare
-from rubnoise.simulation.coupled.field import Lives, force_and_integral, force_in_cell
+from rubnoise.simulation.coupled.field import Lives, Part, force_and_integral, force_in_cell
+from rubnoise.simulation.coupled.layout import (
+    BORN,
+    CELL,
+    DAMPING,
+    DIED,
+    DISPLACEMENT,
+    DRIVE,
+    FRICTION_WORK,
+    IN_TIME,
+    LANDMARKS,
+    MARK_AFTER,
+    MARK_BEFORE,
+    MARK_DISPLACEMENT,
+    MARK_DISTANCE,
+    MARK_KIND,
+    MARK_TIME,
+    MARK_VELOCITY,
+    MASS,
+    OFFSET,
+    OVER,
+    PHASE,
+    RELATIVE,
+    REVERSE_WORK,
+    ROW,
+    ROW_DISPLACEMENT,
+    ROW_DISTANCE,
+    ROW_FORCE,
+    ROW_PHASE,
+    ROW_TIME,
+    ROW_VELOCITY,
+    ROWS,
+    SPACING,
+    STIFFNESS,
+    VV_TIME,
+    X_TIME,
+    XX_TIME,
+)
 from rubnoise.simulation.coupled.quadrature import LEFT, NODES, RATES, THREE_NODES, THREE_WEIGHTS, WEIGHTS
 from rubnoise.simulation.coupled.steps import (
-    DAMPING,
-    DRIVE,
     FORCE,
-    MASS,
     PACE,
     PASSED,
     PUSH,
     SPEED,
-    STIFFNESS,
     TIME,
     clock_at,
     integral_to,
@@ -31,40 +64,8 @@ from rubnoise.simulation.coupled.steps import (
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-# Places in the whole numbers and the numbers of a state.
-CELL, ROW, PHASE, REST_ROW, FRESH, BORN, DIED, ROWS, LANDMARKS = range(9)
-WHOLE: Final = 9
-(
-    OFFSET,
-    DISPLACEMENT,
-    RELATIVE,
-    OVER,
-    STEP,
-    REST,
-    REST_OVER,
-    REST_PLACE,
-    TIME_STUCK,
-    X_TIME,
-    XX_TIME,
-    VV_TIME,
-    FRICTION_WORK,
-    REVERSE_WORK,
-) = range(14)
-NUMBERS: Final = 14
-
-SLIP, STUCK, REVERSED = range(3)
-"""Phases."""
-
-STICK, BREAKAWAY, REVERSAL, FORWARD = range(4)
-"""Kinds of landmarks."""
-
-# Rows of the output, and of the landmarks.
-ROW_DISTANCE, ROW_FORCE, ROW_DISPLACEMENT, ROW_VELOCITY, ROW_PHASE = range(5)
-MARK_TIME, MARK_DISTANCE, MARK_KIND, MARK_DISPLACEMENT, MARK_VELOCITY, MARK_BEFORE, MARK_AFTER = range(7)
-
-SPACING, ROW_TIME, LIMIT, BEND_LIMIT, KINK_LIMIT, TOUCH, LONGEST = 4, 5, 6, 7, 8, 9, 10
-CONSTANTS: Final = 11
+Met = tuple[Lives, int, Integers, Doubles, Doubles]
+"""Lives, their shape, their order by death, and when their births and deaths are first passed (s)."""
 
 _NEWTON: Final = 40
 
@@ -133,56 +134,47 @@ def _power_value(powers: Doubles, y: float) -> float:
 
 
 @compiled_bare
-def tell_uniform(
+def meet_in_cells(
+    whole: Integers, numbers: Doubles, constants: Doubles, met: Met, first: int, width: float, powers: Doubles
+) -> None:
+    """Note the first passages of births and deaths in uniform cells; powers: 1/u as a polynomial in the place."""
+    lives, _, order, births, deaths = met
+    birth, diameter, origin = lives[0], lives[1], float(first) * constants[SPACING]
+    now = float(whole[ROW]) * constants[ROW_TIME] + numbers[OVER]
+    while birth[whole[BORN]] - origin <= width:
+        y = max((birth[whole[BORN]] - origin) / width, 0.0)
+        births[whole[BORN]] = now + width * _power_integral(powers, y)
+        whole[BORN] += 1
+    while whole[DIED] < len(order):
+        row = order[whole[DIED]]
+        place = (birth[row] - origin) + 2.0 * diameter[row]
+        if place > width:
+            break
+        deaths[row] = now + width * _power_integral(powers, max(place / width, 0.0))
+        whole[DIED] += 1
+
+
+@compiled_bare
+def tell_cells(
     whole: Integers,
     numbers: Doubles,
     constants: Doubles,
-    lives: Lives,
-    lens: bool,
-    order: Integers,
-    births: Doubles,
-    deaths: Doubles,
+    met: Met,
     out: Doubles,
     way: float,
     first: int,
-    cells: int,
+    width: float,
     after: float,
     duration: float,
     work: Doubles,
     powers: Doubles,
 ) -> None:
-    """Tell the rows and first passages inside uniform cells that have just been worked out, from the state before."""
-    step, over, u = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE])
-    width, origin = constants[SPACING] * cells, float(first) * constants[SPACING]
-    birth, diameter = lives[0], lives[1]
-    prepared = False
-    if way > 0.0:
-        now = float(whole[ROW]) * step + over
-        while birth[whole[BORN]] - origin <= width:
-            if not prepared:
-                through_cell(u, after, -1.0, work, powers)
-                prepared = True
-            y = max((birth[whole[BORN]] - origin) / width, 0.0)
-            births[whole[BORN]] = now + width * _power_integral(powers, y)
-            whole[BORN] += 1
-        while whole[DIED] < len(order):
-            row = order[whole[DIED]]
-            place = (birth[row] - origin) + 2.0 * diameter[row]
-            if place > width:
-                break
-            if not prepared:
-                through_cell(u, after, -1.0, work, powers)
-                prepared = True
-            deaths[row] = now + width * _power_integral(powers, max(place / width, 0.0))
-            whole[DIED] += 1
-    if over + duration < step:
-        return
+    """Tell the rows inside uniform cells that have just been worked out, from the state before them."""
+    lives, shape = met[0], met[1]
+    step, over, u, x = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE]), numbers[DISPLACEMENT]
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
-    x = numbers[DISPLACEMENT]
+    origin, begin = float(first) * constants[SPACING], 0.0 if way > 0.0 else width
     steady = way * (stiffness * x + damping * drive)
-    begin = 0.0 if way > 0.0 else width
-    if not prepared:
-        through_cell(u, after, -1.0, work, powers)
     speeds = powers[5:]
     through_cell(u, after, 1.0, work, speeds)
     n = 1
@@ -195,7 +187,7 @@ def tell_uniform(
             if abs(change) <= 1e-15:
                 break
         length = width * y
-        force, integral = force_and_integral(lives, lens, origin, begin, begin + way * length, work)
+        force, integral = force_and_integral(lives, shape, origin, begin, begin + way * length, whole[BORN], work)
         energy = steady * length - 0.5 * stiffness * length * length - way * integral
         energy += way * stiffness * drive * width * width * _power_double_integral(powers, y)
         energy -= damping * width * _power_integral(speeds, y)
@@ -217,19 +209,18 @@ def sum_uniform(numbers: Doubles, constants: Doubles, way: float, width: float, 
         numbers[X_TIME] += share * place
         numbers[XX_TIME] += share * (place * place)
         numbers[VV_TIME] += share * (velocity * velocity)
-    # The force over time: mean force over the path times time would do only where u stands still.
     numbers[FRICTION_WORK] += mean * width
     if way < 0.0:
         numbers[REVERSE_WORK] += mean * width
 
 
 @compiled_bare
-def place_in_step(time: float, size: float, duration: float, clock: int, in_time: bool, work: Doubles) -> float:
+def place_in_step(time: float, size: float, duration: float, clock: int, kind: int, work: Doubles) -> float:
     """Return q at a time (s) after the beginning of an event cell of that size (um), or of a step in time."""
     share = min(max(time / duration, 0.0), 1.0)
-    if in_time:
+    if kind == IN_TIME:
         return np.sqrt(share) if clock == LEFT else share
-    if share == 0.0 or share == 1.0:
+    if share in (0.0, 1.0):
         return share
     low, high, q = 0.0, 1.0, share
     for _ in range(_NEWTON):
@@ -249,68 +240,71 @@ def place_in_step(time: float, size: float, duration: float, clock: int, in_time
 
 
 @compiled_bare
-def tell_step(
+def meet_in_part(
     whole: Integers,
     numbers: Doubles,
     constants: Doubles,
-    lives: Lives,
-    lens: bool,
-    order: Integers,
-    births: Doubles,
-    deaths: Doubles,
+    met: Met,
+    cell: int,
+    offset: float,
+    length: float,
+    duration: float,
+) -> None:
+    """Note first passages in a step within a cell: they lie at its end, or at its beginning to within rounding."""
+    lives, _, order, births, deaths = met
+    birth, diameter, origin = lives[0], lives[1], float(cell) * constants[SPACING]
+    now = float(whole[ROW]) * constants[ROW_TIME] + numbers[OVER]
+    middle, end = offset + 0.5 * length, offset + length
+    while birth[whole[BORN]] - origin <= end:
+        births[whole[BORN]] = now + duration if birth[whole[BORN]] - origin > middle else now
+        whole[BORN] += 1
+    while whole[DIED] < len(order):
+        row = order[whole[DIED]]
+        place = (birth[row] - origin) + 2.0 * diameter[row]
+        if place > end:
+            break
+        deaths[row] = now + duration if place > middle else now
+        whole[DIED] += 1
+
+
+@compiled_bare
+def tell_part(
+    whole: Integers,
+    numbers: Doubles,
+    constants: Doubles,
     out: Doubles,
     way: float,
     cell: int,
     offset: float,
     size: float,
-    length: float,
     duration: float,
     clock: int,
-    in_time: bool,
-    far: Doubles,
-    near: Doubles,
-    count: int,
+    kind: int,
+    part: Part,
     work: Doubles,
 ) -> None:
-    """Tell the rows and first passages of an event cell of that size, or a step in time, from the state before.
-
-    length (um) is what has been passed; births and deaths lie at its end, or at its beginning to within rounding.
-    """
+    """Tell the rows of an event cell of that size, or of a step in time, from the state before it."""
     step, over, u = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE])
     origin, x, drive = float(cell) * constants[SPACING], numbers[DISPLACEMENT], constants[DRIVE]
-    birth, diameter = lives[0], lives[1]
-    if way > 0.0:
-        now = float(whole[ROW]) * step + over
-        while birth[whole[BORN]] - origin <= offset + length:
-            late = birth[whole[BORN]] - origin > offset + 0.5 * length
-            births[whole[BORN]] = now + duration if late else now
-            whole[BORN] += 1
-        while whole[DIED] < len(order):
-            row = order[whole[DIED]]
-            place = (birth[row] - origin) + 2.0 * diameter[row]
-            if place > offset + length:
-                break
-            deaths[row] = now + duration if place > offset + 0.5 * length else now
-            whole[DIED] += 1
     n = 1
     while over + duration >= float(n) * step:
         time = min(float(n) * step - over, duration)
-        q = place_in_step(time, size, duration, clock, in_time, work)
-        if in_time:
+        q = place_in_step(time, size, duration, clock, kind, work)
+        if kind == IN_TIME:
             passed = integral_to(q, work, PACE)
             speed = u + integral_to(q, work, PUSH)
         else:
             passed = size * clock_at(q, clock)
             speed = np.sqrt(max(u * u + 2.0 * size / constants[MASS] * integral_to(q, work, PUSH), 0.0))
         place = offset + way * passed
-        force = force_in_cell(place, 2.0 / constants[SPACING], far, near, count, lens)
         displacement = x + drive * time - way * passed
-        tell_row(whole, out, origin + place, way * force, displacement, drive - way * speed, whole[PHASE])
+        force = way * force_in_cell(place, part)
+        tell_row(whole, out, origin + place, force, displacement, drive - way * speed, whole[PHASE])
         n += 1
 
 
 @compiled_bare
-def sum_step(
+def sum_part(
     numbers: Doubles,
     constants: Doubles,
     table: Doubles,
@@ -318,20 +312,20 @@ def sum_step(
     size: float,
     duration: float,
     clock: int,
-    in_time: bool,
+    kind: int,
     work: Doubles,
 ) -> None:
     """Add what an event cell or a step in time brings to the integrals over time and over the path."""
     drive, x, work_done = constants[DRIVE], numbers[DISPLACEMENT], 0.0
     for n in range(NODES):
         u, rate = work[SPEED + n], table[WEIGHTS + n] * table[RATES + NODES * clock + n]
-        share = duration * rate if in_time else size * rate / u
+        share = duration * rate if kind == IN_TIME else size * rate / u
         place = x + drive * work[TIME + n] - way * work[PASSED + n]
         velocity = drive - way * u
         numbers[X_TIME] += share * place
         numbers[XX_TIME] += share * (place * place)
         numbers[VV_TIME] += share * (velocity * velocity)
-        work_done += work[FORCE + n] * (share * u if in_time else size * rate)
+        work_done += work[FORCE + n] * (share * u if kind == IN_TIME else size * rate)
     numbers[FRICTION_WORK] += work_done
     if way < 0.0:
         numbers[REVERSE_WORK] += work_done

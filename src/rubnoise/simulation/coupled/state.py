@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
-from rubnoise.simulation.coupled.rows import (
+from rubnoise.simulation.coupled.layout import (
     CELL,
     DISPLACEMENT,
     NUMBERS,
@@ -34,9 +34,9 @@ _HEADER: Final = struct.Struct("<qd")
 class CoupledState:
     """A two-way slider's place in its motion.
 
-    whole and numbers: what `motion.advance` changes, as `rows` names it; rows: junctions that the slider may still meet,
-    forward or back, in order of birth; birth_time, death_time (s): when it first passed there, nan before, and -inf for
-    the birth of one that was alive at the start; covered (um): whoever lives beyond it is among the rows.
+    whole and numbers: what `motion.advance` changes, as `layout` names it; rows: junctions that the slider may still
+    meet, forward or back, in order of birth; birth_time, death_time (s): when it first passed there, nan before, and
+    -inf for the birth of one that was alive at the start; covered (um): whoever lives beyond it is among the rows.
     """
 
     whole: Integers
@@ -78,7 +78,7 @@ class CoupledState:
 
     @property
     def displacement(self) -> float:
-        """x in um."""
+        """Displacement x in um."""
         return float(self.numbers[DISPLACEMENT])
 
     @property

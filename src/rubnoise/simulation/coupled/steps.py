@@ -12,13 +12,14 @@ clock. What couples back, k V t and c u, is weak there, so that a few passes ove
 `time_step`     eight Gauss nodes in t, for what begins or ends at w = 0.
 """
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled_bare, inlined
-from rubnoise.simulation.coupled.field import force_in_lanes
+from rubnoise.simulation.coupled.field import Part, force_in_lanes
+from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS
 from rubnoise.simulation.coupled.quadrature import (
     BOTH,
     CLOCKS,
@@ -45,9 +46,6 @@ _SCRATCH: Final = 72
 WORK: Final = 80
 """Numbers of room that steps need."""
 
-MASS, STIFFNESS, DAMPING, DRIVE = range(4)
-"""Places of m, k, c and V among the constants of a motion."""
-
 _MOST_PASSES: Final = 24
 _PASSES: Final = 8
 _LEAST: Final = 1e-300
@@ -59,7 +57,7 @@ _HALF = tuple(0.5 / (2.0 * n + 1.0) for n in range(NODES))
 
 
 @inlined
-def _times(table: Doubles, matrix: int, work: Doubles, at: int):  # type: ignore[no-untyped-def]
+def _times(table: Doubles, matrix: int, work: Doubles, at: int) -> Any:
     """Return a matrix times eight numbers in ``work``, in lanes."""
     total = spread(work[at]) * load(table, matrix)
     for n in range(1, NODES):
@@ -125,6 +123,17 @@ def rate_at(q: float, clock: int) -> float:
     return 1.0
 
 
+@inlined
+def _weighed(weights: tuple[float, ...], a: float, b: float, c: float) -> float:
+    return weights[0] * a + weights[1] * b + weights[2] * c
+
+
+@inlined
+def _known(y: float, net: float, pull: float, slope: float, bend: float) -> float:
+    """Return int_0^y of what is known of m u' beforehand, G being the polynomial of its three moments."""
+    return net * y - pull * y * y - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
+
+
 @compiled_bare
 def uniform_cell(
     constants: Doubles,
@@ -137,66 +146,43 @@ def uniform_cell(
     bend: float,
     work: Doubles,
 ) -> tuple[float, float]:
-    """Pass one cell, or some together, from the displacement x and the speed u; return the speed behind it and the time.
+    """Pass one cell, or some together, from displacement x and speed u; return the speed behind it and the time.
 
     mean, slope, bend: the moments of G in the direction of travel (uN). work receives u and t at the three nodes. A
     speed of 0 says that the cell is not for this step.
     """
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     energy, per_mass = 0.5 * u * u, width / mass
-    steady = way * (stiffness * x + damping * drive)
+    net, pull = way * (stiffness * x + damping * drive) - mean, 0.5 * stiffness * width
     back = way * stiffness * drive
+    k0 = _known(THREE_NODES[0], net, pull, slope, bend)
+    k1 = _known(THREE_NODES[1], net, pull, slope, bend)
+    k2 = _known(THREE_NODES[2], net, pull, slope, bend)
     time, old = width / u, 0.0
     u0, u1, u2 = u, u, u
     t0, t1, t2 = time * THREE_NODES[0], time * THREE_NODES[1], time * THREE_NODES[2]
+    end = energy
     for _ in range(_PASSES):
         r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
-        old = time
-        y = THREE_NODES[0]
-        known = (
-            (steady - mean) * y
-            - 0.5 * stiffness * width * y * y
-            - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
-        )
-        a, b, c = THREE_INTEGRALS[0]
-        q0 = energy + per_mass * (known + (a * r0 + b * r1 + c * r2))
-        y = THREE_NODES[1]
-        known = (
-            (steady - mean) * y
-            - 0.5 * stiffness * width * y * y
-            - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
-        )
-        a, b, c = THREE_INTEGRALS[1]
-        q1 = energy + per_mass * (known + (a * r0 + b * r1 + c * r2))
-        y = THREE_NODES[2]
-        known = (
-            (steady - mean) * y
-            - 0.5 * stiffness * width * y * y
-            - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
-        )
-        a, b, c = THREE_INTEGRALS[2]
-        q2 = energy + per_mass * (known + (a * r0 + b * r1 + c * r2))
-        a, b, c = THREE_WEIGHTS
-        end = energy + per_mass * ((steady - mean) - 0.5 * stiffness * width + (a * r0 + b * r1 + c * r2))
-        if min(min(q0, q1), min(q2, end)) <= 0.25 * energy:
+        q0 = energy + per_mass * (k0 + _weighed(THREE_INTEGRALS[0], r0, r1, r2))
+        q1 = energy + per_mass * (k1 + _weighed(THREE_INTEGRALS[1], r0, r1, r2))
+        q2 = energy + per_mass * (k2 + _weighed(THREE_INTEGRALS[2], r0, r1, r2))
+        end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
+        if min(q0, q1, q2, end) <= 0.25 * energy:
             return 0.0, 0.0
         u0, u1, u2 = np.sqrt(2.0 * q0), np.sqrt(2.0 * q1), np.sqrt(2.0 * q2)
         p0, p1, p2 = width / u0, width / u1, width / u2
-        time = a * p0 + b * p1 + c * p2
-        a, b, c = THREE_INTEGRALS[0]
-        t0 = a * p0 + b * p1 + c * p2
-        a, b, c = THREE_INTEGRALS[1]
-        t1 = a * p0 + b * p1 + c * p2
-        a, b, c = THREE_INTEGRALS[2]
-        t2 = a * p0 + b * p1 + c * p2
+        t0 = _weighed(THREE_INTEGRALS[0], p0, p1, p2)
+        t1 = _weighed(THREE_INTEGRALS[1], p0, p1, p2)
+        t2 = _weighed(THREE_INTEGRALS[2], p0, p1, p2)
+        old, time = time, _weighed(THREE_WEIGHTS, p0, p1, p2)
         if abs(time - old) <= 1e-9 * time:
             break
     work[SPEED], work[SPEED + 1], work[SPEED + 2] = u0, u1, u2
     work[TIME], work[TIME + 1], work[TIME + 2] = t0, t1, t2
-    # One more pass at the end alone, which the speed there is the square root of.
+    # Half a pass more, for the speed at the end.
     r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
-    a, b, c = THREE_WEIGHTS
-    end = energy + per_mass * ((steady - mean) - 0.5 * stiffness * width + (a * r0 + b * r1 + c * r2))
+    end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
     return np.sqrt(2.0 * end), time
 
 
@@ -221,11 +207,7 @@ def event_cell(
     offset: float,
     length: float,
     clock: int,
-    per_half: float,
-    far: Doubles,
-    near: Doubles,
-    count: int,
-    lens: bool,
+    part: Part,
     work: Doubles,
 ) -> tuple[float, float, float]:
     """Pass a length (um) of a gathered cell from an offset in it; return the speed behind it, the time, and an error.
@@ -237,7 +219,7 @@ def event_cell(
     energy, per_mass = 0.5 * u * u, length / mass
     passed = spread(length) * load(table, CLOCKS + NODES * clock)
     rate = load(table, RATES + NODES * clock)
-    force = force_in_lanes(fused(spread(way), passed, spread(offset)), per_half, far, near, count, lens)
+    force = force_in_lanes(fused(spread(way), passed, spread(offset)), part)
     known = spread(way * (stiffness * x + damping * drive)) - spread(stiffness) * passed - force
     store(work, FORCE, force)
     store(work, PASSED, passed)
@@ -286,11 +268,7 @@ def time_step(
     offset: float,
     duration: float,
     clock: int,
-    per_half: float,
-    far: Doubles,
-    near: Doubles,
-    count: int,
-    lens: bool,
+    part: Part,
     work: Doubles,
 ) -> tuple[float, float, float, bool]:
     """Go on for a duration (s) from an offset in a gathered cell: return speed, distance passed, error, and whether.
@@ -311,7 +289,7 @@ def time_step(
         speed = spread(u) + _times(table, INTEGRAL, work, PUSH)
         store(work, PACE, speed * rate)
         passed = _times(table, INTEGRAL, work, PACE)
-        force = force_in_lanes(fused(toward, passed, place), per_half, far, near, count, lens)
+        force = force_in_lanes(fused(toward, passed, place), part)
         gain = (((known - spread(stiffness) * passed) - spread(damping) * speed) - force) * per_mass
         store(work, _SCRATCH, gain)
         change = 0.0
