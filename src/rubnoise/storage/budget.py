@@ -66,6 +66,7 @@ def expected(scenario: Scenario) -> Budget:
         ticks=model.tick_count + 1,
         blocks=ceil(births / births_per_block(model)) + 1,
         slider=model.slider_rows,
+        landmarks=None if model.is_two_way else 0,
     )
     return _budget(scenario, rows)
 
