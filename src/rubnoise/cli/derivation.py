@@ -6,6 +6,7 @@ from typing import Any
 from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.foresight import told
 from rubnoise.cli.layout import (
+    ONE_WAY_ALONE,
     WORTH_A_WARNING,
     about,
     duration,
@@ -58,8 +59,9 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
             "displacement_std": theory.slider.displacement_std,
             "velocity_std": theory.slider.velocity_std,
             "one_way_validity": theory.slider.one_way_validity,
-            "cells_per_tick": cells_per_tick(model),
-        } | ({} if missing is None else {"needed_distance": missing.needed})
+        }
+        answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
+        answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
     return answer
 
 
@@ -95,7 +97,7 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     ]
     if "friction_force" in answer:
         lines.append(line("friction force", spread("friction_force", " uN")))
-    lines += _slider_lines(answer.get("slider"))
+    lines += _slider_lines(answer.get("slider"), two_way=model.is_two_way)
     lines.append(line("births", f"{grouped(answer['expected_births'])} expected"))
     lines += _cost_lines(scenario, answer["cost"]) if "cost" in answer else []
     return lines + [remark(f"note: {note}") for note in answer["notes"]]
@@ -113,11 +115,11 @@ def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
     ]
 
 
-def _slider_lines(slider: dict[str, float] | None) -> list[str]:
+def _slider_lines(slider: dict[str, float] | None, *, two_way: bool) -> list[str]:
     if slider is None:
         return []
     validity = slider["one_way_validity"]
-    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING else []
+    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING and not two_way else []
     return [
         line("natural frequency", f"{number(slider['natural_frequency'])} Hz"),
         line("damping ratio", number(slider["damping_ratio"])),
@@ -151,5 +153,7 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
         if abs(off) > WORTH_A_NOTE:
             law = scenario.strength.law
             notes.append(f"the law {law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for")
+    if model.is_two_way:
+        notes.append(ONE_WAY_ALONE)
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]

@@ -89,6 +89,12 @@ def one_way_warning(validity: float) -> str:
     )
 
 
+ONE_WAY_ALONE = (
+    "the slider pushes back: its displacement and velocity here are those of one-way coupling; a run shows the others"
+)
+"""What to say beside the exact motion of a slider that is coupled two ways."""
+
+
 def too_short_for_motion(decays: float, needed: float) -> str:
     """Return what a run lacks for standard errors of its slider's motion, and what sliding distance it needs."""
     return (

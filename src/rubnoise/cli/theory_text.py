@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.cli.layout import WORTH_A_WARNING, line, number, one_way_warning, printable, remark
+from rubnoise.cli.layout import ONE_WAY_ALONE, WORTH_A_WARNING, line, number, one_way_warning, printable, remark
 from rubnoise.cli.terminal import sentence
 
 COLUMN: Final = 19
@@ -57,13 +57,13 @@ CURVES: Final = {
 """Groups that are told at points, and which of their fields says where."""
 
 
-def described(heading: str, calibration: str, answer: dict[str, Any]) -> list[str]:
+def described(heading: str, calibration: str, answer: dict[str, Any], *, two_way: bool) -> list[str]:
     """Return what theory says, as lines to print under a heading."""
     return [
         sentence(printable(heading)),
         "",
         *_moment_lines(calibration, answer),
-        *_slider_lines(answer.get("slider")),
+        *_slider_lines(answer.get("slider"), two_way=two_way),
         *_curve_lines(answer),
     ]
 
@@ -84,7 +84,7 @@ def _cumulant_lines(label: str, unit: str, group: dict[str, Any]) -> Iterator[st
     yield line("", f"skewness {_shown(group['skewness'])}, excess kurtosis {_shown(group['excess_kurtosis'])}")
 
 
-def _slider_lines(slider: dict[str, Any] | None) -> Iterator[str]:
+def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> Iterator[str]:
     if slider is None:
         return
     validity = slider["one_way_validity"]
@@ -92,7 +92,9 @@ def _slider_lines(slider: dict[str, Any] | None) -> Iterator[str]:
     yield line("displacement", place)
     yield line("velocity", f"std {_shown(slider['velocity_std'])} um/s")
     yield line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)")
-    if validity > WORTH_A_WARNING:
+    if two_way:
+        yield remark(f"note: {ONE_WAY_ALONE}")
+    elif validity > WORTH_A_WARNING:
         yield remark(f"warning: {one_way_warning(validity)}")
 
 
