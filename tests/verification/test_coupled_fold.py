@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Slider
 from rubnoise.simulation.coupled.fold import CoupledMotion, constants, look_back
+from rubnoise.simulation.coupled.motion import advance
 from rubnoise.simulation.coupled.past import lived, past
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
@@ -97,7 +99,7 @@ def test_time_stays_sharp_however_far() -> None:
     """Rows lie at whole multiples of a tick over the speed, and the first at 0."""
     run = model(distance=500.0, speed=1e6)
     rows = coupled(run, 2).slider
-    assert rows["time"].tobytes() == (np.arange(rows["time"].size) * (0.1 / 1e6)).tobytes()
+    assert rows["time"].tobytes() == (np.arange(rows["time"].size) * 0.1 / 1e6).tobytes()
     assert rows["distance"][0] == 0.0
     assert rows["velocity"][0] == 0.0
     assert rows["displacement"][0] == run.equilibrium_displacement
@@ -146,6 +148,14 @@ def test_the_past_does_not_depend_on_how_far_it_is_asked_for() -> None:
     assert len(far) > count
     assert np.all(far.birth + 2.0 * far.diameter <= 0.0)
     assert len(past(model(distance=10.0), 5, -50.0)) > 0
+
+
+def test_what_is_compiled_is_compiled_once() -> None:
+    """Arrays of another kind would cost half a minute in the middle of a run."""
+    for run in (model(distance=40.0), model(distance=40.0, pulse=TRIANGLE), model(distance=40.0, start="empty")):
+        coupled(run, 1, resumed=True)
+        coupled(run, 1, displacement=-300.0)
+    assert len(advance.signatures) == 1
 
 
 def test_what_moves_needs_a_slider_a_strength_and_a_speed() -> None:
