@@ -8,12 +8,14 @@ import pytest
 
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Slider
+from rubnoise.simulation.coupled import fold
 from rubnoise.simulation.coupled.fold import CoupledMotion, constants, look_back
 from rubnoise.simulation.coupled.motion import advance
 from rubnoise.simulation.coupled.past import lived, past
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.state import LiveRows
 from tests.coupled_runs import coupled
 from tests.models import UNEQUAL, model
 from tests.verification.seeds import seed_of
@@ -69,6 +71,26 @@ def test_rows_behind_are_let_go_and_drawn_again() -> None:
     back = coupled(model(distance=200.0, count=5.0), 3, displacement=-1500.0, earlier=earlier)
     assert asked
     assert asked[0][0] < float(back.slider["distance"].min()) < -1000.0
+
+
+def test_reversals_longer_than_what_is_carried_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = model(distance=12_000.0, count=2.0, tick=0.5)
+    carried = coupled(run, 3, pieces=40)
+    assert (carried.landmarks["kind"] == 2).sum() > 3
+    asked: list[tuple[float, float]] = []
+
+    def earlier(begin: float, end: float) -> Any:
+        asked.append((begin, end))
+        return lived(run, 3, begin, end)
+
+    assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
+    assert asked == []
+    monkeypatch.setattr(fold, "look_back", lambda _model: 0.0)
+    assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
+    assert asked
+    # Whoever forgot the junctions behind would find another force there.
+    nobody = coupled(run, 3, pieces=40, earlier=lambda _begin, _end: LiveRows.none())
+    assert nobody.contents() != carried.contents()
 
 
 def test_passages_are_told_once_and_none_is_left_out() -> None:

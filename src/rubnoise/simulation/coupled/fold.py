@@ -285,7 +285,7 @@ def constants(model: Model, tolerance: float) -> Doubles:
     found[layout.LIMIT] = 0.3 * error
     found[layout.BEND_LIMIT] = bend
     found[layout.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
-    found[layout.TOUCH] = found[layout.LIMIT] * slider.natural_angular_frequency
+    found[layout.TOUCH] = min(found[layout.LIMIT] * slider.natural_angular_frequency, 1e-3 * speed)
     found[layout.LONGEST] = 1.0 / slider.natural_angular_frequency
     return found
 
