@@ -38,14 +38,16 @@ class CoupledRun:
         """Return the time of the end in s."""
         return self.state.time(self.constants)
 
-    def number(self, name: str) -> float:
-        """Return one of the sums in the last state."""
-        return float(self.state.numbers[getattr(layout, name)])
+    @property
+    def velocity(self) -> float:
+        """Return x' at the end in um/s."""
+        return float(self.constants[layout.DRIVE] - self.state.numbers[layout.RELATIVE])
 
     def contents(self) -> list[bytes]:
         """Return everything as bytes; first passages in order of junctions."""
         passed = [(j[np.argsort(j)], t[np.argsort(j)]) for j, t in (self.births, self.deaths)]
-        columns = [*self.slider.values(), *self.landmarks.values(), *passed[0], *passed[1]]
+        sums = np.array(list(self.state.integrals.values()))
+        columns = [*self.slider.values(), *self.landmarks.values(), *passed[0], *passed[1], sums]
         return [np.ascontiguousarray(column).tobytes() for column in columns]
 
 
