@@ -38,14 +38,16 @@ class CoupledRun:
         """Return the time of the end in s."""
         return self.state.time(self.constants)
 
-    def number(self, name: str) -> float:
-        """Return one of the sums in the last state."""
-        return float(self.state.numbers[getattr(layout, name)])
+    @property
+    def velocity(self) -> float:
+        """Return x' at the end in um/s."""
+        return float(self.constants[layout.DRIVE] - self.state.numbers[layout.RELATIVE])
 
     def contents(self) -> list[bytes]:
         """Return everything as bytes; first passages in order of junctions."""
         passed = [(j[np.argsort(j)], t[np.argsort(j)]) for j, t in (self.births, self.deaths)]
-        columns = [*self.slider.values(), *self.landmarks.values(), *passed[0], *passed[1]]
+        sums = np.array(list(self.state.integrals.values()))
+        columns = [*self.slider.values(), *self.landmarks.values(), *passed[0], *passed[1], sums]
         return [np.ascontiguousarray(column).tobytes() for column in columns]
 
 
@@ -95,7 +97,8 @@ def coupled(
             known = place if place <= model.distance else np.inf
         shares = np.arange(1, pieces) / pieces
         borders = (reached + shares * (min(known, model.distance) - reached)).tolist()
-        told.extend(motion.through(born, border) for border in [*borders, known])
+        for border in [*borders, known]:
+            told.extend(motion.through(born, border))
         if resumed:
             motion = CoupledMotion(model, numbers, CoupledState.unpack(motion.state.pack()), Room(0), earlier, cells)
             motion.finished = known == np.inf
@@ -115,15 +118,19 @@ def among(
     motion = CoupledMotion(
         model, numbers, replace(state, covered=-np.inf), Room(0), lambda _begin, _end: LiveRows.none()
     )
-    told, places = [], np.linspace(0.0, model.distance, 51)[1:-1].tolist()
+    told: list[Told] = []
+    places = np.linspace(0.0, model.distance, 51)[1:-1].tolist()
     for known in [*places, np.inf]:
-        told.append(motion.through(LiveRows.none(), known))
+        told.extend(motion.through(LiveRows.none(), known))
         if most and sum(some.landmarks["time"].size for some in told) >= most:
             break
     return _told(told, motion.state, numbers, displacement)
 
 
 def _told(told: list[Told], state: CoupledState, numbers: Doubles, begin: float) -> CoupledRun:
+    assert [some.first_row for some in told] == np.cumsum([0] + [some.slider["time"].size for some in told])[
+        :-1
+    ].tolist()
     return CoupledRun(
         slider={name: np.concatenate([some.slider[name] for some in told]) for name in told[0].slider},
         landmarks={name: np.concatenate([some.landmarks[name] for some in told]) for name in told[0].landmarks},

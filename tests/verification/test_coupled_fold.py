@@ -6,11 +6,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.model import Slider
+from rubnoise.simulation.coupled import fold
 from rubnoise.simulation.coupled.fold import CoupledMotion, constants, look_back
+from rubnoise.simulation.coupled.motion import advance
 from rubnoise.simulation.coupled.past import lived, past
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.state import LiveRows
 from tests.coupled_runs import coupled
 from tests.models import UNEQUAL, model
 from tests.verification.seeds import seed_of
@@ -68,6 +73,26 @@ def test_rows_behind_are_let_go_and_drawn_again() -> None:
     assert asked[0][0] < float(back.slider["distance"].min()) < -1000.0
 
 
+def test_reversals_longer_than_what_is_carried_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = model(distance=12_000.0, count=2.0, tick=0.5)
+    carried = coupled(run, 3, pieces=40)
+    assert (carried.landmarks["kind"] == 2).sum() > 3
+    asked: list[tuple[float, float]] = []
+
+    def earlier(begin: float, end: float) -> Any:
+        asked.append((begin, end))
+        return lived(run, 3, begin, end)
+
+    assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
+    assert asked == []
+    monkeypatch.setattr(fold, "look_back", lambda _model: 0.0)
+    assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
+    assert asked
+    # Whoever forgot the junctions behind would find another force there.
+    nobody = coupled(run, 3, pieces=40, earlier=lambda _begin, _end: LiveRows.none())
+    assert nobody.contents() != carried.contents()
+
+
 def test_passages_are_told_once_and_none_is_left_out() -> None:
     run = model(distance=400.0, count=5.0)
     found = coupled(run, 6, displacement=-400.0, cells=4096)
@@ -80,11 +105,23 @@ def test_passages_are_told_once_and_none_is_left_out() -> None:
     assert np.isfinite(found.deaths[1]).all()
 
 
+def test_no_more_is_told_at_once_the_longer_a_stick_is() -> None:
+    """A soft spring is stretched by 50 mm in a stick, for a slip of 0.1 mm: rows by the hundred thousand."""
+    soft = Slider(mass=0.005, stiffness=1.0, damping=0.05)
+    run = model(distance=100.0, slider=soft)
+    numbers = constants(run, 1e-9)
+    state = CoupledState.start(run, numbers, start(run, 2).live)
+    motion = CoupledMotion(run, numbers, state, Room(0), partial(lived, run, 2))
+    sizes = [told.slider["time"].size for told in motion.through(lived(run, 2, 0.0, 100.0), np.inf)]
+    assert sum(sizes) > 100_000
+    assert max(sizes) <= 65_536
+
+
 def test_time_stays_sharp_however_far() -> None:
     """Rows lie at whole multiples of a tick over the speed, and the first at 0."""
     run = model(distance=500.0, speed=1e6)
     rows = coupled(run, 2).slider
-    assert rows["time"].tobytes() == (np.arange(rows["time"].size) * (0.1 / 1e6)).tobytes()
+    assert rows["time"].tobytes() == (np.arange(rows["time"].size) * 0.1 / 1e6).tobytes()
     assert rows["distance"][0] == 0.0
     assert rows["velocity"][0] == 0.0
     assert rows["displacement"][0] == run.equilibrium_displacement
@@ -135,6 +172,14 @@ def test_the_past_does_not_depend_on_how_far_it_is_asked_for() -> None:
     assert len(past(model(distance=10.0), 5, -50.0)) > 0
 
 
+def test_what_is_compiled_is_compiled_once() -> None:
+    """Arrays of another kind would cost half a minute in the middle of a run."""
+    for run in (model(distance=40.0), model(distance=40.0, pulse=TRIANGLE), model(distance=40.0, start="empty")):
+        coupled(run, 1, resumed=True)
+        coupled(run, 1, displacement=-300.0)
+    assert len(advance.signatures) == 1
+
+
 def test_what_moves_needs_a_slider_a_strength_and_a_speed() -> None:
     with pytest.raises(ValueError, match="a slider moves where there is a strength and a sliding speed"):
         constants(model(slider=None), 1e-9)
@@ -148,4 +193,4 @@ def test_a_step_that_cannot_be_found_is_said() -> None:
     state = CoupledState.start(run, numbers, start(run, 1).live)
     motion = CoupledMotion(run, numbers, state, Room(0), partial(lived, run, 1))
     with pytest.raises(ArithmeticError, match="no step of the slider is right to its tolerance near 0 um, 0 s"):
-        motion.through(lived(run, 1, 0.0, 10.0), np.inf)
+        list(motion.through(lived(run, 1, 0.0, 10.0), np.inf))

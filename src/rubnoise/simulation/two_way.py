@@ -57,10 +57,11 @@ class TwoWayMotion:
         self._waiting = self._waiting.then(born)
         self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
         try:
-            told = self._motion.through(born, known)
+            for told in self._motion.through(born, known):
+                self._write(told)
         except ArithmeticError as problem:
             raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
-        self._write(told)
+        self._write_known()
 
     def pack(self) -> bytes:
         """Return as bytes what the next block goes on from."""
@@ -76,7 +77,6 @@ class TwoWayMotion:
         self._landmarks.append({"landmark": number, **told.landmarks})
         for times, (junction, time) in zip(self._times, (told.births, told.deaths), strict=True):
             times[junction - self._written] = time
-        self._write_known()
 
     def _write_known(self) -> None:
         """Write the first of the waiting rows, as many as are known: all of them where the run is over."""

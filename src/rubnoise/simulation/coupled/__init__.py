@@ -7,12 +7,16 @@ the drive's speed V, w = V - x' and s = s_0 + V t - (x - x_0), both signed,
     stick    w = 0     while |k x + c V| <= G(s); s stands still and x grows at V
 
 ===============  =======================================================================================
-`quadrature`     the nodes and matrices of collocation, from 36 digits and rounded once
+`fold`           a run, range of cells by range of cells: state and junctions in, state and columns out
+`state`          where the slider is between two ranges, and how that is written down
+`past`           the junctions behind it, drawn again, and those before the start
 `field`          G over cells of the grid: moments, and cell by cell what is needed of it where w is small
+`motion`         slip, stick and reversal: which step comes next, compiled
+`rest`           what happens at w = 0: arrival, the stick in closed form, breakaway, reversal
 `steps`          the three steps in slip: uniform cells, event cells, and steps in time near w = 0
-`motion`         slip, stick, breakaway, arrival and reversal: which comes after which, compiled
-`rows`           what is told of it: rows uniform in time, landmarks, first passages
-`fold`           a run, range of ticks by range of ticks: state and rows in, state and columns out
+`rows`           what is told of it: rows uniform in time, landmarks, first passages, integrals
+`quadrature`     the nodes and matrices of collocation, from 36 digits and rounded once
+`layout`         where what lies in the flat arrays that compiled functions hand to each other
 ===============  =======================================================================================
 
 Positions are a cell of a grid and an offset in it, times a row of the output and what is left over: both stay sharp

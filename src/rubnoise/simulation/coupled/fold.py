@@ -1,8 +1,8 @@
 """A two-way run as a fold: rows of junctions in, columns of the slider out, and a state that can be written down."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
-from math import ceil, floor
+from math import ceil, floor, sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.model import Model
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, Field
-from rubnoise.simulation.coupled.motion import AHEAD, BACK, DONE, FULL, advance
+from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
 from rubnoise.simulation.coupled.quadrature import NODES, TABLE
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.coupled.steps import WORK
@@ -41,7 +41,7 @@ _ROOM_FOR_ROWS, _ROOM_FOR_LANDMARKS = 65_536, 4096
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Told:
-    """What came to be while the slider moved on.
+    """What came to be while the slider moved on: some ten thousand rows at most, where a step is not longer than that.
 
     slider: columns time, distance, friction_force, displacement, velocity, phase, a row every tick/V from the run's
     row ``first_row`` on; landmarks: time, distance, kind, displacement, velocity, force_before, force_after; births and
@@ -66,7 +66,7 @@ class CoupledMotion:
         self._constants = constants
         self._room = room
         self._earlier = earlier
-        self._cells = cells // GROUP * GROUP
+        self._cells = max(cells // GROUP * GROUP, 2 * _BEHIND)
         self.state = state
         self.finished = False
         self._out = np.empty((layout.ROW_COLUMNS, _ROOM_FOR_ROWS))
@@ -77,26 +77,24 @@ class CoupledMotion:
             self._last -= 1
         self._rest = model.distance - float(self._last) * width
 
-    def through(self, born: LiveRows, known: float) -> Told:
-        """Move until the field is wanted beyond a distance (um), or the run is over, and tell what came to be.
+    def through(self, born: LiveRows, known: float) -> Iterator[Told]:
+        """Move until the field is wanted beyond a distance (um), or the run is over, and tell what comes to be.
 
         born: junctions in order of birth, of which those that are new are taken; every birth before ``known`` must be
-        among them or have come before.
+        among them or have come before. The state is that of the end once everything has been told.
         """
         self._take(born)
-        told = _Telling(self._constants, int(self.state.whole[layout.ROW]) + 1)
         end = self._end_of(known)
-        while not self.finished:
+        while not (self.finished or self._waits(end)):
             begin, stop = self._range(end)
-            if stop <= begin:
-                break
-            code = self._move_in(begin, stop, told)
+            code = yield from self._move_in(begin, stop)
             self.finished = code == DONE
-            cell = int(self.state.whole[layout.CELL])
-            if code == AHEAD and (cell // GROUP + 1) * GROUP > end:
-                break
         self._forget()
-        return told.all()
+
+    def _waits(self, end: int) -> bool:
+        """Whether the next group of cells ahead is not known yet."""
+        ahead = (int(self.state.whole[layout.CELL]) // GROUP + 1) * GROUP
+        return self.state.phase != layout.REVERSED and ahead > end and end <= self._last
 
     def _take(self, born: LiveRows) -> None:
         state = self.state
@@ -133,38 +131,68 @@ class CoupledMotion:
         begin = min(max(wished, carried), needed) if carried <= needed else wished
         return begin, min(begin + self._cells, end)
 
-    def _move_in(self, begin: int, end: int, told: "_Telling") -> int:
-        """Move within a range of cells; return why it ended."""
+    def _move_in(self, begin: int, end: int) -> Generator[Told, None, int]:
+        """Move within a range of cells, tell what comes to be, and return why it ended."""
         state, constants = self.state, self._constants
         width = float(constants[layout.SPACING])
         living, births, deaths = self._living(float(begin) * width, float(end) * width)
         field = Field.over(self._model.pulse.shape, living, begin, end, width, self._room)
         order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
         whole, numbers = state.whole.copy(), state.numbers.copy()
-        whole[layout.BORN] = born = len(living) - int(np.isnan(births).sum())
-        whole[layout.DIED] = died = len(living) - int(np.isnan(deaths).sum())
+        whole[layout.BORN] = len(living) - int(np.isnan(births).sum())
+        whole[layout.DIED] = len(living) - int(np.isnan(deaths).sum())
         near = np.empty(4 * (len(living) + 1))
         met = (field.lives, field.shape, order, births, deaths)
         far, work, powers = np.empty(NODES), np.zeros(WORK), np.zeros(10)
-        while True:
+        code = FULL
+        while code == FULL:
+            before = whole.copy()
             code = advance(
                 whole, numbers, constants, TABLE, field.moments, begin, end, self._last, self._rest, met,
                 self._out, self._marks, near, far, work, powers,
             )  # fmt: skip
+            if code == LOST:
+                place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
+                raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")
             if code == FULL and whole[layout.ROWS] == 0 and whole[layout.LANDMARKS] == 0:
                 self._out = np.empty((layout.ROW_COLUMNS, 2 * self._out.shape[1]))
-            told.add(self._out, self._marks, whole)
-            if code != FULL:
-                break
-        if code not in (DONE, AHEAD, BACK):
-            place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
-            raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")
-        passed = order[died : whole[layout.DIED]]
-        told.pass_births(living.junction[born : whole[layout.BORN]], births[born : whole[layout.BORN]])
-        told.pass_deaths(living.junction[passed], deaths[passed])
+            passed = slice(before[layout.BORN], whole[layout.BORN])
+            gone = order[before[layout.DIED] : whole[layout.DIED]]
+            yield Told(
+                first_row=int(before[layout.ROW]) + 1,
+                slider=self._rows(int(before[layout.ROW]) + 1, int(whole[layout.ROWS])),
+                landmarks=self._landmarks(int(whole[layout.LANDMARKS])),
+                births=(living.junction[passed], births[passed].copy()),
+                deaths=(living.junction[gone], deaths[gone]),
+            )
+            whole[layout.ROWS] = whole[layout.LANDMARKS] = 0
         self._note(living, births, deaths)
         self.state = replace(self.state, whole=whole, numbers=numbers)
         return int(code)
+
+    def _rows(self, first: int, count: int) -> dict[str, NDArray[Any]]:
+        number = np.arange(first, first + count)
+        distance, force, displacement, velocity, phase = self._out[:, :count].copy()
+        return {
+            "time": number * self._model.tick / float(self._constants[layout.DRIVE]),
+            "distance": distance,
+            "friction_force": force,
+            "displacement": displacement,
+            "velocity": velocity,
+            "phase": phase.astype(np.uint8),
+        }
+
+    def _landmarks(self, count: int) -> dict[str, NDArray[Any]]:
+        time, distance, kind, displacement, velocity, before, after = self._marks[:, :count].copy()
+        return {
+            "time": time,
+            "distance": distance,
+            "kind": kind.astype(np.uint8),
+            "displacement": displacement,
+            "velocity": velocity,
+            "force_before": before,
+            "force_after": after,
+        }
 
     def _living(self, begin: float, end: float) -> tuple[LiveRows, Doubles, Doubles]:
         """Return who lives between two distances, and the first passages known of them."""
@@ -214,59 +242,6 @@ class CoupledMotion:
         )
 
 
-class _Telling:
-    """What has been told since a call began."""
-
-    def __init__(self, constants: Doubles, first_row: int) -> None:
-        self._constants = constants
-        self._first_row = first_row
-        self._rows: list[Doubles] = []
-        self._marks: list[Doubles] = []
-        self._births: list[tuple[Integers, Doubles]] = []
-        self._deaths: list[tuple[Integers, Doubles]] = []
-
-    def add(self, out: Doubles, marks: Doubles, whole: Integers) -> None:
-        """Take over what room holds, and free it."""
-        self._rows.append(out[:, : whole[layout.ROWS]].copy())
-        self._marks.append(marks[:, : whole[layout.LANDMARKS]].copy())
-        whole[layout.ROWS] = whole[layout.LANDMARKS] = 0
-
-    def pass_births(self, junction: Integers, time: Doubles) -> None:
-        """Take note of births that have been passed for the first time."""
-        self._births.append((junction, time))
-
-    def pass_deaths(self, junction: Integers, time: Doubles) -> None:
-        """Take note of deaths likewise."""
-        self._deaths.append((junction, time))
-
-    def all(self) -> Told:
-        """Return everything together."""
-        out = np.concatenate([np.empty((layout.ROW_COLUMNS, 0)), *self._rows], axis=1)
-        marks = np.concatenate([np.empty((layout.MARK_COLUMNS, 0)), *self._marks], axis=1)
-        step = float(self._constants[layout.ROW_TIME])
-        number = np.arange(self._first_row, self._first_row + out.shape[1])
-        names = ("distance", "friction_force", "displacement", "velocity", "phase")
-        slider: dict[str, NDArray[Any]] = {"time": number * step, **dict(zip(names, out, strict=True))}
-        slider["phase"] = slider["phase"].astype(np.uint8)
-        of_marks = ("time", "distance", "kind", "displacement", "velocity", "force_before", "force_after")
-        landmarks: dict[str, NDArray[Any]] = dict(zip(of_marks, marks, strict=True))
-        landmarks["kind"] = landmarks["kind"].astype(np.uint8)
-        return Told(
-            first_row=self._first_row,
-            slider=slider,
-            landmarks=landmarks,
-            births=_together(self._births),
-            deaths=_together(self._deaths),
-        )
-
-
-def _together(passed: list[tuple[Integers, Doubles]]) -> tuple[Integers, Doubles]:
-    if not passed:
-        return np.empty(0, np.int64), np.empty(0)
-    junctions, times = zip(*passed, strict=True)
-    return np.concatenate(junctions), np.concatenate(times)
-
-
 def look_back(model: Model) -> float:
     """Return how far behind the slider junctions are carried, in um: 4 psi A_rm/k + 2 V/omega_0, A_rm the exact mean.
 
@@ -297,9 +272,11 @@ def constants(model: Model, tolerance: float) -> Doubles:
     width = spacing(model)
     scale = strengths.moment(1) * model.stationary_mean_area / slider.stiffness
     error = tolerance * scale
-    kink = 3.0 * strengths.moment(1) * model.calibrated_diameter * max(1.0, (4.0 * width * model.birth_rate)) ** 0.5
+    crowd = sqrt(max(1.0, 4.0 * width * model.birth_rate))
+    kink = 3.0 * strengths.moment(1) * model.calibrated_diameter * crowd
+    # Q may change by a fifth in uniform cells at a tolerance of 1e-9, whose error goes as its sixth power.
     bend = 0.4
-    while (bend / 0.2) ** 6 > tolerance / 1e-9:
+    while _sixth_power(bend / 0.2) > tolerance / 1e-9:
         bend *= 0.9375
     found = np.zeros(layout.CONSTANTS)
     found[:4] = slider.mass, slider.stiffness, slider.damping, speed
@@ -308,6 +285,11 @@ def constants(model: Model, tolerance: float) -> Doubles:
     found[layout.LIMIT] = 0.3 * error
     found[layout.BEND_LIMIT] = bend
     found[layout.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
-    found[layout.TOUCH] = found[layout.LIMIT] * slider.natural_angular_frequency
+    found[layout.TOUCH] = min(found[layout.LIMIT] * slider.natural_angular_frequency, 1e-3 * speed)
     found[layout.LONGEST] = 1.0 / slider.natural_angular_frequency
     return found
+
+
+def _sixth_power(number: float) -> float:
+    cube = number * number * number
+    return cube * cube

@@ -82,7 +82,9 @@ def _legendre(count: int) -> list[Polynomial]:
     found: list[Polynomial] = [[Fraction(1)], [Fraction(-1), Fraction(2)]]
     for n in range(1, count - 1):
         first = _times([Fraction(-(2 * n + 1), n + 1), Fraction(2 * (2 * n + 1), n + 1)], found[n])
-        found.append([a - Fraction(n, n + 1) * b for a, b in zip(first, [*found[n - 1], Fraction(0), Fraction(0)], strict=True)])
+        found.append(
+            [a - Fraction(n, n + 1) * b for a, b in zip(first, [*found[n - 1], Fraction(0), Fraction(0)], strict=True)]
+        )
     return found
 
 

@@ -11,21 +11,36 @@ from rubnoise.model import Model
 from rubnoise.simulation.coupled.layout import (
     CELL,
     DISPLACEMENT,
+    FRICTION_WORK,
     NUMBERS,
     OFFSET,
     OVER,
     PHASE,
     RELATIVE,
+    REVERSE_WORK,
     ROW,
     ROW_TIME,
     SPACING,
     STEP,
+    TIME_STUCK,
+    VV_TIME,
     WHOLE,
+    X_TIME,
+    XX_TIME,
 )
 from rubnoise.simulation.state import LiveRows
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+_INTEGRALS: Final = {
+    "time_stuck": TIME_STUCK,
+    "displacement": X_TIME,
+    "displacement_squared": XX_TIME,
+    "velocity_squared": VV_TIME,
+    "friction_work": FRICTION_WORK,
+    "reverse_work": REVERSE_WORK,
+}
 
 _HEADER: Final = struct.Struct("<qd")
 
@@ -85,6 +100,15 @@ class CoupledState:
     def phase(self) -> int:
         """0 in slip, 1 stuck, 2 in reversal."""
         return int(self.whole[PHASE])
+
+    @property
+    def integrals(self) -> dict[str, float]:
+        """What has been summed up since t = 0, step by step.
+
+        time_stuck (s); displacement int x dt (um s); displacement_squared int x^2 dt (um^2 s); velocity_squared
+        int x'^2 dt (um^2/s); friction_work int G |ds| over slip (uN um), and reverse_work, its part in reversal.
+        """
+        return {name: float(self.numbers[place]) for name, place in _INTEGRALS.items()}
 
     def pack(self) -> bytes:
         """Return the state as bytes from which ``unpack`` makes the same bits again."""
