@@ -27,7 +27,8 @@ TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
 ROWS = {
     "junctions": "one a junction",
     "ticks": "one a tick",
-    "slider": "one a tick",
+    "slider": "one a tick, with two-way coupling one in the time of a tick",
+    "landmarks": "one a landmark",
     "blocks": "one a block",
     "curve": "one a point of the curve",
 }
@@ -36,7 +37,9 @@ NEEDS: dict[Feature | None, str] = {
     "speed": "with `sliding.speed`",
     "strength": "with `[strength]`",
     "slider": "with `[slider]`",
+    "two-way": 'with `slider.coupling = "two-way"`',
 }
+UNLESS: dict[Feature, str] = {"two-way": 'not with `slider.coupling = "two-way"`'}
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -77,10 +80,11 @@ def _group(group: Group) -> Iterator[str]:
 
 
 def _column(column: Column) -> tuple[str, ...]:
-    flags = "; ".join(f"{bit} {name}" for bit, name in column.flags)
-    meaning = f"{column.long_name}; {flags}" if flags else column.long_name
+    _, codes = column.coded
+    meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes)])
     name, kind = f"`{column.name}`", TYPES[column.dtype]
-    return name, kind, column.units, f"`{column.symbol}`", meaning, NEEDS[column.needs]
+    present = NEEDS[column.needs] + (f", {UNLESS[column.unless]}" if column.unless else "")
+    return name, kind, column.units, f"`{column.symbol}`", meaning, present
 
 
 def keys() -> Iterator[str]:

@@ -11,6 +11,7 @@ SOURCES = (
     "analysis/verifying/areas.py",
     "compiling.py",
     "contact/deviates.py",
+    "simulation/coupled/*.py",
     "simulation/kernels/*.py",
 )
 """Files that are compiled into functions of other files."""

@@ -1,6 +1,6 @@
 """The physics of one run: frozen inputs in working units (um, s, kg) and what follows from them at once."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi, sqrt
 from typing import Literal
 
@@ -13,13 +13,18 @@ Start = Literal["stationary", "empty"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slider:
-    """The oscillator that holds the slider: m x'' + c x' + k x = F (kg, N s/m, N/m; force in uN, x in um)."""
+    """The oscillator that holds the slider: m x'' + c x' + k x = F (kg, N s/m, N/m; force in uN, x in um).
+
+    coupling: whether the motion changes the sliding distance ("two-way") or not; tolerance: of the displacement in a
+    two-way motion, relative to its equilibrium.
+    """
 
     mass: float
     stiffness: float
     damping: float
     start: Literal["equilibrium", "rest"] = "equilibrium"
-    coupling: Literal["one-way"] = "one-way"
+    coupling: Literal["one-way", "two-way"] = "one-way"
+    tolerance: float = field(default=1e-9, repr=False)
 
     @property
     def natural_angular_frequency(self) -> float:
@@ -83,7 +88,14 @@ class Model:
     @property
     def slider_rows(self) -> int | None:
         """Rows of /slider: one at every tick, none without a slider; None where only the end of a run would tell."""
+        if self.is_two_way:
+            return None
         return 0 if self.slider is None else self.tick_count + 1
+
+    @property
+    def is_two_way(self) -> bool:
+        """Whether the motion of a slider changes the sliding distance."""
+        return self.slider is not None and self.slider.coupling == "two-way"
 
     @property
     def stationary_mean_area(self) -> float:

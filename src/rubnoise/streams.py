@@ -26,6 +26,9 @@ class Stream(IntEnum):
     START_COUNT = 5
     START_DIAMETERS = 6
     START_AGES = 7
+    PAST_GAPS = 8
+    PAST_DIAMETERS = 9
+    PAST_STRENGTHS = 10
 
 
 def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:

@@ -16,8 +16,9 @@ from rubnoise.storage.schema import LIFE_CURVE, Column, Feature
 from rubnoise.storage.writer import RunWriter
 
 EVERYTHING: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
+TWO_WAY: frozenset[Feature] = EVERYTHING | {"two-way"}
 BARE: frozenset[Feature] = frozenset()
-FEATURES = (BARE, frozenset({"speed"}), frozenset({"strength"}), frozenset({"speed", "strength"}), EVERYTHING)
+FEATURES = (BARE, frozenset({"speed"}), frozenset({"strength"}), frozenset({"speed", "strength"}), EVERYTHING, TWO_WAY)
 
 Compression = Literal["none", "gzip"]
 Rows = dict[str, dict[str, NDArray[Any]]]
@@ -46,7 +47,13 @@ def describe(
 ) -> RunDescription:
     return RunDescription(
         title="a small run of µm",
-        extent=Extent(junctions=junctions, ticks=ticks, blocks=blocks, slider=slider if "slider" in features else 0),
+        extent=Extent(
+            junctions=junctions,
+            ticks=ticks,
+            blocks=blocks,
+            slider=slider if "slider" in features else 0,
+            landmarks=5 if "two-way" in features else 0,
+        ),
         features=features,
         compression=compression,
         scenario_toml=scenario_toml,

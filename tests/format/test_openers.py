@@ -13,7 +13,7 @@ import pytest
 import xarray
 
 from rubnoise.contact.overlap import junction_area
-from rubnoise.storage.layout import expected_bytes
+from rubnoise.storage.layout import expected_bytes, stored_columns, stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, SLIDER, TRACE, Group
 from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
@@ -67,8 +67,8 @@ def test_h5py_finds_the_columns_in_their_order(path: Path) -> None:
 
 def test_every_column_says_what_it_is(path: Path) -> None:
     with h5py.File(path) as file:
-        for group in GROUPS:
-            for column in group.columns:
+        for group in stored_groups(EVERYTHING):
+            for column in stored_columns(group, EVERYTHING):
                 said = texts(file[group.name][column.name])
                 assert (said["units"], said["symbol"], said["long_name"]) == (
                     column.units,
@@ -148,8 +148,8 @@ def test_xarray_has_named_variables_with_units(path: Path, group: Group) -> None
     scale = group.columns[0].name
     with xarray.open_dataset(path, group=group.name, engine="h5netcdf") as found:
         assert list(found.sizes) == [scale]
-        assert set(found.variables) == {column.name for column in group.columns}
-        for column in group.columns:
+        assert set(found.variables) == {column.name for column in stored_columns(group, EVERYTHING)}
+        for column in stored_columns(group, EVERYTHING):
             variable = found[column.name]
             assert variable.dims == (scale,)
             assert variable.attrs["units"] == column.units

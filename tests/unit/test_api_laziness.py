@@ -51,7 +51,7 @@ def test_opening_eleven_gigabytes_reads_their_structure(huge: Path) -> None:
             assert len(run.trace) == LAST_TICK + 1
             assert run.trace["real_contact_area"].units == "um^2"
 
-    assert 1_000 < _read(look) < 500_000
+    assert _read(look) < 500_000
 
 
 def test_rows_are_read_as_asked_for(huge: Path) -> None:

@@ -307,7 +307,6 @@ def test_matched_without_a_solution() -> None:
     [
         ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma, weibull, power"),
         ("birth", "law", "jittered", "poisson, regular"),
-        ("slider", "coupling", "two-way", "one-way"),
     ],
 )
 def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, value: str, available: str) -> None:

@@ -5,9 +5,10 @@ import pytest
 
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Extent
+from rubnoise.simulation.coupled import layout
 from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import CURVE_ROWS
-from rubnoise.storage.schema import BLOCKS, GROUPS, JUNCTIONS, LIFE_CURVE, SLIDER, TRACE, Feature, Group
+from rubnoise.storage.schema import BLOCKS, GROUPS, JUNCTIONS, LANDMARKS, LIFE_CURVE, SLIDER, TRACE, Feature, Group
 
 ALWAYS = {
     "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
@@ -44,6 +45,16 @@ def test_a_slider_adds_its_motion() -> None:
     assert "slider" not in stored("speed", "strength")
 
 
+def test_two_ways_add_phases_and_landmarks_and_leave_blocks_without_a_motion() -> None:
+    whole, one_way = stored("speed", "strength", "slider", "two-way"), stored("speed", "strength", "slider")
+    assert whole["slider"] == [*one_way["slider"], "phase"]
+    assert whole["landmarks"] == [
+        "landmark", "time", "distance", "kind", "displacement", "velocity", "force_before", "force_after",
+    ]  # fmt: skip
+    assert whole["blocks"] == ALWAYS["blocks"]
+    assert "landmarks" not in one_way
+
+
 def test_names_are_unique_and_texts_are_there() -> None:
     for group in GROUPS:
         names = [column.name for column in group.columns]
@@ -60,8 +71,8 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
         "um/s": {"x'"},
         "s": {"t", "t_birth", "t_death"},
         "MPa": {"psi"},
-        "uN": {"F_s"},
-        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "a"},
+        "uN": {"F_s", "F_-", "F_+"},
+        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "a", "n", "phase", "kind"},
     }
     found: dict[str, set[str]] = {}
     for group in GROUPS:
@@ -73,6 +84,15 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
 def test_types_are_little_endian_numbers() -> None:
     types = {column.dtype for group in GROUPS for column in group.columns}
     assert types == {"<f8", "<i8", "<u4", "|u1"}
+
+
+def test_values_are_those_of_the_motion() -> None:
+    (phase,) = (column for column in SLIDER.columns if column.name == "phase")
+    assert dict(phase.values) == {layout.SLIP: "slip", layout.STUCK: "stick", layout.REVERSED: "reversal"}
+    (kind,) = (column for column in LANDMARKS.columns if column.name == "kind")
+    assert dict(kind.values) == {
+        layout.STICK: "stick", layout.BREAKAWAY: "slip", layout.REVERSAL: "reversal", layout.FORWARD: "forward",
+    }  # fmt: skip
 
 
 def test_flags_are_the_states_of_the_record() -> None:

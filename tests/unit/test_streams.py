@@ -25,6 +25,9 @@ def test_streams_and_their_numbers_never_change() -> None:
         "START_COUNT": 5,
         "START_DIAMETERS": 6,
         "START_AGES": 7,
+        "PAST_GAPS": 8,
+        "PAST_DIAMETERS": 9,
+        "PAST_STRENGTHS": 10,
     }
 
 

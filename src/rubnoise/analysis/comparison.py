@@ -54,6 +54,8 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
 
 def _slider_part(model: Model, rows: Rows) -> Findings:
     part = _part("slider", displacement=lambda: motion_findings(model, rows))
+    if model.is_two_way:
+        return part
     return replace(part, begins=first_tick(model, response(model)) * model.tick) if part.figures else part
 
 

@@ -19,7 +19,9 @@ def expected_figure(model: Model, name: str) -> float:
 
     nan where the model has no such figure, or where theory is silent about it.
     """
-    needs, value = FIGURES[name]
+    needs, value = FIGURES.get(name, ("", None))
+    if value is None or (needs == "slider" and model.is_two_way):
+        return nan
     return value(model) if needs is None or getattr(model, needs) is not None else nan
 
 

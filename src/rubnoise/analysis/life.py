@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, isnan
 from typing import Any, Final
 
 import numpy as np
@@ -27,8 +27,8 @@ class Life:
 
     Its peak is where its area was largest while it lived and the record ran: at mid-life, unless its life was ended
     before, or mid-life lies outside of the record, 0 to ``record_end``, of which alone it is known who was alive.
-    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed, forces without a
-    strength.
+    ``others`` are the rows that overlap its life anywhere; times are None without a sliding speed and where the slider
+    never came by, forces without a strength. ``slides_evenly``: whether distance is a multiple of time.
     """
 
     number: int
@@ -42,6 +42,7 @@ class Life:
     shear_strength: float | None
     birth_time: float | None
     death_time: float | None
+    slides_evenly: bool
     record_end: float
     others: Neighbours
 
@@ -107,8 +108,8 @@ class Life:
         return None if own is None or whole is None else _share(own, whole)
 
     def time(self, distance: ArrayLike) -> Doubles | None:
-        """Return the time in s at sliding distances in um, of which it is a multiple at constant speed."""
-        if self.birth_time is None or self.death_time is None:
+        """Return the time in s at sliding distances in um, of which it is a multiple at constant speed; else None."""
+        if self.birth_time is None or self.death_time is None or not self.slides_evenly:
             return None
         length = self.death_distance - self.birth_distance
         # Far from the origin a life may be shorter than the step between two doubles.
@@ -155,7 +156,10 @@ def life_of(file: Reader, number: int) -> Life:
         for name in file.columns["junctions"]
         if name != "junction"
     }
-    check_lives(np.array([number]), {name: np.array([value], dtype=np.float64) for name, value in row.items()})
+    even = "landmarks" not in file.columns
+    # A two-way slider may never have come by: that time is no number.
+    told = row if even else {name: value for name, value in row.items() if name not in {"birth_time", "death_time"}}
+    check_lives(np.array([number]), {name: np.array([value], dtype=np.float64) for name, value in told.items()})
     return Life(
         number=number,
         rows=rows,
@@ -166,8 +170,9 @@ def life_of(file: Reader, number: int) -> Life:
         max_area=row["max_area"],
         state=JunctionState(row["state"]),
         shear_strength=row.get("shear_strength"),
-        birth_time=row.get("birth_time"),
-        death_time=row.get("death_time"),
+        birth_time=_known(row.get("birth_time")),
+        death_time=_known(row.get("death_time")),
+        slides_evenly=even,
         record_end=record_end(file),
         others=neighbours(file, number, row["birth_distance"], row["death_distance"]),
     )
@@ -184,6 +189,10 @@ def record_end(file: Reader) -> float:
         )
     except (KeyError, TypeError, AttributeError, ValueError, RecursionError, QuantityError) as problem:
         raise RunFileRefused("the scenario in the file gives no sliding distance") from problem
+
+
+def _known(time: float | None) -> float | None:
+    return None if time is None or isnan(time) else time
 
 
 def _share(part: float, whole: float) -> float:

@@ -23,6 +23,9 @@ from rubnoise.theory.random_births import are_at_random
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
 
+STUCK, STICK, REVERSAL = 1, 0, 2
+"""A phase of /slider, and two kinds of /landmarks."""
+
 Errors = tuple[float | None, ...]
 
 _UNKNOWN: Errors = (None, None, None, None)
@@ -66,7 +69,7 @@ def theory_of(model: Model) -> Theory:
     not a Poisson process have them for means alone.
     """
     expected, stationary = exact(model), model.start == "stationary"
-    moves = expected.slider is not None
+    moves = expected.slider is not None and not model.is_two_way
     return Theory(
         exact=expected,
         area_errors=_errors(model, mean_area_error, standard_errors) if stationary else _UNKNOWN,
@@ -86,7 +89,9 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
     figures += _count(seen["junction_count"], theory.exact, theory.count_error)
     if "friction_force" in seen and theory.exact.force is not None:
         figures += _moments("friction_force", seen["friction_force"], theory.exact.force, theory.force_errors)[:2]
-    if "displacement" in seen:
+    if "displacement" in seen and model.is_two_way:
+        figures += _two_way_motion(model, tally)
+    elif "displacement" in seen:
         figures += _motion(seen["displacement"], seen["velocity"], theory)
     return figures
 
@@ -146,6 +151,21 @@ def _motion(place: Moments, speed: Moments, theory: Theory) -> list[Agreement]:
     return [*figures, _validity(figures[-1], slider.sliding_speed)]
 
 
+def _two_way_motion(model: Model, tally: Tally) -> list[Agreement]:
+    """Return what the rows of a two-way slider, which are uniform in time, show: no exact value is known of it."""
+    place, phases, kinds = tally.moments["displacement"], tally.counts["phase"], tally.counts.get("kind", [0] * 4)
+    duration = (place.count - 1) * (model.tick_duration or 0.0)
+    figures = {
+        "displacement_mean": place.mean,
+        "displacement_std": place.std,
+        "velocity_std": tally.moments["velocity"].std,
+        "stick_fraction": phases[STUCK] / place.count,
+        "sticks_per_s": kinds[STICK] / duration if duration else 0.0,
+        "reversals_per_s": kinds[REVERSAL] / duration if duration else 0.0,
+    }
+    return [Agreement(name=name, observed=seen, expected=None, standard_error=None) for name, seen in figures.items()]
+
+
 def _validity(velocity: Agreement, speed: float) -> Agreement:
     """Return std x' / V: one-way coupling takes the sliding speed for constant, so this should be far below 1."""
     error = velocity.standard_error
@@ -186,7 +206,7 @@ def _many_decays(model: Model) -> bool:
 def _decays(model: Model) -> float | None:
     """Return how many of the slowest decay times of its slider a run lasts; None where nothing decays."""
     slider, speed = model.slider, model.sliding_speed
-    if slider is None or speed is None or slider.damping == 0.0:
+    if slider is None or speed is None or slider.damping == 0.0 or model.is_two_way:
         return None
     slowest = max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
     return model.distance / speed / slowest

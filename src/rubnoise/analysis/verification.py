@@ -1,7 +1,7 @@
 """A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Final, Protocol
 
 from rubnoise.analysis.stored_model import stored_scenario
 from rubnoise.analysis.verifying.attributes import attribute_checks
@@ -19,6 +19,12 @@ from rubnoise.model import Model
 from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
 from rubnoise.storage.inventory import Inventory
+
+_TWO_WAY: Final = {
+    "times": "when a two-way slider passes a birth or a death follows from its motion, which is not made again",
+    "slider_columns": "rows of a two-way slider lie at places of its own, and /trace has no force there",
+    "motion": "what is known to check a motion is that of one-way coupling",
+}
 
 
 class ResultFile(HashedReader, Protocol):
@@ -72,7 +78,9 @@ def _asked(
 def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[Check]:
     """Return the checks that need sound rows of /junctions."""
     checks = contact_checks(model, run)
-    if model.slider is not None:
+    if model.is_two_way:
+        left_out += [LeftOut(name=name, reason=reason) for name, reason in _TWO_WAY.items()]
+    elif model.slider is not None:
         checks += slider_checks(model, run, cells_per_tick(run))
     if all(check.holds for check in checks):
         checks.append(summary_check(model, run))
@@ -89,6 +97,9 @@ def _made_again(
     # What is asked of rows needs nothing of the simulation but its compiler.
     from rubnoise.analysis.verifying.regenerating import regeneration_check
 
+    if model.is_two_way:
+        left_out.append(LeftOut(name="regenerated", reason="a two-way slider is not in /blocks, to go on from there"))
+        return []
     wrong = [check.name for check in needed if not check.holds]
     if wrong:
         left_out.append(LeftOut(name="regenerated", reason=f"what it goes on from differs: {', '.join(wrong)}"))

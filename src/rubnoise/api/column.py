@@ -39,7 +39,7 @@ class Column(NDArrayOperatorsMixin):
         self.long_name = about.long_name
         self.symbol = about.symbol
         self.dtype: np.dtype[Any] = np.dtype(about.dtype)
-        self._flags = about.flags
+        self._coded = about.coded
         self._rows = rows
         self._read = read
 
@@ -60,9 +60,10 @@ class Column(NDArrayOperatorsMixin):
     def attributes(self) -> dict[str, Any]:
         """Unit, meaning, symbol and flags, as they stand at the dataset in the file."""
         attributes: dict[str, Any] = {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
-        if self._flags:
-            attributes["flag_masks"] = np.array([bit for bit, _ in self._flags], dtype=self.dtype)
-            attributes["flag_meanings"] = " ".join(meaning for _, meaning in self._flags)
+        attribute, codes = self._coded
+        if codes:
+            attributes[attribute] = np.array([number for number, _ in codes], dtype=self.dtype)
+            attributes["flag_meanings"] = " ".join(meaning for _, meaning in codes)
         return attributes
 
     @overload

@@ -112,7 +112,7 @@ def go_on(
             whole = settle(paths, _check, force=force)
         if not whole:
             scenario = _scenario(description, f"{path}.part", engine)
-            check_guests(cast(Engine, scenario.run.engine), observe, intervene)
+            check_guests(scenario.model(), cast(Engine, scenario.run.engine), observe, intervene)
             _check_intervention(description, f"{path}.part", intervene)
             with RunWriter(path, None, force=force) as writer:
                 if watch is not None:
@@ -192,7 +192,7 @@ def _has_its_rows(scenario: Scenario, description: RunDescription) -> bool:
     if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * rows.junctions + MOST_MORE:
         return False
     here = extent(scenario.model(), scenario.run.seed)
-    return here == (replace(rows, slider=None) if here.slider is None else rows)
+    return here == (replace(rows, slider=None, landmarks=here.landmarks) if here.slider is None else rows)
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:

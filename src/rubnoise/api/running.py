@@ -45,7 +45,7 @@ def simulate(
     result, or for an observer or intervention that is none or comes with the engine "batch".
     """
     scenario = _seeded(scenario, seed)
-    check_guests(_engine(scenario), observe, intervene)
+    check_guests(scenario.model(), _engine(scenario), observe, intervene)
     budget = expected(scenario)
     check_memory(scenario, budget, kept_bytes=budget.result_bytes)
     model, seed = scenario.model(), scenario.run.seed
@@ -79,7 +79,7 @@ def run(
     """
     check_output(path, force=force, unfinished=True)
     scenario = _seeded(scenario, seed)
-    check_guests(_engine(scenario), observe, intervene)
+    check_guests(scenario.model(), _engine(scenario), observe, intervene)
     check_room(scenario, expected(scenario), path)
     begun = None if force else interrupted(scenario, path)
     if begun is not None:

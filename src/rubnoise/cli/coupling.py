@@ -17,10 +17,10 @@ def coupling_figures(theory: Exact) -> dict[str, Any]:
     return figures if found.unknown is None else figures | {"expected_change": None, "change_unknown": found.unknown}
 
 
-def coupling_lines(slider: dict[str, Any]) -> list[str]:
+def coupling_lines(slider: dict[str, Any], *, two_way: bool) -> list[str]:
     """Return the same as lines to print, one-way validity first, and a warning where two-way coupling is needed."""
     validity = slider["one_way_validity"]
-    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING else []
+    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING and not two_way else []
     return [
         line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)"),
         line("coupling strength", f"{number(slider['coupling_strength'])} (Pi; weak below 0.03)"),

@@ -7,6 +7,7 @@ from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.coupling import coupling_figures, coupling_lines
 from rubnoise.cli.foresight import told
 from rubnoise.cli.layout import (
+    ONE_WAY_ALONE,
     about,
     duration,
     grouped,
@@ -58,8 +59,9 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
             "velocity_std": theory.slider.velocity_std,
             "one_way_validity": theory.slider.one_way_validity,
             **coupling_figures(theory),
-            "cells_per_tick": cells_per_tick(model),
-        } | ({} if missing is None else {"needed_distance": missing.needed})
+        }
+        answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
+        answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
     return answer
 
 
@@ -95,7 +97,7 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     ]
     if "friction_force" in answer:
         lines.append(line("friction force", spread("friction_force", " uN")))
-    lines += _slider_lines(answer.get("slider"))
+    lines += _slider_lines(answer.get("slider"), two_way=model.is_two_way)
     lines.append(line("births", f"{grouped(answer['expected_births'])} expected"))
     lines += _cost_lines(scenario, answer["cost"]) if "cost" in answer else []
     return lines + [remark(f"note: {note}") for note in answer["notes"]]
@@ -113,7 +115,7 @@ def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
     ]
 
 
-def _slider_lines(slider: dict[str, Any] | None) -> list[str]:
+def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> list[str]:
     if slider is None:
         return []
     return [
@@ -123,7 +125,7 @@ def _slider_lines(slider: dict[str, Any] | None) -> list[str]:
             "displacement", f"mean {number(slider['displacement_mean'])}, std {number(slider['displacement_std'])} um"
         ),
         line("velocity", f"std {number(slider['velocity_std'])} um/s"),
-        *coupling_lines(slider),
+        *coupling_lines(slider, two_way=two_way),
     ]
 
 
@@ -148,5 +150,7 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
         if abs(off) > WORTH_A_NOTE:
             law = scenario.strength.law
             notes.append(f"the law {law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for")
+    if model.is_two_way:
+        notes.append(ONE_WAY_ALONE)
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]

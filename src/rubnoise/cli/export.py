@@ -24,6 +24,7 @@ class Group(StrEnum):
     JUNCTIONS = "junctions"
     TRACE = "trace"
     SLIDER = "slider"
+    LANDMARKS = "landmarks"
 
 
 def command(
@@ -32,7 +33,9 @@ def command(
     kind: Annotated[Kind, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT", show_default=False)],
     group: Annotated[
         Group | None,
-        typer.Option(help="One group of the run: junctions, trace or slider; all when left out.", metavar="GROUP"),
+        typer.Option(
+            help="One group of the run: junctions, trace, slider or landmarks; all when left out.", metavar="GROUP"
+        ),
     ] = None,
     output: Annotated[
         Path | None,

@@ -85,8 +85,15 @@ def one_way_warning(validity: float) -> str:
     """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
     return (
         f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
-        f" which one-way coupling takes for constant; two-way coupling is needed above {WORTH_A_WARNING:g}"
+        " which one-way coupling takes for constant; two-way coupling"
+        f' (slider.coupling = "two-way") is needed above {WORTH_A_WARNING:g}'
     )
+
+
+ONE_WAY_ALONE = (
+    "the slider pushes back: its displacement and velocity here are those of one-way coupling; a run shows the others"
+)
+"""What to say beside the exact motion of a slider that is coupled two ways."""
 
 
 def too_short_for_motion(decays: float, needed: float) -> str:

@@ -1,5 +1,6 @@
 """`rubnoise theory`: what is exact about a scenario, without a run."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -90,5 +91,6 @@ def command(
         print(json.dumps(answer))
     else:
         heading = f"{file}: {scenario.title}".removesuffix(": ")
-        lines = theory_text.rows(answer) if as_csv else theory_text.described(heading, model.calibration, answer)
+        told = partial(theory_text.described, heading, model.calibration, two_way=model.is_two_way)
+        lines = theory_text.rows(answer) if as_csv else told(answer)
         print("\n".join(lines))

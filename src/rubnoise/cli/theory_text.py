@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 
 from rubnoise.cli.coupling import coupling_lines
-from rubnoise.cli.layout import line, number, printable, remark
+from rubnoise.cli.layout import ONE_WAY_ALONE, line, number, printable, remark
 from rubnoise.cli.terminal import sentence
 
 COLUMN: Final = 19
@@ -58,13 +58,13 @@ CURVES: Final = {
 """Groups that are told at points, and which of their fields says where."""
 
 
-def described(heading: str, calibration: str, answer: dict[str, Any]) -> list[str]:
+def described(heading: str, calibration: str, answer: dict[str, Any], *, two_way: bool) -> list[str]:
     """Return what theory says, as lines to print under a heading."""
     return [
         sentence(printable(heading)),
         "",
         *_moment_lines(calibration, answer),
-        *_slider_lines(answer.get("slider")),
+        *_slider_lines(answer.get("slider"), two_way=two_way),
         *_curve_lines(answer),
     ]
 
@@ -85,13 +85,15 @@ def _cumulant_lines(label: str, unit: str, group: dict[str, Any]) -> Iterator[st
     yield line("", f"skewness {_shown(group['skewness'])}, excess kurtosis {_shown(group['excess_kurtosis'])}")
 
 
-def _slider_lines(slider: dict[str, Any] | None) -> Iterator[str]:
+def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> Iterator[str]:
     if slider is None:
         return
     place = f"mean {_shown(slider['displacement_mean'])}, std {_shown(slider['displacement_std'])} um"
     yield line("displacement", place)
     yield line("velocity", f"std {_shown(slider['velocity_std'])} um/s")
-    yield from coupling_lines(slider)
+    yield from coupling_lines(slider, two_way=two_way)
+    if two_way:
+        yield remark(f"note: {ONE_WAY_ALONE}")
 
 
 def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:

@@ -147,12 +147,12 @@ class TrianglePulse:
     @property
     def squared_kinks(self) -> float:
         """3 pi^2 / 8: the slope jumps by pi/4 at both ends and by -pi/2 at mid-life."""
-        return 0.375 * pi**2
+        return 0.375 * pi * pi
 
     @property
     def squared_slope(self) -> float:
         """pi^2 / 8."""
-        return 0.125 * pi**2
+        return 0.125 * pi * pi
 
     def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return (pi/4) d (d - |d - s|) in um^2, and 0 outside 0 <= s <= 2d."""

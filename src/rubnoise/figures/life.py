@@ -116,7 +116,7 @@ def _shade_unknown(axes: "Axes", life: Life) -> None:
 
 def _add_times(above: "Axes", below: "Axes", life: Life) -> None:
     """Write times since birth on top, in the unit that suits them."""
-    if life.birth_time is None or life.death_time is None:
+    if life.birth_time is None or life.death_time is None or not life.slides_evenly:
         return
     whole = life.death_time - life.birth_time
     unit, factor = next((unit, factor) for unit, factor in UNITS_OF_TIME if whole * factor > 1.0 or unit == "ns")

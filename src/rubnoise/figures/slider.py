@@ -41,6 +41,11 @@ def slider_figure(stretch: Stretch) -> "Figure":
     model = stretch.model
     if model.slider is None or model.sliding_speed is None or "slider" not in stretch.file.columns:
         raise Refused("the run has no slider to draw; [slider] in its scenario would give it one")
+    if model.is_two_way:
+        raise Refused(
+            "the picture beside the exact motion is of one-way coupling; rubnoise export and rubnoise.open give /slider"
+            " and /landmarks of a two-way run"
+        )
     shown = stretch.narrowed(PERIODS * model.sliding_speed / model.slider.natural_frequency)
     seen = _spectrum(stretch)
     figure = new_figure(7.2, 4.2 if seen is None else 6.6)

@@ -34,6 +34,8 @@ def settings_of(scenario: Scenario) -> Settings:
     Raises Refused for sizes that are neither equal nor normal and for strengths that differ: the page cannot draw them.
     """
     model = scenario.model()
+    if model.is_two_way:
+        raise Refused('the page moves its slider one way: slider.coupling = "one-way" makes a lesson of the scenario')
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
     slider = model.slider
     return Settings(

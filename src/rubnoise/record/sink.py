@@ -13,24 +13,32 @@ Columns = Mapping[str, NDArray[Any]]
 class Extent:
     """How many rows each group of a run has, known exactly before its first event.
 
-    slider: 0 without a slider, None where its rows grow with the run, so that only the end tells how many there are.
+    slider: 0 without a slider, None where its rows grow with the run, so that only the end tells how many there are;
+    landmarks: 0 where nothing of the kind is told, else None.
     """
 
     junctions: int
     ticks: int
     blocks: int
     slider: int | None
+    landmarks: int | None = 0
 
     def rows(self, group: str) -> int | None:
         """Return the number of rows of a group that is named as in a result file; None where it grows."""
-        return {"junctions": self.junctions, "trace": self.ticks, "slider": self.slider, "blocks": self.blocks}[group]
+        return {
+            "junctions": self.junctions,
+            "trace": self.ticks,
+            "slider": self.slider,
+            "landmarks": self.landmarks,
+            "blocks": self.blocks,
+        }[group]
 
 
 class Sink(Protocol):
     """Keeps columns of rows; groups and columns are named as in a result file."""
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows ``first_row``... of a group: "junctions", "trace", "slider" or "blocks".
+        """Keep rows ``first_row``... of a group: "junctions", "trace", "slider", "landmarks" or "blocks".
 
         Rows come in order and without gaps; a row of "junctions" may come once more when its junction is ended early.
         """

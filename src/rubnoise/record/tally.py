@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from math import sqrt
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.record.sink import Columns
@@ -13,6 +14,12 @@ WATCHED = {
     "slider": {"displacement": 2, "velocity": 2},
 }
 """Which columns are tallied, by group, and to which power."""
+
+COUNTED = {"slider": {"phase": 3}, "landmarks": {"kind": 4}}
+"""Columns of few whole numbers of which each is counted, by group, and how many there are."""
+
+TALLIED = {group: {**WATCHED.get(group, {}), **COUNTED.get(group, {})} for group in {**WATCHED, **COUNTED}}
+"""All columns from which a tally is made."""
 
 
 @dataclass(slots=True)
@@ -81,9 +88,10 @@ class Moments:
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """A sink that keeps only the moments of the columns it watches, by name."""
+    """A sink that keeps only the moments of the columns it watches, or how often each number comes, by name."""
 
     moments: dict[str, Moments] = field(default_factory=dict)
+    counts: dict[str, list[int]] = field(default_factory=dict)
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Take in rows of a group (see Sink)."""
@@ -92,3 +100,8 @@ class Tally:
             if name in columns:
                 seen = self.moments.setdefault(name, Moments(powers=powers))
                 seen.add(columns[name])
+        for name, numbers in COUNTED.get(group, {}).items():
+            if name in columns:
+                counts = self.counts.setdefault(name, [0] * numbers)
+                for number in range(numbers):
+                    counts[number] += int(np.count_nonzero(columns[name] == number))

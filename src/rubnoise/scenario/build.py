@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from fractions import Fraction
 from math import sqrt
-from typing import Literal, cast
+from typing import Final, Literal, cast
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import calibrated_diameter
@@ -12,6 +12,9 @@ from rubnoise.contact.pulses import PULSES
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.units import LENGTH, RATIO, Quantity
+
+TOLERANCE: Final = 1e-9
+"""Of a two-way motion, where the file has none."""
 
 _BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
 
@@ -84,4 +87,11 @@ def _slider(slider: sections.Slider) -> Slider:
     ratio = slider.damping_ratio
     damping = float(slider.damping or 0.0) if ratio is None else ratio * critical
     start = cast(Literal["equilibrium", "rest"], slider.start)
-    return Slider(mass=mass, stiffness=stiffness, damping=damping, start=start)
+    return Slider(
+        mass=mass,
+        stiffness=stiffness,
+        damping=damping,
+        start=start,
+        coupling=cast(Literal["one-way", "two-way"], slider.coupling),
+        tolerance=slider.tolerance or TOLERANCE,
+    )

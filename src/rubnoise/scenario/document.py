@@ -168,9 +168,17 @@ class Slider(Section):
     ] = None
     coupling: Annotated[
         str,
-        Choice(("one-way",), later=("two-way",)),
-        About(description="one-way: the motion of the slider does not change the sliding distance."),
+        Choice(("one-way", "two-way")),
+        About(
+            description="one-way: the motion of the slider does not change the sliding distance; two-way: it does, and "
+            "the slider may stick and turn round."
+        ),
     ] = "one-way"
+    tolerance: Annotated[
+        float | None,
+        Number(Range(1e-12, 1e-4)),
+        About(description="Error of each step of a two-way motion, relative to its deflection; without it 1e-9."),
+    ] = None
     start: Annotated[
         str,
         Choice(("equilibrium", "rest")),

@@ -128,6 +128,7 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
         yield from _damping_problems(layers, slider)
+        yield from _tolerance_problems(layers, slider)
     yield from _law_problems(layers, "diameter")
     yield from _law_problems(layers, "strength")
 
@@ -143,6 +144,15 @@ def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Proble
         message = f"both damping and damping_ratio are given (the other at {where})"
         path = next(path for path in both if layers.key_place(path) == second)
         yield Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
+
+
+def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
+    coupling, path = slider.get("coupling", "one-way"), ("slider", "tolerance")
+    if "tolerance" in slider and coupling == "one-way":
+        message = "one-way coupling takes no tolerance: its motion is exact"
+        message += "" if "coupling" in slider else ', and "one-way" is the default'
+        hint = 'write coupling = "two-way", or leave the tolerance out'
+        yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
 
 
 def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:

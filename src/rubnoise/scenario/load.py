@@ -7,8 +7,9 @@ from typing import Any
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
+from rubnoise.scenario.build import TOLERANCE
 from rubnoise.scenario.checks import modelled, plausibility
-from rubnoise.scenario.document import Document, SampledOutput
+from rubnoise.scenario.document import Document, SampledOutput, Slider
 from rubnoise.scenario.fields import FROM_PYTHON
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Problem, in_order, report
@@ -68,6 +69,13 @@ def examined(given: Layers, *, from_python: bool = False) -> tuple[Scenario | No
     return _scenario(given, document, model, tick, problems), problems
 
 
+def _complete(slider: Slider | None) -> Slider | None:
+    """Return a slider with the tolerance that a two-way motion has without one."""
+    if slider is None or slider.coupling == "one-way" or slider.tolerance is not None:
+        return slider
+    return slider.model_copy(update={"tolerance": TOLERANCE})
+
+
 def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, warnings: list[Problem]) -> Scenario:
     output = {"tick": tick, "compression": document.output.compression}
     return Scenario(
@@ -78,7 +86,7 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, w
         pulse=document.pulse,
         strength=document.strength,
         sliding=document.sliding,
-        slider=document.slider,
+        slider=_complete(document.slider),
         output=SampledOutput.model_validate(output, context=FROM_PYTHON),
         run=document.run,
         name=given.main.name,

@@ -21,6 +21,9 @@ QUANTITIES: Final[dict[str, str]] = {
 }
 """The figures of a run, and the table that a scenario needs for each."""
 
+ONE_WAY_ONLY: Final = "one_way_validity"
+"""The figure that a run with two-way coupling does not have."""
+
 FEWEST: Final = 8
 """Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""
 

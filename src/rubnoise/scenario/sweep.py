@@ -13,7 +13,7 @@ from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Overlay
 from rubnoise.scenario.load import examined, load
 from rubnoise.scenario.points import Case, Point, points_of, run_id
-from rubnoise.scenario.precision import QUANTITIES, Precision
+from rubnoise.scenario.precision import ONE_WAY_ONLY, QUANTITIES, Precision
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep_problems import Examined, gathered, in_words
@@ -174,3 +174,7 @@ def _without_quantity(given: Layers, precision: Precision | None, cases: Sequenc
         path = (SWEEP, "quantity")
         message = f"{precision.quantity} is no quantity of a run without [{needs}]"
         yield Problem(path=path, message=message, place=given.value_place(path), hint=f"a table [{needs}]")
+    if precision and precision.quantity == ONE_WAY_ONLY and any(case.scenario.physics.is_two_way for case in cases):
+        path = (SWEEP, "quantity")
+        message = f"{ONE_WAY_ONLY} is no quantity of a run with two-way coupling"
+        yield Problem(path=path, message=message, place=given.value_place(path), hint="velocity_std is one")

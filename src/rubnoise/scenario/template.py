@@ -34,6 +34,7 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("slider", "stiffness"): "300 N/m",
     ("slider", "damping"): "0.05 N*s/m",
     ("slider", "damping_ratio"): 0.02,
+    ("slider", "tolerance"): 1e-9,
     ("output", "tick"): "0.05 um",
     (SWEEP, "precision"): 0.005,
 }
@@ -43,6 +44,7 @@ VARIED: Final = "Each value of a key goes with each one of the others; lists of 
 
 REMARKS: Final[dict[tuple[str, str], str]] = {
     ("slider", "damping_ratio"): "In place of damping.",
+    ("slider", "tolerance"): "For two-way coupling alone.",
 }
 
 

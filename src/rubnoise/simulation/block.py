@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
 from rubnoise.simulation.starts import BlockStarts
 from rubnoise.simulation.state import Doubles, LiveRows, State
+
+if TYPE_CHECKING:
+    from rubnoise.simulation.two_way import TwoWayMotion
 
 ROOM: Final = 12 * LARGEST_PANEL
 """Numbers of room that are asked for, most of which are never touched. Usual systems take back what lies free at the
@@ -72,6 +75,7 @@ def next_state(run: Run, state: State) -> State:
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     block_panels = list(panels(run.model, state, births, cells))
     motion = None if run.constants is None else _motion(run, state, run.constants)
+    two_way = _two_way(run, state) if run.model.is_two_way else None
     slider = Appender(run.sink, "slider", state.slider_rows)
     rows, events = run.play(
         state=state,
@@ -80,10 +84,13 @@ def next_state(run: Run, state: State) -> State:
         panels=block_panels,
         run_end=run.model.distance,
         sample=lambda panel, rows: _write_trace(run, panel, rows),
-        move=None if motion is None else partial(_write_slider, slider, motion, starts),
+        move=_moving(motion, two_way, slider, starts),
     )
     natural = natural_death(rows.birth, rows.diameter)
-    _write_junctions(run, state, rows, natural)
+    if two_way is None:
+        _write_junctions(run, state, rows, natural)
+    else:
+        two_way.through(rows, min(births.next_birth, run.model.distance))
     run.sink.write("blocks", state.block, starts.columns(moving=motion is not None))
     ticks = block_panels[-1].end if block_panels else state.ticks
     return State(
@@ -94,9 +101,10 @@ def next_state(run: Run, state: State) -> State:
         ticks=ticks,
         events=state.events + events,
         live=_carried(rows, natural, (ticks - 1) * run.model.tick),
-        slider_rows=slider.rows,
+        slider_rows=slider.rows if two_way is None else two_way.slider_rows,
         displacement=state.displacement if motion is None else motion.displacement,
         velocity=state.velocity if motion is None else motion.velocity,
+        two_way=b"" if two_way is None else two_way.pack(),
     )
 
 
@@ -112,6 +120,21 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
 
 def _motion(run: Run, state: State, constants: Propagator) -> SliderMotion:
     return SliderMotion(run.model, constants, run.room, state.displacement, state.velocity)
+
+
+def _two_way(run: Run, state: State) -> "TwoWayMotion":
+    from rubnoise.simulation.two_way import TwoWayMotion  # which few runs need, and which takes long to load
+
+    return TwoWayMotion(run.model, run.seed, run.sink, run.room, state)
+
+
+def _moving(
+    motion: SliderMotion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
+) -> Callable[[Panel, LiveRows, Sample], None] | None:
+    """Return what moves the slider through a panel; None where there is no slider."""
+    if two_way is not None:
+        return lambda panel, rows, _: two_way.through(rows, panel.last_distance)
+    return None if motion is None else partial(_write_slider, slider, motion, starts)
 
 
 def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Sample:

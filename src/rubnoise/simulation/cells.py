@@ -36,8 +36,8 @@ def cells_per_tick(model: Model) -> int:
     The triangle is straight beside its kinks, which are no steeper than the lens's: the same envelope holds.
     Raises Refused where more than 4096 cells would be needed.
     """
-    if model.slider is None or model.tick_duration is None:
-        return 1
+    if model.slider is None or model.tick_duration is None or model.is_two_way:
+        return 1  # a two-way motion has cells of its own
     cells = 1
     while _error(model, model.slider, cells) > TARGET or model.tick / model.calibrated_diameter / cells > WIDEST_CELL:
         cells *= 2

@@ -40,6 +40,7 @@ SECONDS: Final[Mapping[str, float]] = {
     "cell": 1.2e-8,
     "push": 1.3e-9,
     "fine push": 8.0e-10,
+    "two-way": 2.5e-6,
     "packed byte": 1.7e-8,
 }
 """Of each kind of work: of which there is so much as `work` says."""
@@ -63,11 +64,11 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
 
     Births to draw, by whole blocks; rows to make and to write; events, and what they cost more in a crowd; ticks;
     overlaps, one for each junction at each tick of its life; cells of the slider's ticks; pushes, one for each junction
-    in each cell of its life.
+    in each cell of its life; junctions that a two-way slider meets.
     """
     alive, events = _alive(model), 2 * junctions if engine == "events" else 0
     summed = 1 if model.strengths is None or isinstance(model.strengths, Fixed) else 2
-    cells = cells_per_tick(model) if model.slider is not None else 0
+    cells = cells_per_tick(model) if model.slider is not None and not model.is_two_way else 0
     pushes = "fine push" if narrow(model, cells) else "push"
     return {
         "run": 1.0,
@@ -79,6 +80,7 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
         "overlap": ticks * alive * summed,
         "cell": ticks * cells,
         pushes: ticks * cells * alive,
+        "two-way": junctions if model.is_two_way else 0,
     }
 
 

@@ -30,14 +30,15 @@ def extent(model: Model, seed: int) -> Extent:
         junctions=start(model, seed).junctions + sum(born),
         ticks=model.tick_count + 1,
         slider=model.slider_rows,
+        landmarks=None if model.is_two_way else 0,
         blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
     )
 
 
 @lru_cache(maxsize=8)
 def slider_constants(model: Model) -> Propagator | None:
-    """Return the constants of the slider's step, or None where the model has no slider."""
-    if model.slider is None or model.sliding_speed is None:
+    """Return the constants of the slider's exact step, or None where no slider is coupled one way."""
+    if model.slider is None or model.sliding_speed is None or model.is_two_way:
         return None
     cells = cells_per_tick(model)
     return propagator(model.slider, model.sliding_speed, model.tick, cells)
@@ -70,6 +71,7 @@ def simulate(
     some that are played together, from which the run could go on; ``alone``: none are played together. Raises Refused
     as `check_guests` does.
     """
+    check_guests(model, engine, observe, intervene)
     play = _play(model, engine, observe, intervene)
     run = Run(
         model=model,
@@ -105,12 +107,21 @@ def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
             gc.enable()
 
 
-def check_guests(engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
-    """Refuse an observer or an intervention that is none, and either of them where there are no events."""
+def check_guests(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
+    """Refuse an observer or an intervention that is none, and either of them where there are no events.
+
+    An intervention is refused in a two-way run, too: where a life is cut short the force jumps, and what a slider that
+    stands there does next is not decided.
+    """
     if observe is not None and not isinstance(observe, Observer):
         raise Refused(f"observe: {observe!r} is no Observer; rubnoise.Observer(birth=...) makes one of functions")
     if intervene is not None and not callable(intervene):
         raise Refused(f"intervene: {intervene!r} is no function of the environment and the live junctions")
+    if intervene is not None and model.is_two_way:
+        raise Refused(
+            "intervene: where an intervention ends a life the force jumps, and the motion of a two-way slider is not"
+            ' decided there; slider.coupling = "one-way" takes interventions'
+        )
     for asked, what in (
         (intervene, "intervene: an intervention is a process among events"),
         (observe, "observe: an observer hears of events"),
@@ -120,7 +131,6 @@ def check_guests(engine: Engine, observe: Observer | None, intervene: Interventi
 
 
 def _play(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> Play:
-    check_guests(engine, observe, intervene)
     if engine == "batch":
         return play_at_once
     return partial(

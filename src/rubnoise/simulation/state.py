@@ -63,7 +63,8 @@ class State:
 
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
     far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
-    carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one.
+    carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one,
+    where it is coupled one way; two_way: where a slider is that is coupled two ways, written down by itself.
     """
 
     block: int
@@ -76,13 +77,14 @@ class State:
     slider_rows: int
     displacement: float
     velocity: float
+    two_way: bytes = b""
 
     def pack(self) -> bytes:
         """Return the state as bytes from which ``unpack`` makes the same bits again."""
-        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "live"}
+        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "two_way"}}
         header = json.dumps(numbers | {"rows": len(self.live)}, allow_nan=False).encode()
         rows = [getattr(self.live, f.name).astype(f"<{_kind(f.name)}8").tobytes() for f in fields(LiveRows)]
-        return _HEADER.pack(len(header)) + header + b"".join(rows)
+        return _HEADER.pack(len(header)) + header + b"".join(rows) + self.two_way
 
     @classmethod
     def unpack(cls, data: bytes) -> "State":
@@ -95,7 +97,7 @@ class State:
         for n, f in enumerate(fields(LiveRows)):
             column = np.frombuffer(data, dtype=f"<{_kind(f.name)}8", count=count, offset=begin + 8 * count * n)
             rows[f.name] = column.astype(column.dtype.newbyteorder("="))
-        return cls(live=LiveRows(**rows), **numbers)
+        return cls(live=LiveRows(**rows), two_way=data[begin + 8 * count * len(rows) :], **numbers)
 
 
 def _kind(column: str) -> str:

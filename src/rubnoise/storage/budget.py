@@ -3,12 +3,13 @@
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from pathlib import Path
 from typing import cast
 
 from rubnoise.errors import OutputRefused, Refused
+from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, seconds, work, working_bytes
@@ -66,6 +67,7 @@ def expected(scenario: Scenario) -> Budget:
         ticks=model.tick_count + 1,
         blocks=ceil(births / births_per_block(model)) + 1,
         slider=model.slider_rows,
+        landmarks=None if model.is_two_way else 0,
     )
     return _budget(scenario, rows)
 
@@ -97,7 +99,9 @@ def check_room(scenario: Scenario, budget: Budget, path: str | os.PathLike[str])
     """
     room = disk_room(path)
     if budget.disk_bytes > room:
-        what = "the result" if budget.disk_bytes == budget.result_bytes else "the result and its compressed copy"
+        what = "the result"
+        if budget.disk_bytes > budget.result_bytes:
+            what += " and its compressed copy" if _is_compressed(scenario) else " and the rows that grow beside it"
         raise OutputRefused(
             f"{path}: {what} may take {budget.disk_bytes:,} bytes, and {Path(path).absolute().parent} has room for"
             f" {room:,}; {_smaller_result(scenario, budget, room)}"
@@ -140,20 +144,39 @@ def check_sweep_room(budget: Budget, folder: Path, *, jobs: int) -> None:
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
     model, engine = scenario.model(), cast(Engine, scenario.run.engine)
-    size = expected_bytes(rows, features_of(model)) + len(scenario.text.encode())
-    copy = size if scenario.output.compression == "gzip" else 0
+    size = expected_bytes(_when_grown(model, rows), features_of(model)) + len(scenario.text.encode())
+    copy = size if _is_compressed(scenario) else 0
+    # Rows that grow lie beside the part until they are copied into it.
+    growing = expected_bytes(_when_grown(model, rows), features_of(model)) - expected_bytes(rows, features_of(model))
     return Budget(
         junctions=rows.junctions,
         ticks=rows.ticks,
         result_bytes=size,
-        disk_bytes=size + copy,
+        disk_bytes=size + (copy or growing),
         working_bytes=working_bytes(model, engine),
         work=work(model, engine, rows.junctions, rows.ticks) | {"packed byte": float(copy)},
     )
 
 
+def _is_compressed(scenario: Scenario) -> bool:
+    return scenario.output.compression == "gzip"
+
+
+def _when_grown(model: Model, rows: Extent) -> Extent:
+    """Return about how many rows there will be where only the end of a run tells: of a two-way slider.
+
+    It rides ahead by its deflection at most twice, and sticks once in a period of its own at most, about.
+    """
+    if model.slider is None or model.strengths is None or rows.slider is not None:
+        return rows
+    deflection = model.strengths.moment(1) * model.stationary_mean_area / model.slider.stiffness
+    moments = rows.ticks + ceil(2.0 * deflection / model.tick)
+    periods = moments * (model.tick_duration or 0.0) * model.slider.natural_frequency
+    return replace(rows, slider=moments, landmarks=ceil(2.0 * periods))
+
+
 def _smaller_result(scenario: Scenario, budget: Budget, room: int) -> str:
-    if budget.result_bytes <= room:
+    if budget.result_bytes <= room and _is_compressed(scenario):
         return 'output.compression = "none" takes no copy'
     return _fewer_rows(scenario)
 

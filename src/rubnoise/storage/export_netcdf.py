@@ -35,7 +35,8 @@ def _write_table(owner: Any, table: Table, between: Callable[[], None]) -> None:
 def _variable(owner: Any, column: Column, dimension: str) -> Any:
     variable = owner.create_variable(column.name, (dimension,), np.dtype(column.dtype))
     variable.attrs.update({"units": column.units, "long_name": column.long_name, "symbol": column.symbol})
-    if column.flags:
-        variable.attrs["flag_masks"] = np.array([bit for bit, _ in column.flags], dtype=column.dtype)
-        variable.attrs["flag_meanings"] = " ".join(meaning for _, meaning in column.flags)
+    attribute, codes = column.coded
+    if codes:
+        variable.attrs[attribute] = np.array([number for number, _ in codes], dtype=column.dtype)
+        variable.attrs["flag_meanings"] = " ".join(meaning for _, meaning in codes)
     return variable

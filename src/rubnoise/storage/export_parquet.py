@@ -26,6 +26,7 @@ def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], betwee
 
 def _field(column: Column) -> pa.Field:
     about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
-    if column.flags:
-        about["flags"] = " ".join(f"{bit}:{meaning}" for bit, meaning in column.flags)
+    _, codes = column.coded
+    if codes:
+        about["flags"] = " ".join(f"{number}:{meaning}" for number, meaning in codes)
     return pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about)

@@ -38,6 +38,7 @@ def features_of(model: Model) -> frozenset[Feature]:
         "speed": model.sliding_speed,
         "strength": model.strengths,
         "slider": model.slider,
+        "two-way": model.is_two_way or None,
     }
     return frozenset(feature for feature, value in given.items() if value is not None)
 
@@ -49,7 +50,11 @@ def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
 
 def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, ...]:
     """Return the columns that a group has in a run with these features, the scale first."""
-    return tuple(column for column in group.columns if column.needs is None or column.needs in features)
+    return tuple(
+        column
+        for column in group.columns
+        if (column.needs is None or column.needs in features) and column.unless not in features
+    )
 
 
 def row_count(group: Group, extent: Extent) -> int:
@@ -70,6 +75,7 @@ def stored_extent(rows: Mapping[str, int]) -> Extent:
         ticks=rows["trace"],
         blocks=rows.get("blocks", 0),
         slider=None if "slider" in growing else rows.get("slider", 0),
+        landmarks=None if "landmarks" in growing else rows.get("landmarks", 0),
     )
 
 

@@ -5,8 +5,8 @@ from typing import Final, Literal
 
 from rubnoise.contact.pulses import PULSES
 
-Feature = Literal["speed", "strength", "slider"]
-"""What a scenario may add to the bare contact: times, forces, the motion of a slider."""
+Feature = Literal["speed", "strength", "slider", "two-way"]
+"""What a scenario may add to the bare contact: times, forces, the motion of a slider, and that it pushes back."""
 
 Scalar = float | int | str
 """What an attribute holds."""
@@ -27,7 +27,10 @@ JUNCTION_AREA_FORMULAS: Final = {shape: f"A(s) = {pulse.formula}{_WHERE}" for sh
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
-    """One dataset of one dimension; ``needs`` names the feature without which it is absent."""
+    """One dataset of one dimension; ``needs`` names the feature without which it is absent, ``unless`` one with which.
+
+    ``flags`` are the meanings of bits, ``values`` those of whole numbers.
+    """
 
     name: str
     units: str
@@ -35,7 +38,14 @@ class Column:
     symbol: str
     dtype: str = "<f8"
     needs: Feature | None = None
+    unless: Feature | None = None
     flags: tuple[tuple[int, str], ...] = ()
+    values: tuple[tuple[int, str], ...] = ()
+
+    @property
+    def coded(self) -> tuple[str, tuple[tuple[int, str], ...]]:
+        """The attribute of the CF conventions that lists its flags or values, and what each of them means."""
+        return ("flag_values", self.values) if self.values else ("flag_masks", self.flags)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +58,7 @@ class Group:
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "slider", "blocks", "curve"]
+    length: Literal["junctions", "ticks", "slider", "landmarks", "blocks", "curve"]
     columns: tuple[Column, ...]
     plotted: str
     needs: Feature | None = None
@@ -114,6 +124,41 @@ SLIDER: Final = Group(
         Column(name="friction_force", units="uN", symbol="F_s", long_name="friction force on the slider"),
         Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
         Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
+        Column(
+            name="phase",
+            dtype="|u1",
+            units="1",
+            symbol="phase",
+            long_name="how the slider moves over the surface",
+            needs="two-way",
+            values=((0, "slip"), (1, "stick"), (2, "reversal")),
+        ),
+    ),
+)
+
+LANDMARKS: Final = Group(
+    name="landmarks",
+    long_name="where the slider sticks, breaks away and turns round",
+    length="landmarks",
+    needs="two-way",
+    grows=True,
+    plotted="displacement",
+    columns=(
+        Column(name="landmark", dtype="<i8", units="1", symbol="n", long_name="row number of the landmark"),
+        Column(name="time", units="s", symbol="t", long_name="time"),
+        Column(name="distance", units="um", symbol="s", long_name="sliding distance"),
+        Column(
+            name="kind",
+            dtype="|u1",
+            units="1",
+            symbol="kind",
+            long_name="what the slider begins",
+            values=((0, "stick"), (1, "slip"), (2, "reversal"), (3, "forward")),
+        ),
+        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
+        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),
+        Column(name="force_before", units="uN", symbol="F_-", long_name="friction force on the slider just before"),
+        Column(name="force_after", units="uN", symbol="F_+", long_name="friction force on the slider just after"),
     ),
 )
 
@@ -134,6 +179,7 @@ BLOCKS: Final = Group(
             symbol="x",
             long_name="displacement of the slider at the last tick before it",
             needs="slider",
+            unless="two-way",
         ),
         Column(
             name="velocity",
@@ -141,6 +187,7 @@ BLOCKS: Final = Group(
             symbol="x'",
             long_name="velocity of the slider at the last tick before it",
             needs="slider",
+            unless="two-way",
         ),
     ),
 )
@@ -156,4 +203,4 @@ LIFE_CURVE: Final = Group(
     ),
 )
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, BLOCKS, LIFE_CURVE)
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LANDMARKS, BLOCKS, LIFE_CURVE)

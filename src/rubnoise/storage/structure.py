@@ -183,10 +183,11 @@ def _describe_column(dataset: h5py.h5d.DatasetID, column: Column) -> None:
     _put(dataset, "long_name", column.long_name)
     _put(dataset, "symbol", column.symbol)
     _put(dataset, HASH, "0" * HASH_DIGITS)
-    if column.flags:
-        masks = np.array([bit for bit, _ in column.flags], dtype=column.dtype)
-        _create(dataset, b"flag_masks", masks, _number_kind(column.dtype))
-        _put(dataset, "flag_meanings", " ".join(meaning for _, meaning in column.flags))
+    attribute, codes = column.coded
+    if codes:
+        numbers = np.array([number for number, _ in codes], dtype=column.dtype)
+        _create(dataset, attribute.encode(), numbers, _number_kind(column.dtype))
+        _put(dataset, "flag_meanings", " ".join(meaning for _, meaning in codes))
 
 
 def provenance_attributes(description: RunDescription) -> dict[str, Scalar]:

@@ -83,9 +83,12 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         "strength": has_hard_link(junctions, "shear_strength"),
         "speed": has_hard_link(junctions, "birth_time"),
         "slider": has_hard_link(file, "slider"),
+        "two-way": has_hard_link(file, "landmarks"),
     }
     if told["slider"] and not (told["speed"] and told["strength"]):
         raise RunFileRefused("has a slider without a speed or a strength")
+    if told["two-way"] and not told["slider"]:
+        raise RunFileRefused("has landmarks without a slider")
     return frozenset(feature for feature, present in told.items() if present)
 
 

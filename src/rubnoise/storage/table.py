@@ -11,7 +11,7 @@ from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import CONVENTIONS, Column, Group, Scalar
 
-TABLES: Final = ("junctions", "trace", "slider")
+TABLES: Final = ("junctions", "trace", "slider", "landmarks")
 """The groups that are exported; the life curve is the same in every run of one pulse."""
 
 

@@ -9,7 +9,7 @@ from typing import Final, Self
 
 from rubnoise.errors import OutputRefused, RubnoiseError, RunStopped, resume_hint
 from rubnoise.record.sink import Columns, Sink
-from rubnoise.record.tally import WATCHED
+from rubnoise.record.tally import TALLIED
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.compress import compressed
@@ -108,7 +108,7 @@ class RunWriter:
 
     def replay(self, sink: Sink) -> None:
         """Hand the rows that were there before, as far as a summary needs them, to a sink."""
-        self._part.replay(sink, WATCHED)
+        self._part.replay(sink, TALLIED)
 
     def publish(self, summary: Mapping[str, Scalar], *, between: Callable[[], None] = lambda: None) -> None:
         """Fill in hashes, summary and the time of the end, and give the file its final name.

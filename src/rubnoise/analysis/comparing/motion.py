@@ -42,6 +42,9 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     """
     if model.slider is None:
         return []
+    if model.is_two_way:
+        reason = "the exact motion is that of one-way coupling, and this slider pushes back"
+        return [LeftOut(name="displacement", reason=reason)]
     need_random_births(model, "the standard error of a slider's motion")
     speed, exact = drive_of(model).speed, response(model)
     if model.slider.damping == 0.0:

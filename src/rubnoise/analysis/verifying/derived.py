@@ -12,7 +12,7 @@ from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
-from rubnoise.record.tally import Moments, Tally
+from rubnoise.record.tally import TALLIED, Moments, Tally
 from rubnoise.storage.life_curve import life_curve
 
 MEASURED: Final = 1e-9
@@ -42,7 +42,7 @@ def summary_check(model: Model, run: Reader) -> Check:
     Standard errors are worked out again, too; a figure that a run of the scenario does not have is named.
     """
     notes, tally, stored = Notes("summary"), Tally(), run.summary
-    for group in ("trace", "slider"):
+    for group in TALLIED:
         if group in run.columns:
             for panel in panels(run, group):
                 tally.write(group, panel.first, panel.columns)

@@ -34,7 +34,7 @@ def life_checks(model: Model, rows: Rows) -> list[Check]:
     }
     if model.strengths is not None:
         checks["strengths"] = _check_strengths
-    if model.sliding_speed is not None:
+    if model.sliding_speed is not None and not model.is_two_way:
         checks["times"] = _check_times
     notes = {name: Notes(name) for name in checks}
     order = _Order(notes["births"], model, rows)

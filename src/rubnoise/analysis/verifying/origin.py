@@ -81,7 +81,7 @@ def cells_per_tick(run: Reader) -> int:
 
 def _constants(model: Model, cells: int) -> dict[str, tuple[float, float]]:
     """Return every constant by name with what it may be off by; none without a slider."""
-    if model.slider is None or model.sliding_speed is None:
+    if model.slider is None or model.sliding_speed is None or model.is_two_way:
         return {}
     found = {"cells_per_tick": (float(cells), 0.0)}
     for name, (matrix, scale) in _matrices(model.slider, model.sliding_speed, model.tick / cells).items():

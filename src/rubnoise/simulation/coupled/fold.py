@@ -1,0 +1,295 @@
+"""A two-way run as a fold: rows of junctions in, columns of the slider out, and a state that can be written down."""
+
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass, replace
+from math import ceil, floor, sqrt
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.model import Model
+from rubnoise.simulation.coupled import layout
+from rubnoise.simulation.coupled.field import GROUP, Field
+from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
+from rubnoise.simulation.coupled.quadrature import NODES, TABLE
+from rubnoise.simulation.coupled.state import CoupledState
+from rubnoise.simulation.coupled.steps import WORK
+from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.state import LiveRows
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+Earlier = Callable[[float, float], LiveRows]
+"""All junctions that live between two distances (um), in order of birth: asked for where the slider runs far back."""
+
+FINENESS: Final = 100.0
+"""Cells to a diameter at least: from 96 on the kernels sum lives as series."""
+
+_CELLS: Final = 131_072
+"""Cells of a range: their moments are 3 MB."""
+
+_BEHIND: Final = 1024
+"""Cells behind the slider that a range begins with, so that short reversals stay in it."""
+
+_KEPT_ROWS: Final = 65_536
+"""Rows behind the farthest distance that are carried at most."""
+
+_ROOM_FOR_ROWS, _ROOM_FOR_LANDMARKS = 65_536, 4096
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """What came to be while the slider moved on: some ten thousand rows at most, where a step is not longer than that.
+
+    slider: columns time, distance, friction_force, displacement, velocity, phase, a row every tick/V from the run's
+    row ``first_row`` on; landmarks: time, distance, kind, displacement, velocity, force_before, force_after; births and
+    deaths: numbers of junctions and when the slider first passed there (s).
+    """
+
+    first_row: int
+    slider: dict[str, NDArray[Any]]
+    landmarks: dict[str, NDArray[Any]]
+    births: tuple[Integers, Doubles]
+    deaths: tuple[Integers, Doubles]
+
+
+class CoupledMotion:
+    """A two-way slider on its way: ``state`` is where it is."""
+
+    def __init__(
+        self, model: Model, constants: Doubles, state: CoupledState, room: Room, earlier: Earlier, cells: int = _CELLS
+    ) -> None:
+        """Start from a state. ``earlier``: who knows the junctions behind those carried; ``cells``: of a range."""
+        self._model = model
+        self._constants = constants
+        self._room = room
+        self._earlier = earlier
+        self._cells = max(cells // GROUP * GROUP, 2 * _BEHIND)
+        self.state = state
+        self.finished = False
+        self._out = np.empty((layout.ROW_COLUMNS, _ROOM_FOR_ROWS))
+        self._marks = np.empty((layout.MARK_COLUMNS, _ROOM_FOR_LANDMARKS))
+        width = float(constants[layout.SPACING])
+        self._last = floor(model.distance / width)
+        while float(self._last) * width > model.distance:
+            self._last -= 1
+        self._rest = model.distance - float(self._last) * width
+
+    def through(self, born: LiveRows, known: float) -> Iterator[Told]:
+        """Move until the field is wanted beyond a distance (um), or the run is over, and tell what comes to be.
+
+        born: junctions in order of birth, of which those that are new are taken; every birth before ``known`` must be
+        among them or have come before. The state is that of the end once everything has been told.
+        """
+        self._take(born)
+        end = self._end_of(known)
+        while not (self.finished or self._waits(end)):
+            begin, stop = self._range(end)
+            code = yield from self._move_in(begin, stop)
+            self.finished = code == DONE
+        self._forget()
+
+    def _waits(self, end: int) -> bool:
+        """Whether the next group of cells ahead is not known yet."""
+        ahead = (int(self.state.whole[layout.CELL]) // GROUP + 1) * GROUP
+        return self.state.phase != layout.REVERSED and ahead > end and end <= self._last
+
+    def _take(self, born: LiveRows) -> None:
+        state = self.state
+        newest = int(state.rows.junction[-1]) if len(state.rows) else -1
+        new = born.part(int(np.searchsorted(born.junction, newest, side="right")), len(born))
+        if not len(new):
+            return
+        times = np.where(np.signbit(new.birth), -np.inf, np.nan)
+        self.state = replace(
+            state,
+            rows=state.rows.then(new),
+            birth_time=np.concatenate([state.birth_time, times]),
+            death_time=np.concatenate([state.death_time, np.full(len(new), np.nan)]),
+        )
+
+    def _end_of(self, known: float) -> int:
+        """Return the cell before which everything is known: a whole multiple of a group, but at the end of the run."""
+        if known >= self._model.distance:
+            return (self._last // GROUP + 1) * GROUP
+        width = float(self._constants[layout.SPACING])
+        end = floor(known / width)
+        while float(end) * width > known:
+            end -= 1
+        return end // GROUP * GROUP
+
+    def _range(self, end: int) -> tuple[int, int]:
+        """Return the cells of the next range, around where the slider is."""
+        cell = int(self.state.whole[layout.CELL])
+        back = self.state.phase == layout.REVERSED
+        needed = (cell - back) // GROUP * GROUP
+        wished = needed - (self._cells // 2 if back else _BEHIND)
+        carried = ceil(max(self.state.covered / float(self._constants[layout.SPACING]), -1e18) / GROUP) * GROUP
+        # Nobody is drawn again for cells that are not needed yet.
+        begin = min(max(wished, carried), needed) if carried <= needed else wished
+        return begin, min(begin + self._cells, end)
+
+    def _move_in(self, begin: int, end: int) -> Generator[Told, None, int]:
+        """Move within a range of cells, tell what comes to be, and return why it ended."""
+        state, constants = self.state, self._constants
+        width = float(constants[layout.SPACING])
+        living, births, deaths = self._living(float(begin) * width, float(end) * width)
+        field = Field.over(self._model.pulse.shape, living, begin, end, width, self._room)
+        order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
+        whole, numbers = state.whole.copy(), state.numbers.copy()
+        whole[layout.BORN] = len(living) - int(np.isnan(births).sum())
+        whole[layout.DIED] = len(living) - int(np.isnan(deaths).sum())
+        near = np.empty(4 * (len(living) + 1))
+        met = (field.lives, field.shape, order, births, deaths)
+        far, work, powers = np.empty(NODES), np.zeros(WORK), np.zeros(10)
+        code = FULL
+        while code == FULL:
+            before = whole.copy()
+            code = advance(
+                whole, numbers, constants, TABLE, field.moments, begin, end, self._last, self._rest, met,
+                self._out, self._marks, near, far, work, powers,
+            )  # fmt: skip
+            if code == LOST:
+                place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
+                raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")
+            if code == FULL and whole[layout.ROWS] == 0 and whole[layout.LANDMARKS] == 0:
+                self._out = np.empty((layout.ROW_COLUMNS, 2 * self._out.shape[1]))
+            passed = slice(before[layout.BORN], whole[layout.BORN])
+            gone = order[before[layout.DIED] : whole[layout.DIED]]
+            yield Told(
+                first_row=int(before[layout.ROW]) + 1,
+                slider=self._rows(int(before[layout.ROW]) + 1, int(whole[layout.ROWS])),
+                landmarks=self._landmarks(int(whole[layout.LANDMARKS])),
+                births=(living.junction[passed], births[passed].copy()),
+                deaths=(living.junction[gone], deaths[gone]),
+            )
+            whole[layout.ROWS] = whole[layout.LANDMARKS] = 0
+        self._note(living, births, deaths)
+        self.state = replace(self.state, whole=whole, numbers=numbers)
+        return int(code)
+
+    def _rows(self, first: int, count: int) -> dict[str, NDArray[Any]]:
+        number = np.arange(first, first + count)
+        distance, force, displacement, velocity, phase = self._out[:, :count].copy()
+        return {
+            "time": number * self._model.tick / float(self._constants[layout.DRIVE]),
+            "distance": distance,
+            "friction_force": force,
+            "displacement": displacement,
+            "velocity": velocity,
+            "phase": phase.astype(np.uint8),
+        }
+
+    def _landmarks(self, count: int) -> dict[str, NDArray[Any]]:
+        time, distance, kind, displacement, velocity, before, after = self._marks[:, :count].copy()
+        return {
+            "time": time,
+            "distance": distance,
+            "kind": kind.astype(np.uint8),
+            "displacement": displacement,
+            "velocity": velocity,
+            "force_before": before,
+            "force_after": after,
+        }
+
+    def _living(self, begin: float, end: float) -> tuple[LiveRows, Doubles, Doubles]:
+        """Return who lives between two distances, and the first passages known of them."""
+        state = self.state
+        carried = state.rows
+        found, births, deaths = carried, state.birth_time, state.death_time
+        if begin < state.covered:
+            before = self._earlier(begin, end)
+            before = before.at(np.flatnonzero(~np.isin(before.junction, carried.junction)))
+            together = before.then(carried)
+            by_birth = np.argsort(together.birth, kind="stable")
+            # Whoever is not carried any more was passed long ago.
+            long_ago = np.full(len(before), -np.inf)
+            found = together.at(by_birth)
+            births = np.concatenate([long_ago, births])[by_birth]
+            deaths = np.concatenate([long_ago, deaths])[by_birth]
+        wanted = np.flatnonzero((found.birth < end) & (found.birth + 2.0 * found.diameter > begin))
+        return found.at(wanted), births[wanted], deaths[wanted]
+
+    def _note(self, living: LiveRows, births: Doubles, deaths: Doubles) -> None:
+        """Write first passages down with the rows that are carried."""
+        state = self.state
+        place = np.searchsorted(state.rows.junction, living.junction)
+        here = np.flatnonzero(place < len(state.rows))
+        here = here[state.rows.junction[place[here]] == living.junction[here]]
+        birth_time, death_time = state.birth_time.copy(), state.death_time.copy()
+        birth_time[place[here]], death_time[place[here]] = births[here], deaths[here]
+        self.state = replace(state, birth_time=birth_time, death_time=death_time)
+
+    def _forget(self) -> None:
+        """Let go of rows that lie so far behind that the slider will hardly come back to them."""
+        state, model = self.state, self._model
+        passed = ~np.isnan(state.death_time)
+        death = state.rows.birth + 2.0 * state.rows.diameter
+        old = passed & (death < state.distance(self._constants) - look_back(model))
+        kept = np.flatnonzero(passed & ~old)
+        old[kept[: max(len(old) - int(old.sum()) - _KEPT_ROWS, 0)]] = True
+        if not old.any():
+            return
+        rest = np.flatnonzero(~old)
+        self.state = replace(
+            state,
+            rows=state.rows.at(rest),
+            birth_time=state.birth_time[rest],
+            death_time=state.death_time[rest],
+            covered=max(state.covered, float(death[old].max())),
+        )
+
+
+def look_back(model: Model) -> float:
+    """Return how far behind the slider junctions are carried, in um: 4 psi A_rm/k + 2 V/omega_0, A_rm the exact mean.
+
+    Going back the slider loses energy, so that s cannot fall by more than sqrt(2 E/k) - x, some times the deflection.
+    """
+    slider = model.slider
+    if slider is None or model.strengths is None or model.sliding_speed is None:
+        return 0.0
+    deflection = model.strengths.moment(1) * model.stationary_mean_area / slider.stiffness
+    return 4.0 * deflection + 2.0 * model.sliding_speed / slider.natural_angular_frequency
+
+
+def spacing(model: Model) -> float:
+    """Return the width of a cell in um: the tick times a power of two."""
+    width = model.tick
+    while width * FINENESS > model.calibrated_diameter:
+        width *= 0.5
+    while 2.0 * width * FINENESS <= model.calibrated_diameter:
+        width *= 2.0
+    return width
+
+
+def constants(model: Model, tolerance: float) -> Doubles:
+    """Return the numbers that stay the same through a run, at the places that `steps` and `rows` name."""
+    slider, strengths, speed = model.slider, model.strengths, model.sliding_speed
+    if slider is None or strengths is None or speed is None:
+        raise ValueError("a slider moves where there is a strength and a sliding speed")
+    width = spacing(model)
+    scale = strengths.moment(1) * model.stationary_mean_area / slider.stiffness
+    error = tolerance * scale
+    crowd = sqrt(max(1.0, 4.0 * width * model.birth_rate))
+    kink = 3.0 * strengths.moment(1) * model.calibrated_diameter * crowd
+    # Q may change by a fifth in uniform cells at a tolerance of 1e-9, whose error goes as its sixth power.
+    bend = 0.4
+    while _sixth_power(bend / 0.2) > tolerance / 1e-9:
+        bend *= 0.9375
+    found = np.zeros(layout.CONSTANTS)
+    found[:4] = slider.mass, slider.stiffness, slider.damping, speed
+    found[layout.SPACING] = width
+    found[layout.ROW_TIME] = model.tick / speed
+    found[layout.LIMIT] = 0.3 * error
+    found[layout.BEND_LIMIT] = bend
+    found[layout.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
+    found[layout.TOUCH] = min(found[layout.LIMIT] * slider.natural_angular_frequency, 1e-3 * speed)
+    found[layout.LONGEST] = 1.0 / slider.natural_angular_frequency
+    return found
+
+
+def _sixth_power(number: float) -> float:
+    cube = number * number * number
+    return cube * cube

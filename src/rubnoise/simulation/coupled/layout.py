@@ -1,0 +1,43 @@
+"""Where what lies in the flat arrays that compiled functions hand to each other."""
+
+from typing import Final
+
+# Constants of a motion.
+MASS, STIFFNESS, DAMPING, DRIVE = range(4)
+"""m, k, c and V."""
+SPACING, ROW_TIME, LIMIT, BEND_LIMIT, KINK_LIMIT, TOUCH, LONGEST = range(4, 11)
+"""Width of a cell (um), time of a row (s), largest error of a step (um); by how much of itself Q may change in uniform
+cells; cells^3 they may have for each um^2/s^2 of w^2; largest w that counts as 0 where w' = 0; longest step (s)."""
+CONSTANTS: Final = 11
+
+# Whole numbers of a state.
+CELL, ROW, PHASE, REST_ROW, FRESH, BORN, DIED, ROWS, LANDMARKS = range(9)
+"""Cell; last row told; phase; the row at a stick's beginning; whether a breakaway has just been; within a call: births
+and deaths passed, rows and landmarks told."""
+WHOLE: Final = 9
+
+# Numbers of a state.
+OFFSET, DISPLACEMENT, RELATIVE, OVER, STEP = range(5)
+"""Place in the cell (um), x, w, time since the last row (s), the next step in time (s)."""
+REST, REST_OVER, REST_PLACE = range(5, 8)
+"""Of a stick: how long, time since a row and x where it began."""
+TIME_STUCK, X_TIME, XX_TIME, VV_TIME, FRICTION_WORK, REVERSE_WORK = range(8, 14)
+"""Time stuck, int x dt, int x^2 dt, int x'^2 dt, int G |ds|, and the last of these over reversals."""
+NUMBERS: Final = 14
+
+SLIP, STUCK, REVERSED = range(3)
+"""Phases."""
+
+STICK, BREAKAWAY, REVERSAL, FORWARD = range(4)
+"""Kinds of landmarks."""
+
+ROW_DISTANCE, ROW_FORCE, ROW_DISPLACEMENT, ROW_VELOCITY, ROW_PHASE = range(5)
+ROW_COLUMNS: Final = 5
+"""Columns of rows uniform in time."""
+
+MARK_TIME, MARK_DISTANCE, MARK_KIND, MARK_DISPLACEMENT, MARK_VELOCITY, MARK_BEFORE, MARK_AFTER = range(7)
+MARK_COLUMNS: Final = 7
+"""Columns of landmarks."""
+
+IN_DISTANCE, IN_TIME = range(2)
+"""What a step within a cell has for its clock."""

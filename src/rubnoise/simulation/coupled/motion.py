@@ -1,0 +1,382 @@
+"""Slip, stick and reversal: which step comes next; compiled.
+
+A stick ends after exactly (G - f)/(k V), always forward, with w = w' = 0 and w'' = k V/m. The step that leaves w = 0 is
+made so short that w is above 0 at its end, so that nothing is looked for in it. Where w' turns upwards inside a step,
+the step is made to end there, and its minimum tells whether the slider has arrived.
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.compiling import compiled_bare
+from rubnoise.simulation.coupled.field import AGE, GROUP, SIZE, Part, force_in_cell, gather, merged
+from rubnoise.simulation.coupled.layout import (
+    BEND_LIMIT,
+    CELL,
+    DAMPING,
+    DISPLACEMENT,
+    DRIVE,
+    FRESH,
+    IN_DISTANCE,
+    IN_TIME,
+    KINK_LIMIT,
+    LANDMARKS,
+    LIMIT,
+    LONGEST,
+    MASS,
+    OFFSET,
+    OVER,
+    PHASE,
+    RELATIVE,
+    REVERSED,
+    ROW_TIME,
+    ROWS,
+    SPACING,
+    STEP,
+    STIFFNESS,
+    STUCK,
+    TOUCH,
+)
+from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, PLAIN, RIGHT
+from rubnoise.simulation.coupled.rest import MOVING, STOPPED, TOUCHING, arrive, first_standstill, land, leave_stick
+from rubnoise.simulation.coupled.rows import (
+    Met,
+    meet_in_cells,
+    meet_in_part,
+    pass_time,
+    sum_part,
+    sum_uniform,
+    tell_cells,
+    tell_part,
+)
+from rubnoise.simulation.coupled.steps import (
+    PACE,
+    clock_at,
+    event_cell,
+    integral_to,
+    through_cell,
+    time_step,
+    uniform_cell,
+)
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+MOVED, DONE, AHEAD, BACK, FULL, LOST, UNFIT = range(7)
+"""What comes of a step or a call: moved on; the run is over; cells ahead, or behind, are wanted; no room for rows; no
+step is found that is right; not for steps of this kind."""
+
+_MOST_TRIES: Final = 200
+_HALVINGS: Final = 4
+_AT_ONCE: Final = 1e-12
+"""Of a cell: places that are nearer to each other than this are one."""
+_NOWHERE: Final = -(1 << 62)
+
+
+@compiled_bare
+def next_border(part: Part, offset: float, way: float, width: float, limit: float) -> tuple[float, int]:
+    """Return the next birth, mid-life, death or edge in a gathered cell, and the clock of a step to there.
+
+    limit: the edge (um), where it is nearer than the cell's own, ``width``.
+    """
+    _, _, near, count, _ = part
+    size, least = len(near) // 4, _AT_ONCE * width
+    border = limit if way > 0.0 else 0.0
+    smooth = True
+    for n in range(count):
+        age, across = near[AGE * size + n], near[SIZE * size + n]
+        for half in range(3):
+            place = half * across - age
+            ahead = way * (place - offset)
+            if ahead > least and ahead <= way * (border - offset):
+                # Forward a life ends as a root, backward it begins so.
+                rooted = half == (2 if way > 0.0 else 0)
+                smooth = not rooted and (smooth or place != border)
+                border = place
+    clock = PLAIN if smooth else RIGHT
+    reach = 0.2 * way * (border - offset)
+    for n in range(count):
+        age, across = near[AGE * size + n], near[SIZE * size + n]
+        behind = way * (offset - ((0.0 if way > 0.0 else 2.0 * across) - age))
+        if behind >= -least and behind <= reach:
+            clock = LEFT if smooth else BOTH
+    return border, clock
+
+
+@compiled_bare
+def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int) -> int:
+    """Return how many cells of the grid may be taken together by a speed alone: a power of two, or 0.
+
+    What the moments leave of a kink is 7e-4 h (kink h^2/(m u^2)) in the distance, and V/u times as much in x.
+    """
+    most = u * u * constants[KINK_LIMIT] * min(u / constants[DRIVE], 1.0)
+    cells = GROUP
+    while cells > 0:
+        aligned = cell % cells == 0 and (way < 0.0 or cell + cells <= last)
+        if aligned and float(cells * cells * cells) <= most:
+            return cells
+        cells //= 2
+    return 0
+
+
+@compiled_bare
+def couples(constants: Doubles, size: float, u: float) -> float:
+    """Return k V h^2/(m u^3) + c h/(m u): by how much a pass over a step of a size h brings it nearer."""
+    per_speed = size / (constants[MASS] * u)
+    return per_speed * (constants[STIFFNESS] * constants[DRIVE] * size / (u * u) + constants[DAMPING])
+
+
+@compiled_bare
+def take_cells(
+    whole: Integers,
+    numbers: Doubles,
+    constants: Doubles,
+    moments: Doubles,
+    first: int,
+    last: int,
+    met: Met,
+    out: Doubles,
+    work: Doubles,
+    powers: Doubles,
+) -> int:
+    """Pass uniform cells from an edge of the grid: MOVED, FULL or UNFIT."""
+    way = -1.0 if whole[PHASE] == REVERSED else 1.0
+    cell, x, u = whole[CELL], numbers[DISPLACEMENT], abs(numbers[RELATIVE])
+    drive, energy = constants[DRIVE], 0.5 * u * u
+    pull = way * (constants[STIFFNESS] * x + constants[DAMPING] * drive) - constants[DAMPING] * u
+    cells = cells_at_once(constants, u, cell, way, last)
+    while cells > 0:
+        begin = cell if way > 0.0 else cell - cells
+        width = constants[SPACING] * cells
+        mean, slope, bend = merged(moments, begin - first, cells)
+        gain = width / constants[MASS] * (pull - mean)
+        uneven = width / constants[MASS] * (abs(slope) + abs(bend))
+        lowest = min(energy, energy + gain)
+        even = abs(gain) + uneven <= constants[BEND_LIMIT] * lowest
+        kinks = float(cells * cells * cells) <= 2.0 * lowest * constants[KINK_LIMIT]
+        if even and kinks and couples(constants, width, u) <= 0.02:
+            after, duration = uniform_cell(constants, way, x, u, width, mean, way * slope, bend, work)
+            if after > 0.0:
+                if numbers[OVER] + duration > float(out.shape[1] - whole[ROWS] - 2) * constants[ROW_TIME]:
+                    return FULL
+                sum_uniform(numbers, constants, way, width, mean, work)
+                through_cell(u, after, -1.0, work, powers)
+                if way > 0.0:
+                    meet_in_cells(whole, numbers, constants, met, begin, width, powers)
+                if numbers[OVER] + duration >= constants[ROW_TIME]:
+                    tell_cells(whole, numbers, constants, met, out, way, begin, width, after, duration, work, powers)
+                numbers[DISPLACEMENT] = x + (drive * duration - way * width)
+                numbers[RELATIVE] = way * after
+                whole[CELL] = cell + (cells if way > 0.0 else -cells)
+                pass_time(whole, numbers, constants, duration)
+                return MOVED
+        cells //= 2
+    return UNFIT
+
+
+@compiled_bare
+def try_event_cell(
+    constants: Doubles,
+    table: Doubles,
+    way: float,
+    x: float,
+    u: float,
+    growth: float,
+    offset: float,
+    length: float,
+    clock: int,
+    part: Part,
+    work: Doubles,
+) -> tuple[float, float, float, int]:
+    """Return speed, size, time and clock of an event cell to a border, or of a half, a quarter ...; speed 0: none."""
+    size = length
+    for _ in range(_HALVINGS):
+        if size * abs(growth) <= 0.3 * u * u and couples(constants, size, u) <= 0.3:
+            after, duration, error = event_cell(constants, table, way, x, u, offset, size, clock, part, work)
+            if after > 0.0 and error <= constants[LIMIT]:
+                return after, size, duration, clock
+        size *= 0.5
+        clock = LEFT if clock in (LEFT, BOTH) else PLAIN
+    return 0.0, 0.0, 0.0, clock
+
+
+@compiled_bare
+def find_time_step(
+    constants: Doubles,
+    table: Doubles,
+    way: float,
+    x: float,
+    u: float,
+    growth: float,
+    step: float,
+    offset: float,
+    length: float,
+    clock: int,
+    part: Part,
+    work: Doubles,
+) -> tuple[float, float, float, float, int, bool]:
+    """Find a step in time that is right to its tolerance, ends before the border, and at w = 0 if it comes to that.
+
+    Return speed, distance passed, duration, the next step to try, how it ends, and whether one has been found.
+    """
+    jerk = way * constants[STIFFNESS] * constants[DRIVE] / constants[MASS]
+    keep = duration = min(step, constants[LONGEST])
+    for attempt in range(_MOST_TRIES):
+        after, passed, error, settled = time_step(
+            constants, table, way, x, u, growth, jerk, offset, duration, clock, part, work
+        )
+        if not settled or error > constants[LIMIT]:
+            duration *= 0.5
+            keep = duration
+            continue
+        if attempt == 0 and error * 500.0 < constants[LIMIT]:
+            keep = 1.5 * duration
+        q = first_standstill(u, growth, after, constants[TOUCH], table, work) if u > 0.0 else 2.0
+        stop = abs(q)
+        if stop > 1.0:
+            if passed <= length and after > 0.0:
+                return after, passed, duration, keep, MOVING, True
+            duration *= max(0.7 * length / passed, 0.25) if passed > length else 0.5
+        elif integral_to(stop, work, PACE) > length:
+            duration *= 0.7 * clock_at(stop, clock)
+        else:
+            until = duration * clock_at(stop, clock)
+            wanted = TOUCHING if q < 0.0 else STOPPED
+            after, passed, duration, ending, found = land(
+                constants, table, way, x, u, growth, jerk, offset, until, clock, part, work, wanted
+            )
+            if found and passed <= length:
+                return after, passed, duration, keep, ending, True
+            duration *= 0.5
+    return 0.0, 0.0, 0.0, keep, MOVING, False
+
+
+@compiled_bare
+def take_part(
+    whole: Integers,
+    numbers: Doubles,
+    constants: Doubles,
+    table: Doubles,
+    cell: int,
+    offset: float,
+    limit: float,
+    met: Met,
+    out: Doubles,
+    marks: Doubles,
+    part: Part,
+    work: Doubles,
+) -> int:
+    """Pass a part of a gathered cell, or the whole of it, but not beyond ``limit`` um in it: MOVED, FULL or LOST."""
+    way = -1.0 if whole[PHASE] == REVERSED else 1.0
+    x, u, h, drive = numbers[DISPLACEMENT], abs(numbers[RELATIVE]), constants[SPACING], constants[DRIVE]
+    border, border_clock = next_border(part, offset, way, h, limit)
+    length = way * (border - offset)
+    growth = 0.0
+    if whole[FRESH] == 0:
+        pull = way * (constants[STIFFNESS] * x + constants[DAMPING] * drive) - constants[DAMPING] * u
+        growth = (pull - force_in_cell(offset, part)) / constants[MASS]
+    kind, ending, keep = IN_DISTANCE, MOVING, numbers[STEP]
+    after, size, duration, clock = 0.0, 0.0, 0.0, border_clock
+    if u > 0.0:
+        after, size, duration, clock = try_event_cell(
+            constants, table, way, x, u, growth, offset, length, border_clock, part, work
+        )
+    if after == 0.0:
+        kind, clock = IN_TIME, LEFT if border_clock in (LEFT, BOTH) and u > 0.0 else PLAIN
+        after, size, duration, keep, ending, found = find_time_step(
+            constants, table, way, x, u, growth, numbers[STEP], offset, length, clock, part, work
+        )
+        if not found:
+            return LOST
+    if numbers[OVER] + duration > float(out.shape[1] - whole[ROWS] - 2) * constants[ROW_TIME]:
+        return FULL
+    numbers[STEP] = keep
+    sum_part(numbers, constants, table, way, size, duration, clock, kind, work)
+    if way > 0.0:
+        meet_in_part(whole, numbers, constants, met, cell, offset, size, duration)
+    tell_part(whole, numbers, constants, out, way, cell, offset, size, duration, clock, kind, part, work)
+    numbers[DISPLACEMENT] = x + (drive * duration - way * size)
+    numbers[RELATIVE] = way * after
+    offset = border if size == length else offset + way * size
+    force = force_in_cell(offset, part) if ending != MOVING else 0.0
+    if offset >= h * (1.0 - _AT_ONCE):
+        cell, offset = cell + 1, 0.0
+    elif offset <= h * _AT_ONCE:
+        offset = 0.0
+    whole[CELL], numbers[OFFSET], whole[FRESH] = cell, offset, 0
+    pass_time(whole, numbers, constants, duration)
+    if ending != MOVING:
+        arrive(whole, numbers, constants, marks, force, ending)
+    return MOVED
+
+
+@compiled_bare
+def wanting(whole: Integers, numbers: Doubles, first: int, end: int, last: int, rest: float) -> int:
+    """Return whether cells are wanted that are not there, or the run is over: AHEAD, BACK, DONE or MOVED.
+
+    Cells come in groups, so that how many may be taken together does not depend on where a range ends.
+    """
+    cell, offset = whole[CELL], numbers[OFFSET]
+    if whole[PHASE] == REVERSED:
+        behind = cell - 1 if offset == 0.0 else cell
+        return BACK if behind // GROUP * GROUP < first else MOVED
+    if cell > last or (cell == last and offset >= rest):
+        return DONE
+    return AHEAD if end <= last and (cell // GROUP + 1) * GROUP > end else MOVED
+
+
+@compiled_bare
+def advance(
+    whole: Integers,
+    numbers: Doubles,
+    constants: Doubles,
+    table: Doubles,
+    moments: Doubles,
+    first: int,
+    end: int,
+    last: int,
+    rest: float,
+    met: Met,
+    out: Doubles,
+    marks: Doubles,
+    near: Doubles,
+    far: Doubles,
+    work: Doubles,
+    powers: Doubles,
+) -> int:
+    """Move until something is wanting, and return what: DONE, AHEAD, BACK, FULL or LOST.
+
+    whole, numbers: the state, changed in place. The field's cells are ``first`` ... ``end`` - 1, with the moments of
+    each; the run ends ``rest`` um inside the cell ``last``. met: the lives, and their first passages; out, marks: room
+    for rows and landmarks; near, far, work, powers: room.
+    """
+    h = constants[SPACING]
+    lives, shape = met[0], met[1]
+    gathered, count = _NOWHERE, 0
+    while True:
+        no_room = whole[LANDMARKS] + 2 > marks.shape[1]
+        if no_room or (whole[PHASE] == STUCK and not leave_stick(whole, numbers, constants, out, marks)):
+            return FULL
+        outcome = wanting(whole, numbers, first, end, last, rest)
+        if outcome != MOVED:
+            return outcome
+        outcome = UNFIT
+        if numbers[OFFSET] == 0.0 and numbers[RELATIVE] != 0.0:
+            outcome = take_cells(whole, numbers, constants, moments, first, last, met, out, work, powers)
+        if outcome == MOVED:
+            continue
+        if outcome == FULL:
+            return outcome
+        cell, offset = whole[CELL], numbers[OFFSET]
+        if whole[PHASE] == REVERSED and offset == 0.0:
+            cell, offset = cell - 1, h
+        if cell != gathered:
+            count = gather(lives, shape, float(cell) * h, h, table, near, far, work)
+            gathered = cell
+        part = (2.0 / h, far, near, count, shape)
+        limit = rest if cell == last else h
+        outcome = take_part(whole, numbers, constants, table, cell, offset, limit, met, out, marks, part, work)
+        if outcome != MOVED:
+            return outcome

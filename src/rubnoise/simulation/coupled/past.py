@@ -1,0 +1,100 @@
+"""The junctions that lie behind a two-way slider: drawn again where it runs back further than they are carried.
+
+Before the start a stationary contact has a past, in streams of its own: for Poisson births those are thinned to lives
+that ended before the start, which are independent of those alive there; regular births go on backward at their spacing,
+with the diameters that the start has drawn for them. An empty contact has none.
+"""
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.contact.births import RegularBirths
+from rubnoise.model import Model
+from rubnoise.simulation.draws import births_per_block, blocks_together, draw_blocks, first_birth, start
+from rubnoise.simulation.state import LiveRows
+from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
+
+Doubles = NDArray[np.float64]
+
+
+def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
+    """Return all junctions that live between two distances in um, in order of birth.
+
+    Those of the past count down from -1.
+    """
+    first = start(model, seed)
+    found = [_between(first.live, begin, end)]
+    block, place, number = first.block, first.next_birth, first.junctions
+    while place < end and place <= model.distance:
+        births = draw_blocks(model, seed, block, place, blocks_together(model, block))
+        count = len(births)
+        rows = LiveRows(
+            junction=np.arange(number, number + count, dtype=np.int64),
+            birth=births.birth,
+            diameter=births.diameter,
+            strength=births.strength,
+            departure=np.full(count, np.inf),
+        )
+        found.append(_between(rows, begin, end))
+        block, place, number = block + births.blocks, births.next_birth, number + count
+    if begin < 0.0 and model.start == "stationary":
+        found.append(_between(past(model, seed, begin), begin, end))
+    together = found[0]
+    for rows in found[1:]:
+        together = together.then(rows)
+    return together.at(np.argsort(together.birth, kind="stable"))
+
+
+def past(model: Model, seed: int, begin: float) -> LiveRows:
+    """Return the junctions that were born and had died before s = 0, back to all that live beyond ``begin`` (um)."""
+    longest = 2.0 * float(model.sizes.draw(np.array([LARGEST_UNIFORM]))[0])
+    birth, diameter = (
+        _regular(model, seed, begin - longest) if _regular_births(model) else _poisson(model, seed, begin - longest)
+    )
+    dead = np.flatnonzero(birth + 2.0 * diameter <= 0.0)
+    if model.strengths is None:
+        strength = np.ones(birth.size)
+    else:
+        strength = model.strengths.draw(uniforms(seed, Stream.PAST_STRENGTHS, 0, birth.size))
+    backward = dead[::-1]
+    return LiveRows(
+        junction=-1 - backward.astype(np.int64),
+        birth=birth[backward],
+        diameter=diameter[backward],
+        strength=strength[backward],
+        departure=np.full(dead.size, np.inf),
+    )
+
+
+def _regular_births(model: Model) -> bool:
+    return isinstance(model.births, RegularBirths)
+
+
+def _poisson(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
+    """Return births (um), latest first, beyond ``begin``, and a diameter (um) for each."""
+    births, diameters, place, block = [np.empty(0)], [np.empty(0)], 0.0, 0
+    count = births_per_block(model)
+    while place >= begin:
+        gaps = model.births.gaps(uniforms(seed, Stream.PAST_GAPS, block, count))
+        birth = np.subtract.accumulate(np.concatenate([[place], gaps]))[1:]
+        births.append(birth)
+        diameters.append(model.sizes.draw(uniforms(seed, Stream.PAST_DIAMETERS, block, count)))
+        place, block = float(birth[-1]), block + 1
+    return np.concatenate(births), np.concatenate(diameters)
+
+
+def _regular(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
+    """Return births (um), latest first, beyond ``begin``, with the diameters from which the start took those alive."""
+    births = model.births
+    if not isinstance(births, RegularBirths):
+        raise TypeError("births at one spacing are wanted")
+    count = ceil(-begin / births.mean_spacing) + 1
+    number = np.arange(1, count + 1)
+    birth = births.places(first_birth(model, seed), -number)
+    return birth, model.sizes.draw(generator(seed, Stream.START_DIAMETERS).random(count))
+
+
+def _between(rows: LiveRows, begin: float, end: float) -> LiveRows:
+    return rows.at(np.flatnonzero((rows.birth < end) & (rows.birth + 2.0 * rows.diameter > begin)))

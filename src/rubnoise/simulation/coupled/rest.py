@@ -1,0 +1,214 @@
+"""What happens at w = 0: how a step is made to end there, what follows, and the stick in closed form; compiled.
+
+f = k x + c V:   |f| <= G: stick      f < -G: into reversal      f > G: forward
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.compiling import compiled_bare
+from rubnoise.simulation.coupled.field import Part, force_in_cell
+from rubnoise.simulation.coupled.layout import (
+    BREAKAWAY,
+    CELL,
+    DAMPING,
+    DISPLACEMENT,
+    DRIVE,
+    FORWARD,
+    FRESH,
+    MASS,
+    OFFSET,
+    OVER,
+    PHASE,
+    RELATIVE,
+    REST,
+    REST_OVER,
+    REST_PLACE,
+    REST_ROW,
+    REVERSAL,
+    REVERSED,
+    ROW,
+    ROW_TIME,
+    ROWS,
+    SLIP,
+    SPACING,
+    STICK,
+    STIFFNESS,
+    STUCK,
+    TIME_STUCK,
+    TOUCH,
+    VV_TIME,
+    X_TIME,
+    XX_TIME,
+)
+from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES
+from rubnoise.simulation.coupled.rows import tell_landmark, tell_row
+from rubnoise.simulation.coupled.steps import GROWTH, PUSH, SPEED, clock_at, integral_to, time_step, value_at
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+MOVING, STOPPED, TOUCHING = range(3)
+"""How a step in time ends: with w > 0; at w = 0; and there with w' = 0, too."""
+
+_BISECTIONS: Final = 60
+_LANDINGS: Final = 12
+
+
+@compiled_bare
+def leave_stick(whole: Integers, numbers: Doubles, constants: Doubles, out: Doubles, marks: Doubles) -> bool:
+    """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was room."""
+    step, drive, damping = constants[ROW_TIME], constants[DRIVE], constants[DAMPING]
+    stiffness, begin, duration = constants[STIFFNESS], numbers[REST_PLACE], numbers[REST]
+    distance = float(whole[CELL]) * constants[SPACING] + numbers[OFFSET]
+    while True:
+        time = float(whole[ROW] + 1 - whole[REST_ROW]) * step - numbers[REST_OVER]
+        if time > duration:
+            break
+        if whole[ROWS] == out.shape[1]:
+            return False
+        x = begin + drive * time
+        tell_row(whole, out, distance, stiffness * x + damping * drive, x, drive, STUCK)
+        whole[ROW] += 1
+    numbers[OVER] = max(numbers[REST_OVER] + duration - float(whole[ROW] - whole[REST_ROW]) * step, 0.0)
+    end = begin + drive * duration
+    numbers[DISPLACEMENT] = end
+    numbers[TIME_STUCK] += duration
+    numbers[X_TIME] += 0.5 * duration * (begin + end)
+    numbers[XX_TIME] += duration * (begin * begin + begin * end + end * end) / 3.0
+    numbers[VV_TIME] += duration * drive * drive
+    f = stiffness * end + damping * drive
+    tell_landmark(whole, numbers, constants, marks, BREAKAWAY, f, f)
+    whole[PHASE], whole[FRESH] = SLIP, 1
+    return True
+
+
+@compiled_bare
+def arrive(whole: Integers, numbers: Doubles, constants: Doubles, marks: Doubles, force: float, ending: int) -> None:
+    """Decide what follows at w = 0, where the contact can bear ``force`` uN.
+
+    ending: STOPPED, or TOUCHING, which makes f = G: a stick of no length, whatever rounding makes of the difference.
+    """
+    f = constants[STIFFNESS] * numbers[DISPLACEMENT] + constants[DAMPING] * constants[DRIVE]
+    reversed_before = whole[PHASE] == REVERSED
+    before = -force if reversed_before else force
+    numbers[RELATIVE] = 0.0
+    if ending == TOUCHING:
+        f = min(f, force)
+    if f > force:
+        if reversed_before:
+            tell_landmark(whole, numbers, constants, marks, FORWARD, before, force)
+        whole[PHASE] = SLIP
+    elif f < -force:
+        if not reversed_before:
+            tell_landmark(whole, numbers, constants, marks, REVERSAL, before, -force)
+        whole[PHASE] = REVERSED
+    else:
+        tell_landmark(whole, numbers, constants, marks, STICK, before, f)
+        whole[PHASE] = STUCK
+        whole[REST_ROW] = whole[ROW]
+        numbers[REST_OVER] = numbers[OVER]
+        numbers[REST_PLACE] = numbers[DISPLACEMENT]
+        numbers[REST] = (force - f) / (constants[STIFFNESS] * constants[DRIVE])
+
+
+@compiled_bare
+def standstill_between(u: float, low: float, high: float, work: Doubles) -> float:
+    """Return q where u falls to 0 between two places of a step in time."""
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if u + integral_to(middle, work, PUSH) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@compiled_bare
+def lowest_between(low: float, high: float, work: Doubles) -> float:
+    """Return q where w' turns upwards between two places of a step in time."""
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if value_at(middle, work, PUSH) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@compiled_bare
+def first_standstill(u: float, growth: float, end: float, touch: float, table: Doubles, work: Doubles) -> float:
+    """Return q where u falls to 0 first in a step in time that begins with u > 0, or touches it; 2 if nowhere.
+
+    A minimum below a thousandth of the largest speed is told with a minus sign: the step is to end there, and tell.
+    """
+    before, slope_before, fastest = 0.0, growth, u
+    for n in range(NODES + 1):
+        q = table[CLOCKS + n] if n < NODES else 1.0
+        speed = work[SPEED + n] if n < NODES else end
+        slope = work[GROWTH + n] if n < NODES else value_at(1.0, work, PUSH)
+        fastest = max(fastest, speed)
+        if slope_before < 0.0 and slope >= 0.0:
+            lowest = lowest_between(before, q, work)
+            least = u + integral_to(lowest, work, PUSH)
+            if least <= -touch:
+                return standstill_between(u, before, lowest, work)
+            if least < 1e-3 * fastest + touch:
+                return -lowest
+        if speed <= 0.0:
+            return standstill_between(u, before, q, work)
+        before, slope_before = q, slope
+    return 2.0
+
+
+@compiled_bare
+def land(
+    constants: Doubles,
+    table: Doubles,
+    way: float,
+    x: float,
+    u: float,
+    growth: float,
+    jerk: float,
+    offset: float,
+    duration: float,
+    clock: int,
+    part: Part,
+    work: Doubles,
+    ending: int,
+) -> tuple[float, float, float, int, bool]:
+    """Make a step in time end where w = 0 (STOPPED), or where w' = 0 (TOUCHING), by Newton's method in its duration.
+
+    Return the speed, the distance passed, the duration, how it ends, and whether such an end has been found.
+    """
+    mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
+    longest, after, passed, final = 1.5 * duration, 0.0, 0.0, 0.0
+    for _ in range(_LANDINGS):
+        after, passed, _, settled = time_step(
+            constants, table, way, x, u, growth, jerk, offset, duration, clock, part, work
+        )
+        final = duration
+        if not settled:
+            return 0.0, 0.0, final, MOVING, False
+        force = force_in_cell(offset + way * passed, part)
+        place = x + drive * duration - way * passed
+        slope = (way * (stiffness * place + damping * drive) - damping * after - force) / mass
+        change = 0.0
+        if ending == TOUCHING:
+            # w'' from the last node: good enough to come nearer and nearer to where w' = 0.
+            since = duration * (1.0 - clock_at(table[CLOCKS + NODES - 1], clock))
+            bend = (slope - work[GROWTH + NODES - 1]) / since
+            if bend > 0.0:
+                change = slope / bend
+        elif slope < 0.0:
+            change = after / slope
+        duration -= change
+        if abs(change) <= (1e-11 if ending == TOUCHING else 4e-16) * final or duration <= 0.0 or duration > longest:
+            break
+    if ending == STOPPED:
+        return 0.0, passed, final, STOPPED, True
+    if after > constants[TOUCH]:
+        return after, passed, final, MOVING, True
+    return 0.0, passed, final, TOUCHING, after >= -constants[TOUCH]

@@ -1,0 +1,141 @@
+"""Where a two-way slider is, between any two ranges of ticks: explicit, and able to be written down."""
+
+import struct
+from dataclasses import dataclass, fields
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.model import Model
+from rubnoise.simulation.coupled.layout import (
+    CELL,
+    DISPLACEMENT,
+    FRICTION_WORK,
+    NUMBERS,
+    OFFSET,
+    OVER,
+    PHASE,
+    RELATIVE,
+    REVERSE_WORK,
+    ROW,
+    ROW_TIME,
+    SPACING,
+    STEP,
+    TIME_STUCK,
+    VV_TIME,
+    WHOLE,
+    X_TIME,
+    XX_TIME,
+)
+from rubnoise.simulation.state import LiveRows
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_INTEGRALS: Final = {
+    "time_stuck": TIME_STUCK,
+    "displacement": X_TIME,
+    "displacement_squared": XX_TIME,
+    "velocity_squared": VV_TIME,
+    "friction_work": FRICTION_WORK,
+    "reverse_work": REVERSE_WORK,
+}
+
+_HEADER: Final = struct.Struct("<qd")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CoupledState:
+    """A two-way slider's place in its motion.
+
+    whole and numbers: what `motion.advance` changes, as `layout` names it; rows: junctions that the slider may still
+    meet, forward or back, in order of birth; birth_time, death_time (s): when it first passed there, nan before, and
+    -inf for the birth of one that was alive at the start; covered (um): whoever lives beyond it is among the rows.
+    """
+
+    whole: Integers
+    numbers: Doubles
+    rows: LiveRows
+    birth_time: Doubles
+    death_time: Doubles
+    covered: float
+
+    @classmethod
+    def start(cls, model: Model, constants: Doubles, alive: LiveRows) -> Self:
+        """Return the state at t = 0: s = 0, at rest at the model's displacement, among those alive at the start.
+
+        The row of t = 0 is still to be told: it is one row after the last.
+        """
+        whole, numbers = np.zeros(WHOLE, np.int64), np.zeros(NUMBERS)
+        whole[ROW] = -1
+        numbers[OVER] = constants[ROW_TIME]
+        numbers[DISPLACEMENT] = model.equilibrium_displacement
+        numbers[RELATIVE] = model.sliding_speed
+        numbers[STEP] = 0.1 / model.slider.natural_angular_frequency if model.slider is not None else 0.0
+        return cls(
+            whole=whole,
+            numbers=numbers,
+            rows=alive,
+            birth_time=np.where(np.signbit(alive.birth), -np.inf, np.nan),
+            death_time=np.full(len(alive), np.nan),
+            # An empty contact has no past; of a stationary one those are missing that died before the start.
+            covered=0.0 if model.start == "stationary" else -np.inf,
+        )
+
+    def time(self, constants: Doubles) -> float:
+        """Return the time in s."""
+        return float(self.whole[ROW]) * float(constants[ROW_TIME]) + float(self.numbers[OVER])
+
+    def distance(self, constants: Doubles) -> float:
+        """Return the relative sliding distance s in um."""
+        return float(self.whole[CELL]) * float(constants[SPACING]) + float(self.numbers[OFFSET])
+
+    @property
+    def displacement(self) -> float:
+        """Displacement x in um."""
+        return float(self.numbers[DISPLACEMENT])
+
+    @property
+    def phase(self) -> int:
+        """0 in slip, 1 stuck, 2 in reversal."""
+        return int(self.whole[PHASE])
+
+    @property
+    def integrals(self) -> dict[str, float]:
+        """What has been summed up since t = 0, step by step.
+
+        time_stuck (s); displacement int x dt (um s); displacement_squared int x^2 dt (um^2 s); velocity_squared
+        int x'^2 dt (um^2/s); friction_work int G |ds| over slip (uN um), and reverse_work, its part in reversal.
+        """
+        return {name: float(self.numbers[place]) for name, place in _INTEGRALS.items()}
+
+    def pack(self) -> bytes:
+        """Return the state as bytes from which ``unpack`` makes the same bits again."""
+        columns = [getattr(self.rows, f.name) for f in fields(LiveRows)]
+        arrays = [self.whole, self.numbers, *columns, self.birth_time, self.death_time]
+        return _HEADER.pack(len(self.rows), self.covered) + b"".join(
+            array.astype("<i8" if array.dtype.kind == "i" else "<f8").tobytes() for array in arrays
+        )
+
+    @classmethod
+    def unpack(cls, data: bytes) -> Self:
+        """Return the state that ``pack`` wrote down."""
+        count, covered = _HEADER.unpack_from(data)
+        names = [f.name for f in fields(LiveRows)]
+        sizes = [WHOLE, NUMBERS] + [count] * (len(names) + 2)
+        found, place = [], _HEADER.size
+        for n, size in enumerate(sizes):
+            kind = "<i8" if n in (0, 2) else "<f8"
+            column = np.frombuffer(data, dtype=kind, count=size, offset=place)
+            found.append(column.astype(column.dtype.newbyteorder("=")))
+            place += 8 * size
+        whole, numbers, *columns, birth_time, death_time = found
+        return cls(
+            whole=whole,
+            numbers=numbers,
+            rows=LiveRows(**dict(zip(names, columns, strict=True))),
+            birth_time=birth_time,
+            death_time=death_time,
+            covered=covered,
+        )

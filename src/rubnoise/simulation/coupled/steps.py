@@ -1,0 +1,314 @@
+"""The three steps in slip. Each goes one way: l is the distance passed, u = |w|, d = +1 forward and -1 in reversal.
+
+    m u' = d (k x + c V) - c u - G        x = x_0 + V t - d l        l' = u
+
+Where u is far from 0, l is the better clock: with Q = u^2/2, dQ/dl = u' and dt/dl = 1/u, and G is a function of the
+clock. What couples back, k V t and c u, is weak there, so that a few passes over the same nodes are enough.
+
+`uniform_cell`  one or more cells of the grid: three exact moments of G, three Gauss nodes. What the moments leave of G
+                is orthogonal to 1, y and y^2, so that Q at the end is exact and t is right to (dQ/Q)^2 of that rest.
+`event_cell`    from a birth, mid-life, death or border of the grid to the next: eight Gauss nodes, on a clock that is
+                smooth where a life begins or ends.
+`time_step`     eight Gauss nodes in t, for what begins or ends at w = 0.
+"""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.compiling import compiled_bare, inlined
+from rubnoise.simulation.coupled.field import Part, force_in_lanes
+from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS
+from rubnoise.simulation.coupled.quadrature import (
+    BOTH,
+    CLOCKS,
+    FIVE_POWERS,
+    INTEGRAL,
+    LEFT,
+    LEGENDRE,
+    NODES,
+    RATES,
+    RIGHT,
+    THREE_INTEGRALS,
+    THREE_NODES,
+    THREE_WEIGHTS,
+    WEIGHTS,
+)
+from rubnoise.simulation.kernels.lanes import fused, larger, load, root, spread, store
+
+Doubles = NDArray[np.float64]
+
+# What a step leaves in ``work``: eight numbers each.
+SPEED, PASSED, TIME, FORCE, GROWTH, PUSH, PACE = 16, 24, 32, 40, 48, 56, 64
+"""u, l, t, G and u' at the nodes; Legendre coefficients of what u or Q grows by, and of what l or t grows by."""
+_SCRATCH: Final = 72
+WORK: Final = 80
+"""Numbers of room that steps need."""
+
+_MOST_PASSES: Final = 24
+_PASSES: Final = 8
+_LEAST: Final = 1e-300
+_SETTLED: Final = 1e-15
+
+_UP = tuple((2.0 * n + 1.0) / (n + 1.0) for n in range(NODES))
+_DOWN = tuple(n / (n + 1.0) for n in range(NODES))
+_HALF = tuple(0.5 / (2.0 * n + 1.0) for n in range(NODES))
+
+
+@inlined
+def _times(table: Doubles, matrix: int, work: Doubles, at: int) -> Any:
+    """Return a matrix times eight numbers in ``work``, in lanes."""
+    total = spread(work[at]) * load(table, matrix)
+    for n in range(1, NODES):
+        total = fused(spread(work[at + n]), load(table, matrix + NODES * n), total)
+    return total
+
+
+@inlined
+def total_of(table: Doubles, work: Doubles, at: int) -> float:
+    """Return the integral to 1 of the polynomial through eight values at the nodes."""
+    total = 0.0
+    for n in range(NODES):
+        total += table[WEIGHTS + n] * work[at + n]
+    return total
+
+
+@compiled_bare
+def integral_to(q: float, work: Doubles, at: int) -> float:
+    """Return the integral from 0 to q of a series sum c_n P_n(2q - 1)."""
+    z = 2.0 * q - 1.0
+    before, here = 1.0, z
+    total = work[at] * q
+    for n in range(1, NODES):
+        after = _UP[n] * z * here - _DOWN[n] * before
+        total += work[at + n] * (_HALF[n] * (after - before))
+        before, here = here, after
+    return total
+
+
+@compiled_bare
+def value_at(q: float, work: Doubles, at: int) -> float:
+    """Return a series sum c_n P_n(2q - 1)."""
+    z = 2.0 * q - 1.0
+    before, here = 1.0, z
+    total = work[at]
+    for n in range(1, NODES):
+        total += work[at + n] * here
+        before, here = here, _UP[n] * z * here - _DOWN[n] * before
+    return total
+
+
+@compiled_bare
+def clock_at(q: float, clock: int) -> float:
+    """Return y(q) of a clock."""
+    if clock == LEFT:
+        return q * q
+    if clock == RIGHT:
+        return q * (2.0 - q)
+    if clock == BOTH:
+        return q * q * (3.0 - 2.0 * q)
+    return q
+
+
+@compiled_bare
+def rate_at(q: float, clock: int) -> float:
+    """Return dy/dq of a clock."""
+    if clock == LEFT:
+        return 2.0 * q
+    if clock == RIGHT:
+        return 2.0 * (1.0 - q)
+    if clock == BOTH:
+        return 6.0 * q * (1.0 - q)
+    return 1.0
+
+
+@inlined
+def _weighed(weights: tuple[float, ...], a: float, b: float, c: float) -> float:
+    return weights[0] * a + weights[1] * b + weights[2] * c
+
+
+@inlined
+def _known(y: float, net: float, pull: float, slope: float, bend: float) -> float:
+    """Return int_0^y of what is known of m u' beforehand, G being the polynomial of its three moments."""
+    return net * y - pull * y * y - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
+
+
+@compiled_bare
+def uniform_cell(
+    constants: Doubles,
+    way: float,
+    x: float,
+    u: float,
+    width: float,
+    mean: float,
+    slope: float,
+    bend: float,
+    work: Doubles,
+) -> tuple[float, float]:
+    """Pass one cell, or some together, from displacement x and speed u; return the speed behind it and the time.
+
+    mean, slope, bend: the moments of G in the direction of travel (uN). work receives u and t at the three nodes. A
+    speed of 0 says that the cell is not for this step.
+    """
+    mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
+    energy, per_mass = 0.5 * u * u, width / mass
+    net, pull = way * (stiffness * x + damping * drive) - mean, 0.5 * stiffness * width
+    back = way * stiffness * drive
+    k0 = _known(THREE_NODES[0], net, pull, slope, bend)
+    k1 = _known(THREE_NODES[1], net, pull, slope, bend)
+    k2 = _known(THREE_NODES[2], net, pull, slope, bend)
+    time, old = width / u, 0.0
+    u0, u1, u2 = u, u, u
+    t0, t1, t2 = time * THREE_NODES[0], time * THREE_NODES[1], time * THREE_NODES[2]
+    end = energy
+    for _ in range(_PASSES):
+        r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
+        q0 = energy + per_mass * (k0 + _weighed(THREE_INTEGRALS[0], r0, r1, r2))
+        q1 = energy + per_mass * (k1 + _weighed(THREE_INTEGRALS[1], r0, r1, r2))
+        q2 = energy + per_mass * (k2 + _weighed(THREE_INTEGRALS[2], r0, r1, r2))
+        end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
+        if min(q0, q1, q2, end) <= 0.25 * energy:
+            return 0.0, 0.0
+        u0, u1, u2 = np.sqrt(2.0 * q0), np.sqrt(2.0 * q1), np.sqrt(2.0 * q2)
+        p0, p1, p2 = width / u0, width / u1, width / u2
+        t0 = _weighed(THREE_INTEGRALS[0], p0, p1, p2)
+        t1 = _weighed(THREE_INTEGRALS[1], p0, p1, p2)
+        t2 = _weighed(THREE_INTEGRALS[2], p0, p1, p2)
+        old, time = time, _weighed(THREE_WEIGHTS, p0, p1, p2)
+        if abs(time - old) <= 1e-9 * time:
+            break
+    work[SPEED], work[SPEED + 1], work[SPEED + 2] = u0, u1, u2
+    work[TIME], work[TIME + 1], work[TIME + 2] = t0, t1, t2
+    # Half a pass more, for the speed at the end.
+    r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
+    end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
+    return np.sqrt(2.0 * end), time
+
+
+@compiled_bare
+def through_cell(before: float, after: float, power: float, work: Doubles, powers: Doubles) -> None:
+    """Fill the coefficients of 1, y, ... y^4 of u^power, power 1 or -1, through both ends and the nodes of a cell."""
+    u0, u1, u2 = work[SPEED], work[SPEED + 1], work[SPEED + 2]
+    if power < 0.0:
+        before, u0, u1, u2, after = 1.0 / before, 1.0 / u0, 1.0 / u1, 1.0 / u2, 1.0 / after
+    for n in range(5):
+        a, b, c, d, e = FIVE_POWERS[n]
+        powers[n] = a * before + b * u0 + c * u1 + d * u2 + e * after
+
+
+@compiled_bare
+def event_cell(
+    constants: Doubles,
+    table: Doubles,
+    way: float,
+    x: float,
+    u: float,
+    offset: float,
+    length: float,
+    clock: int,
+    part: Part,
+    work: Doubles,
+) -> tuple[float, float, float]:
+    """Pass a length (um) of a gathered cell from an offset in it; return the speed behind it, the time, and an error.
+
+    The error (um) is what the last coefficient of the series makes in the displacement. A speed of 0 says that the
+    length is not for this step.
+    """
+    mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
+    energy, per_mass = 0.5 * u * u, length / mass
+    passed = spread(length) * load(table, CLOCKS + NODES * clock)
+    rate = load(table, RATES + NODES * clock)
+    force = force_in_lanes(fused(spread(way), passed, spread(offset)), part)
+    known = spread(way * (stiffness * x + damping * drive)) - spread(stiffness) * passed - force
+    store(work, FORCE, force)
+    store(work, PASSED, passed)
+    speed = spread(u)
+    time = passed / speed
+    back, drag, least = spread(way * stiffness * drive), spread(-damping), spread(_LEAST)
+    total, old = length / u, 0.0
+    for _ in range(_MOST_PASSES):
+        store(work, PUSH, fused(drag, speed, fused(back, time, known)) * rate)
+        square = fused(spread(2.0 * per_mass), _times(table, INTEGRAL, work, PUSH), spread(2.0 * energy))
+        speed = root(larger(square, least))
+        store(work, PACE, rate / speed)
+        time = spread(length) * _times(table, INTEGRAL, work, PACE)
+        old, total = total, length * total_of(table, work, PACE)
+        if abs(total - old) <= _SETTLED * total:
+            break
+    else:
+        return 0.0, 0.0, 0.0
+    end = energy + per_mass * total_of(table, work, PUSH)
+    store(work, SPEED, speed)
+    store(work, TIME, time)
+    least_energy = end
+    for n in range(NODES):
+        least_energy = min(least_energy, 0.5 * work[SPEED + n] * work[SPEED + n])
+    if least_energy <= 0.1 * energy:
+        return 0.0, 0.0, 0.0
+    store(work, _SCRATCH, _times(table, LEGENDRE, work, PUSH))
+    store(work, PUSH, load(work, _SCRATCH))
+    store(work, _SCRATCH, _times(table, LEGENDRE, work, PACE))
+    store(work, PACE, load(work, _SCRATCH))
+    # An error in t is one of V times as much in x at the same place.
+    late = abs(work[PACE + NODES - 1]) + abs(work[PUSH + NODES - 1]) * per_mass / (2.0 * least_energy * u)
+    error = 0.03 * length * max(u, drive) * late
+    return np.sqrt(2.0 * end), total, error
+
+
+@compiled_bare
+def time_step(
+    constants: Doubles,
+    table: Doubles,
+    way: float,
+    x: float,
+    u: float,
+    growth: float,
+    jerk: float,
+    offset: float,
+    duration: float,
+    clock: int,
+    part: Part,
+    work: Doubles,
+) -> tuple[float, float, float, bool]:
+    """Go on for a duration (s) from an offset in a gathered cell: return speed, distance passed, error, and whether.
+
+    growth and jerk: u' and u'' at the beginning, from which the passes begin. The error is as for an event cell.
+    """
+    mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
+    time = spread(duration) * load(table, CLOCKS + NODES * clock)
+    rate = spread(duration) * load(table, RATES + NODES * clock)
+    per_mass, place, toward = spread(1.0 / mass), spread(offset), spread(way)
+    known = fused(spread(way * stiffness * drive), time, spread(way * (stiffness * x + damping * drive)))
+    least = _SETTLED * 4.0 * (abs(stiffness * x) + abs(damping * drive)) / mass
+    gain = fused(spread(jerk), time, spread(growth))
+    settled = False
+    for _ in range(_MOST_PASSES):
+        store(work, GROWTH, gain)
+        store(work, PUSH, gain * rate)
+        speed = spread(u) + _times(table, INTEGRAL, work, PUSH)
+        store(work, PACE, speed * rate)
+        passed = _times(table, INTEGRAL, work, PACE)
+        force = force_in_lanes(fused(toward, passed, place), part)
+        gain = (((known - spread(stiffness) * passed) - spread(damping) * speed) - force) * per_mass
+        store(work, _SCRATCH, gain)
+        change = 0.0
+        for n in range(NODES):
+            change = max(change, abs(work[_SCRATCH + n] - work[GROWTH + n]))
+        if change <= least:
+            settled = True
+            break
+        if not change < 1e290:
+            break
+    store(work, SPEED, speed)
+    store(work, PASSED, passed)
+    store(work, TIME, time)
+    store(work, FORCE, force)
+    end = u + total_of(table, work, PUSH)
+    distance = total_of(table, work, PACE)
+    store(work, _SCRATCH, _times(table, LEGENDRE, work, PUSH))
+    store(work, PUSH, load(work, _SCRATCH))
+    store(work, _SCRATCH, _times(table, LEGENDRE, work, PACE))
+    store(work, PACE, load(work, _SCRATCH))
+    error = 0.03 * (abs(work[PACE + NODES - 1]) + duration * abs(work[PUSH + NODES - 1]))
+    return end, distance, error, settled

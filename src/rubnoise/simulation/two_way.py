@@ -1,0 +1,119 @@
+"""A two-way slider beside the contact that it rubs on: handed the field, panel by panel, and its rows written.
+
+A row of /junctions tells when the slider first passed its birth and its death, so it waits until it is known, and all
+that come after it wait, too. Those that wait are carried from block to block.
+"""
+
+import struct
+from dataclasses import fields, replace
+from functools import partial
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.errors import RubnoiseError
+from rubnoise.model import Model
+from rubnoise.record.rows import junction_columns, junction_states, natural_death
+from rubnoise.record.sink import Appender, Sink
+from rubnoise.simulation.coupled.fold import CoupledMotion, Told, constants
+from rubnoise.simulation.coupled.past import lived
+from rubnoise.simulation.coupled.state import CoupledState
+from rubnoise.simulation.draws import start
+from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.state import Doubles, LiveRows, State
+
+_HEADER: Final = struct.Struct("<qqq")
+
+
+class TwoWayMotion:
+    """A two-way slider on its way through a block, and the rows of /junctions that wait for it."""
+
+    def __init__(self, model: Model, seed: int, sink: Sink, room: Room, state: State) -> None:
+        """Go on from a state; ``room`` is for the moments of the field."""
+        self._model, self._sink = model, sink
+        numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
+        landmarks, self._written, self._waiting, self._times, motion = _unpacked(state.two_way)
+        if motion is None:
+            motion = CoupledState.start(model, numbers, start(model, seed).live)
+            self._write_junctions(LiveRows.none(), self._times)
+        self._motion = CoupledMotion(model, numbers, motion, room, partial(lived, model, seed))
+        self._slider = Appender(sink, "slider", state.slider_rows)
+        self._landmarks = Appender(sink, "landmarks", landmarks)
+
+    @property
+    def slider_rows(self) -> int:
+        """Rows of /slider so far."""
+        return self._slider.rows
+
+    def through(self, rows: LiveRows, known: float) -> None:
+        """Move until the field is wanted beyond a distance (um), before which every birth is among rows, and write.
+
+        Raises RubnoiseError where no step keeps the tolerance.
+        """
+        first = self._written + len(self._waiting)
+        born = rows.at(np.flatnonzero(rows.junction >= first))
+        born = replace(born, departure=np.full(len(born), np.inf))
+        self._waiting = self._waiting.then(born)
+        self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
+        try:
+            for told in self._motion.through(born, known):
+                self._write(told)
+        except ArithmeticError as problem:
+            raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
+        self._write_known()
+
+    def pack(self) -> bytes:
+        """Return as bytes what the next block goes on from."""
+        columns = [getattr(self._waiting, f.name) for f in fields(LiveRows) if f.name != "junction"]
+        waiting = np.array([*columns, *self._times]).astype("<f8").tobytes()
+        header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting))
+        return header + waiting + self._motion.state.pack()
+
+    def _write(self, told: Told) -> None:
+        self._slider.append(told.slider)
+        count = told.landmarks["time"].size
+        number = np.arange(self._landmarks.rows, self._landmarks.rows + count, dtype=np.int64)
+        self._landmarks.append({"landmark": number, **told.landmarks})
+        for times, (junction, time) in zip(self._times, (told.births, told.deaths), strict=True):
+            times[junction - self._written] = time
+
+    def _write_known(self) -> None:
+        """Write the first of the waiting rows, as many as are known: all of them where the run is over."""
+        waiting, (birth, death) = self._waiting, self._times
+        beyond = natural_death(waiting.birth, waiting.diameter) > self._model.distance
+        known = ~np.isnan(death) | (beyond & (np.signbit(waiting.birth) | ~np.isnan(birth)))
+        count = len(waiting) if self._motion.finished or known.all() else int(np.argmin(known))
+        if count:
+            self._write_junctions(waiting.part(0, count), self._times[:, :count])
+            self._waiting, self._times = waiting.at(np.arange(count, len(waiting))), self._times[:, count:].copy()
+            self._written += count
+
+    def _write_junctions(self, rows: LiveRows, times: Doubles) -> None:
+        natural = natural_death(rows.birth, rows.diameter)
+        state = junction_states(natural, rows.departure, np.signbit(rows.birth), self._model.distance)
+        columns = junction_columns(
+            first_row=self._written,
+            birth=rows.birth,
+            diameter=rows.diameter,
+            strength=rows.strength,
+            natural=natural,
+            departure=rows.departure,
+            state=state,
+            speed=self._model.sliding_speed,
+        )
+        self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})
+
+
+def _unpacked(data: bytes) -> tuple[int, int, LiveRows, Doubles, CoupledState | None]:
+    """Return landmarks so far, rows written, those that wait with their first passages (s), and the motion's state."""
+    if not data:
+        return 0, 0, LiveRows.none(), np.empty((2, 0)), None
+    landmarks, written, count = _HEADER.unpack_from(data)
+    names = [f.name for f in fields(LiveRows) if f.name != "junction"]
+    size = (len(names) + 2) * count
+    numbers: NDArray[np.float64] = np.frombuffer(data, "<f8", size, _HEADER.size).reshape(-1, count).astype(float)
+    columns = dict(zip(names, numbers, strict=False))
+    waiting = LiveRows(junction=np.arange(written, written + count, dtype=np.int64), **columns)
+    motion = CoupledState.unpack(data[_HEADER.size + 8 * size :])
+    return landmarks, written, waiting, numbers[len(names) :].copy(), motion

@@ -1,0 +1,177 @@
+"""A scenario whose slider pushes back, from `check` to `verify`: run, stopped, resumed, opened and looked at."""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+import rubnoise
+from rubnoise.errors import Refused
+from tests.cli.terminal import call, columns, names, spawn_program
+from tests.cli.test_resume import SHORT, SLIDER, STOPPED
+
+TWO_WAY = ("--set", "slider.coupling=two-way", *SHORT)
+MOTION = ("displacement_std", "stick_fraction", "sticks_per_s", "reversals_per_s")
+
+
+@pytest.fixture
+def ran(here: Path) -> Path:
+    """Return the file of a two-way run."""
+    done = call("run", SLIDER, "-o", "x.h5", *TWO_WAY)
+    assert (done.code, done.err) == (0, "")
+    return here / "x.h5"
+
+
+def test_a_run_tells_what_it_measured_and_no_exact_motion_beside_it(ran: Path) -> None:
+    done = call("run", SLIDER, "-o", "y.h5", "--json", *TWO_WAY)
+    assert done.code == 0
+    summary = json.loads(done.out)["summary"]
+    assert all(summary[name]["expected"] is None and summary[name]["z"] is None for name in MOTION)
+    assert summary["real_contact_area_mean"]["expected"] > 0.0
+    assert "one_way_validity" not in summary
+    with h5py.File(ran) as file:
+        assert "displacement_std_exact" not in file["summary"].attrs
+        phase, kind, time = file["slider/phase"][:], file["landmarks/kind"][:], file["slider/time"][:]
+        assert summary["stick_fraction"]["observed"] == np.mean(phase == 1)
+        assert summary["sticks_per_s"]["observed"] == pytest.approx((kind == 0).sum() / time[-1], rel=1e-12)
+        assert summary["reversals_per_s"]["observed"] == pytest.approx((kind == 2).sum() / time[-1], rel=1e-12)
+        assert file["slider/phase"].attrs["flag_meanings"] == b"slip stick reversal"
+        assert file["landmarks/kind"].attrs["flag_values"].tolist() == [0, 1, 2, 3]
+    assert 0.3 < summary["stick_fraction"]["observed"] < 1.0
+
+
+def test_engines_give_equal_bits_and_the_contact_of_one_way(ran: Path) -> None:
+    assert call("run", SLIDER, "-o", "batch.h5", "-q", "--engine", "batch", *TWO_WAY).code == 0
+    assert call("run", SLIDER, "-o", "one.h5", "-q", *SHORT).code == 0
+    here, batch, one_way = (columns(ran.with_name(name)) for name in ("x.h5", "batch.h5", "one.h5"))
+    assert here == batch
+    own = {"junctions/birth_time", "junctions/death_time"}
+    shared = [name for name in here if name.lstrip("/").split("/")[0] in {"junctions", "trace", "life_curve"}]
+    assert len(shared) > 10
+    assert {name.lstrip("/") for name in shared if here[name] != one_way[name]} == own
+
+
+def test_info_and_check_name_what_is_there(ran: Path) -> None:
+    told = json.loads(call("info", ran, "--json").out)
+    assert "landmarks" in json.dumps(told)
+    shown = call("info", ran).out
+    assert "/landmarks" in shown
+    assert "the slider pushes back" in " ".join(shown.split())
+    checked = call("check", SLIDER, *TWO_WAY)
+    assert checked.code == 0
+    assert "the slider pushes back" in " ".join(checked.out.split())
+    assert "warning" not in checked.out + checked.err
+
+
+def test_verify_holds_what_it_can_and_names_what_it_leaves_out(ran: Path) -> None:
+    done = call("verify", ran, "--json")
+    assert done.code == 0
+    told = json.loads(done.out)
+    assert {"times", "slider_columns", "motion"} <= set(told["left_out"])
+    again = call("verify", ran, "--regenerate", "1")
+    assert again.code == 0
+    assert "regenerated: a two-way slider is not in /blocks" in " ".join(again.out.split())
+
+
+@pytest.mark.parametrize("place", ["slider/phase", "landmarks/kind", "junctions/birth_time", "junctions/death_time"])
+def test_verify_finds_a_changed_row(ran: Path, place: str) -> None:
+    with h5py.File(ran, "r+") as file:
+        row = file[place].size - 20
+        file[place][row] = file[place][row] + 1
+    done = call("verify", ran)
+    assert done.code == 3
+    assert f"/{place}" in done.out + done.err
+
+
+def test_verify_counts_phases_again(ran: Path) -> None:
+    """A summary that does not belong to the rows is found, also where nobody looks at hashes."""
+    with h5py.File(ran, "r+") as file:
+        file["summary"].attrs["stick_fraction"] += 1e-6
+    done = call("verify", ran)
+    assert done.code == 3
+    assert "/summary stick_fraction" in done.out + done.err
+
+
+def test_stopped_half_way_it_goes_on_to_the_same_bits(here: Path, ran: Path) -> None:
+    whole = columns(ran)
+    ran.unlink()
+    done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", *TWO_WAY)
+    assert done.code == 143
+    assert names(here) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
+    shown = call("info", "x.h5.part")
+    assert shown.code == 0
+    assert call("resume", "x.h5.part", "-q").code == 0
+    assert names(here) == ["x.h5"]
+    assert columns(ran) == whole
+    assert call("verify", "x.h5").code == 0
+
+
+def test_compressed_it_holds_the_same(ran: Path) -> None:
+    assert call("run", SLIDER, "-o", "z.h5", "-q", "--set", "output.compression=gzip", *TWO_WAY).code == 0
+    assert columns(ran.with_name("z.h5")) == columns(ran)
+    assert call("verify", "z.h5").code == 0
+
+
+def test_compare_leaves_the_one_way_motion_out(ran: Path) -> None:
+    done = call("compare", ran, "--json")
+    assert done.code == 0, done.err
+    assert "this slider pushes back" in done.out
+    assert "displacement_std" not in done.out
+
+
+def test_it_opens_in_python_and_xarray(ran: Path) -> None:
+    with rubnoise.open(ran) as run:
+        landmarks = run.to_xarray()["landmarks"]
+        assert landmarks["kind"].attrs["flag_meanings"] == "stick slip reversal forward"
+        assert set(run.slider["phase"][:].tolist()) <= {0, 1, 2}
+        early, late = run.junction(0), run.junction(400)
+        assert np.isnan(early.birth_time)
+        assert late.death_time > late.birth_time > 0.0
+    with xarray.open_dataset(ran, group="landmarks", engine="h5netcdf") as found:
+        assert list(found.sizes) == ["landmark"]
+
+
+def test_junctions_and_tables_are_told(ran: Path) -> None:
+    told = json.loads(call("junction", ran, "0", "--json").out)
+    assert told["birth_time"] is None
+    assert told["death_time"] > 0.0
+    assert call("junction", ran, "400").code == 0
+    table = call("export", ran, "--to", "csv", "--group", "landmarks", "-o", "-").out.splitlines()
+    assert table[0].startswith("landmark,time_s,distance_um,kind,")
+    assert len(table) > 20
+
+
+def test_what_is_not_there_yet_is_refused(ran: Path) -> None:
+    refused = call("plot", ran, "slider", "-o", "x.png")
+    assert refused.code == 2
+    assert "rubnoise.open give /slider" in refused.err
+    assert call("plot", ran, "-o", "trace.png").code == 0
+    lesson = call("teach", ran, "-o", "page.html")
+    assert lesson.code == 2
+    assert 'slider.coupling = "one-way"' in lesson.err
+
+
+def test_in_memory_it_is_the_same(ran: Path) -> None:
+    overrides = [word for word in TWO_WAY if word != "--set"]
+    record = rubnoise.simulate(rubnoise.load(SLIDER, overrides))
+    with rubnoise.open(ran) as run:
+        assert np.array_equal(record["slider"]["velocity"], run.slider["velocity"][:])
+        assert len(record.to_xarray()["landmarks"]["kind"]) == len(run.to_xarray()["landmarks"]["kind"])
+    with pytest.raises(Refused, match="takes interventions"):
+        rubnoise.simulate(rubnoise.load(SLIDER, overrides), intervene=lambda env, _live: env.timeout(1.0))
+
+
+def test_a_sweep_of_both_couplings_keeps_what_each_has(here: Path) -> None:
+    Path("s.toml").write_text(
+        f'format = 1\nextends = "{SLIDER}"\n[sliding]\ndistance = "1 mm"\n[output]\ntick = "1 um"\n'
+        '[sweep]\nreplicates = 2\n[sweep.grid]\nslider.coupling = ["one-way", "two-way"]\n'
+    )
+    assert call("sweep", "s.toml", "-o", "d", "-q", "--jobs", "1").code == 0
+    with rubnoise.open_sweep("d") as found:
+        sticks = np.asarray(found.runs["stick_fraction"][:])
+    assert np.isnan(sticks[:2]).all()
+    assert (sticks[2:] > 0.2).all()
+    assert call("verify", "d").code == 0

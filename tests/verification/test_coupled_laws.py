@@ -1,0 +1,216 @@
+"""Exact laws of the two-way slider: energy, the mean force, and the order in which its cells converge."""
+
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rubnoise.contact.pulses import LENS
+from rubnoise.model import Model, Slider
+from rubnoise.simulation.coupled import steps
+from rubnoise.simulation.coupled.field import LENS_SHAPE, gather
+from rubnoise.simulation.coupled.quadrature import BOTH, NODES, PLAIN, TABLE
+from tests.coupled_runs import CoupledRun, coupled, field_of
+from tests.models import model, recorded
+from tests.oracle.slow_contact import Rows
+from tests.verification.seeds import seed_of
+
+DAMPED = Slider(mass=0.005, stiffness=300.0, damping=1.0)
+
+
+def area_so_far(u: np.ndarray) -> np.ndarray:
+    """Return int_0^u of a lens's area over d^2, u in diameters: (2/3) at the end of a life."""
+    rise = LENS.area_so_far(np.clip(np.minimum(u, 2.0 - u), 0.0, 1.0))
+    return np.where(u <= 1.0, rise, 2.0 / 3.0 - rise)
+
+
+def friction_integral(field: Rows, begin: float, end: float) -> float:
+    """Return int G ds in uN um between two distances, from the lives' own primitives."""
+    ages = [(s - field.birth) / field.diameter for s in (begin, end)]
+    return float(np.sum(field.strength * field.diameter**3 * (area_so_far(ages[1]) - area_so_far(ages[0]))))
+
+
+def slider_of(run: Model) -> tuple[Slider, float]:
+    assert run.slider is not None
+    assert run.sliding_speed is not None
+    return run.slider, run.sliding_speed
+
+
+def work_of_friction(run: Model, seed: int, found: CoupledRun) -> tuple[float, float]:
+    """Return int G |ds| and int G ds over the whole path, piece by monotone piece."""
+    field = field_of(run, seed, min(float(found.slider["distance"].min()) - 1.0, 0.0))
+    # A reversal may end in a stick, which goes on forward.
+    kinds, places = found.landmarks["kind"], found.landmarks["distance"]
+    turns = [float(s) for n, s in enumerate(places) if kinds[n] >= 2 or (kinds[n] == 0 and n and kinds[n - 1] == 2)]
+    path = [0.0, *turns, found.state.distance(found.constants)]
+    pieces = [friction_integral(field, a, b) for a, b in pairwise(path)]
+    return math.fsum(abs(piece) for piece in pieces), math.fsum(pieces)
+
+
+def mean_force_times_time(run: Model, found: CoupledRun) -> float:
+    """Return int F dt = m [x'] + c [x] + k int x dt in uN s."""
+    slider, _ = slider_of(run)
+    velocity = found.velocity
+    moved = found.state.displacement - found.start
+    return slider.mass * velocity + slider.damping * moved + slider.stiffness * found.state.integrals["displacement"]
+
+
+def energy_gained(run: Model, found: CoupledRun) -> float:
+    slider, _ = slider_of(run)
+    velocity, x = found.velocity, found.state.displacement
+    return 0.5 * slider.mass * velocity**2 + 0.5 * slider.stiffness * (x**2 - found.start**2)
+
+
+RUNS = [
+    (model(distance=400.0), None),
+    (model(distance=400.0, slider=DAMPED), None),
+    (model(distance=600.0, count=5.0), -300.0),
+    (model(distance=800.0, count=2.0), -800.0),
+    (model(distance=300.0, speed=1e4), None),
+    (model(distance=40.0, speed=100.0), None),
+    (model(distance=300.0, speed=1e6), None),
+]
+
+
+@pytest.mark.parametrize(("run", "start"), RUNS)
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+def test_energy(run: Model, start: float | None, tolerance: float) -> None:
+    """V int F dt = int G |ds| + c int x'^2 dt + [m x'^2/2 + k x^2/2]."""
+    found = coupled(run, 4, tolerance=tolerance, displacement=start)
+    slider, speed = slider_of(run)
+    along, across = work_of_friction(run, 4, found)
+    assert found.state.integrals["friction_work"] == pytest.approx(along, rel=10.0 * tolerance)
+    assert 2.0 * found.state.integrals["reverse_work"] == pytest.approx(
+        along - across, rel=10.0 * tolerance, abs=1e-10 * along
+    )
+    given = speed * mean_force_times_time(run, found)
+    stored = energy_gained(run, found)
+    taken = along + slider.damping * found.state.integrals["velocity_squared"] + stored
+    assert abs(given - taken) < 10.0 * tolerance * abs(given)
+    # The drive's speed off by 1 in 10^6.
+    assert abs(given * (1.0 + 1e-6) - taken) > 10.0 * tolerance * abs(given)
+
+
+@pytest.mark.parametrize(("run", "start"), RUNS[:4])
+def test_the_mean_force(run: Model, start: float | None) -> None:
+    """<F> V T = int G ds + 2 int_(w < 0) G |ds| + c int x'^2 dt + [E]."""
+    found = coupled(run, 9, displacement=start)
+    slider, speed = slider_of(run)
+    _, across = work_of_friction(run, 9, found)
+    stored = energy_gained(run, found)
+    expected = (
+        across
+        + 2.0 * found.state.integrals["reverse_work"]
+        + slider.damping * found.state.integrals["velocity_squared"]
+        + stored
+    )
+    assert speed * mean_force_times_time(run, found) == pytest.approx(expected, rel=1e-8)
+    # Time averages are not averages over distance: the dashpot's share is not small.
+    assert slider.damping * found.state.integrals["velocity_squared"] > 1e-4 * abs(across)
+
+
+def test_uniform_cells_converge_by_the_sixth_power() -> None:
+    """A cell of three nodes in a force that rises evenly, against the same in many parts."""
+    constants = np.array([0.005, 300.0, 0.05, 1000.0])
+    work = np.zeros(steps.WORK)
+
+    def passed(width: float, parts: int) -> float:
+        x, u, time, force = 170.0, 4000.0, 0.0, 45000.0
+        for _ in range(parts):
+            part = width / parts
+            rise = 3000.0 * part
+            u, took = steps.uniform_cell(constants, 1.0, x, u, part, force + 0.5 * rise, rise / 6.0, 0.0, work)
+            x, time, force = x + 1000.0 * took - part, time + took, force + rise
+        return time
+
+    widths = np.array([0.4, 0.8, 1.6])
+    errors = np.array([abs(passed(width, 1) - passed(width, 64)) for width in widths])
+    orders = np.log2(errors[1:] / errors[:-1])
+    assert np.all(orders > 5.5)
+    assert errors[0] < 2e-10 * passed(0.4, 64)
+
+
+def test_event_cells_converge_faster_than_any_power_through_births_and_deaths() -> None:
+    """From a birth to a death: on the clock of both ends halves gain 2^9 and more, on a plain one 2^3.5 at most."""
+    width = 0.4
+    birth, diameter = np.array([0.0, -2.0 * 5.0 + width, np.inf]), np.array([5.0, 5.0, 1.0])
+    lives = (birth, diameter, 1.0 / diameter, 250.0 * diameter**2, np.maximum.accumulate(birth + 2.0 * diameter))
+    constants = np.array([0.005, 300.0, 0.0, 1000.0])
+    near, far, work = np.zeros(16), np.zeros(NODES), np.zeros(steps.WORK)
+    count = gather(lives, LENS_SHAPE, 0.0, width, TABLE, near, far, work)
+    assert count == 2
+
+    def passed(clock: int, length: float) -> float:
+        part = (2.0 / width, far, near, count, LENS_SHAPE)
+        after, _, _ = steps.event_cell(constants, TABLE, 1.0, 0.0, 3000.0, 0.0, length, clock, part, work)
+        return after
+
+    def by_parts(parts: int) -> float:
+        x, u, offset = 0.0, 3000.0, 0.0
+        part = (2.0 / width, far, near, count, LENS_SHAPE)
+        for n in range(parts):
+            clock = BOTH if parts == 1 else PLAIN
+            # Parts that grow from both ends as the square do what the clock does.
+            ends = [width * (3.0 * q * q - 2.0 * q * q * q) for q in (n / parts, (n + 1) / parts)]
+            u, took, _ = steps.event_cell(constants, TABLE, 1.0, x, u, offset, ends[1] - ends[0], clock, part, work)
+            x, offset = x + 1000.0 * took - (ends[1] - ends[0]), ends[1]
+        return u
+
+    exact = by_parts(64)
+    both, plain = abs(passed(BOTH, width) - exact), abs(passed(PLAIN, width) - exact)
+    assert both < 1e-10 * exact
+    assert both < 1e-2 * plain
+
+
+@pytest.mark.parametrize("run", [model(distance=40.0), model(distance=60.0, count=5.0)])
+def test_the_tolerance_is_kept(run: Model) -> None:
+    """The motion at a tolerance differs from that at 1e-13 by no more than some times as much."""
+    exact = coupled(run, 2, tolerance=1e-13).slider["displacement"]
+    errors = []
+    for tolerance in (1e-5, 1e-7, 1e-9, 1e-11):
+        found = coupled(run, 2, tolerance=tolerance).slider["displacement"]
+        count = min(found.size, exact.size)
+        errors.append(float(np.abs(found[:count] - exact[:count]).max() / np.abs(exact).max()))
+        assert errors[-1] < 3.0 * tolerance
+    assert errors[0] > 1e3 * errors[-1]
+
+
+def test_statistics_are_those_of_the_reference() -> None:
+    """Sixteen independent 12 s of Fig. 5 by 4 standard errors of both; the slider forgets its start in some 0.1 s."""
+    path = Path(__file__).parents[1] / "reference" / "two_way.json"
+    expected = json.loads(path.read_text(encoding="utf-8"))["fig5_V1"]
+    found = []
+    for n in range(16):
+        run = coupled(model(distance=12000.0, tick=1.0), seed_of(f"statistics/{n}"))
+        time = run.duration
+        mean = run.state.integrals["displacement"] / time
+        found.append(
+            {
+                "stick_fraction": run.state.integrals["time_stuck"] / time,
+                "mean_x": mean,
+                "sticks_per_s": float((run.landmarks["kind"] == 0).sum()) / time,
+                "std_v": math.sqrt(run.state.integrals["velocity_squared"] / time),
+            }
+        )
+    for name in found[0]:
+        values = np.array([each[name] for each in found])
+        error = math.hypot(values.std(ddof=1) / math.sqrt(len(values)), expected[f"{name}_se"])
+        assert abs(values.mean() - expected[name]) < 4.0 * error, name
+    # One-way the same slider moves eleven times as fast.
+    assert expected["oneway_std_v"] > 10.0 * expected["std_v"]
+
+
+def test_fast_sliding_is_one_way() -> None:
+    """Coupling changes the vibration by some 1.5 Pi, Pi = psi^2 S_A(0)/(2 m c V^3): 3e-6 at 1 m/s, 0.02 at 50 mm/s."""
+    ratios = []
+    for speed in (1e6, 5e4):
+        run = model(distance=40_000.0, speed=speed, tick=0.5)
+        one_way = recorded(run, 3, engine="batch")["slider"]["displacement"]
+        two_way = coupled(run, 3).slider["displacement"]
+        count = min(one_way.size, two_way.size)
+        ratios.append(float(two_way[:count].std() / one_way[:count].std()))
+    assert abs(ratios[0] - 1.0) < 3e-4
+    assert abs(ratios[1] - 1.0) > 4e-4

@@ -1,0 +1,125 @@
+"""The two-way slider against an adaptive integrator with events that shares no line with it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rubnoise.model import Model, Slider
+from tests.coupled_runs import CoupledRun, coupled, field_of, oscillator_of
+from tests.models import model
+from tests.oracle import coupled_slider
+from tests.verification.seeds import seed_of
+
+PROMISED = 5e-9
+"""Of the largest displacement; the reference itself is off by some 1e-9."""
+
+UNDAMPED = Slider(mass=0.005, stiffness=300.0, damping=0.0)
+OVERDAMPED = Slider(mass=0.005, stiffness=300.0, damping=20.0)
+
+
+def reference(
+    run: Model, seed: int, found: CoupledRun, start: float | None, end: float = np.inf
+) -> coupled_slider.Coupled:
+    begin = float(found.slider["distance"].min()) - 1.0
+    place = run.equilibrium_displacement if start is None else start
+    assert run.sliding_speed is not None
+    rows = field_of(run, seed, min(begin, 0.0))
+    return coupled_slider.motion(oscillator_of(run), run.sliding_speed, rows, place, min(end, 0.999 * found.duration))
+
+
+def agree(found: CoupledRun, expected: coupled_slider.Coupled, end: float = np.inf) -> None:
+    end = min(end, 0.999 * found.duration)
+    here = found.slider["time"] < end
+    x, _ = expected.at(found.slider["time"][here])
+    assert np.abs(found.slider["displacement"][here] - x).max() < PROMISED * np.abs(x).max()
+    early = found.landmarks["time"] < end
+    landmarks = [mark for mark in expected.landmarks if mark.time < end]
+    assert found.landmarks["kind"][early].tolist() == [mark.kind for mark in landmarks]
+    for mine, theirs in (("time", "time"), ("distance", "distance"), ("displacement", "displacement")):
+        values = np.array([getattr(mark, theirs) for mark in landmarks])
+        assert np.abs(found.landmarks[mine][early] - values).max(initial=0.0) < 1e-8 * np.abs(x).max()
+
+
+@pytest.mark.parametrize("case", range(10))
+def test_ten_cases_at_random(case: int) -> None:
+    draw = np.random.default_rng(seed_of(f"two-way/{case}")).random(8)
+    mass, stiffness = 10.0 ** (-3.0 + draw[0]), 10.0 ** (2.0 + draw[1])
+    ratio, count, speed = 10.0 ** (-2.5 + 2.5 * draw[2]), 20.0 ** draw[3], 300.0 * 60.0 ** draw[4]
+    slider = Slider(mass=mass, stiffness=stiffness, damping=2.0 * ratio * math.sqrt(mass * stiffness))
+    some = model(slider=slider, count=count, speed=speed)
+    distance = round((40.0 + 20.0 * draw[5]) * some.mean_birth_spacing + some.mean_life_distance, 1)
+    run = model(slider=slider, count=count, speed=speed, distance=distance)
+    start = float(1.5 * draw[6] * run.equilibrium_displacement)
+    found = coupled(run, case, displacement=start)
+    agree(found, reference(run, case, found, start))
+
+
+@pytest.mark.parametrize(
+    ("run", "start", "end", "kinds"),
+    [
+        (model(distance=100.0, count=2.0), -600.0, 0.05, {0, 2, 3}),
+        (model(distance=40.0, count=3.0, start="empty"), -600.0, 0.03, {2, 3}),
+        (model(distance=60.0, count=2.0, births="regular"), -700.0, 0.04, {0, 2, 3}),
+        (model(distance=1500.0, count=0.2), None, np.inf, {0, 1, 2, 3}),
+        (model(distance=30.0, slider=UNDAMPED), 100.0, np.inf, {0, 1}),
+        (model(distance=30.0, slider=OVERDAMPED), 0.0, np.inf, {0, 1}),
+        (model(distance=15.0, speed=100.0), None, np.inf, {0, 1}),
+    ],
+    ids=["back before the start", "an empty start", "regular births", "no contact", "undamped", "over-damped", "slow"],
+)
+def test_cases_of_a_kind(run: Model, start: float | None, end: float, kinds: set[int]) -> None:
+    found = coupled(run, 5, displacement=start)
+    early = found.landmarks["time"] < end
+    assert set(found.landmarks["kind"][early].tolist()) == kinds
+    agree(found, reference(run, 5, found, start, end), end)
+
+
+def test_another_speed_of_the_drive_is_seen() -> None:
+    run, other = model(distance=40.0), model(distance=40.0, speed=1010.0)
+    expected = reference(run, 2, coupled(run, 2), None)
+    agree(coupled(run, 2), expected)
+    with pytest.raises(AssertionError):
+        agree(coupled(other, 2), expected)
+
+
+def test_first_passages_are_those_of_the_farthest_distance() -> None:
+    """Going back and on again over the same junctions, nothing is born or dies twice."""
+    run = model(distance=150.0, count=2.0)
+    found = coupled(run, 5, displacement=-600.0)
+    rows = field_of(run, 5)
+    slider = found.slider
+    assert (np.diff(slider["distance"]) < 0.0).sum() > 10
+    places = [rows.birth[rows.birth > 0.0], rows.death[rows.death < run.distance]]
+    for (junctions, times), place in zip((found.births, found.deaths), places, strict=True):
+        assert np.unique(junctions).size == junctions.size == place.size
+        farthest = np.maximum.accumulate(slider["distance"])
+        row = np.searchsorted(farthest, np.sort(place))
+        inside = row < farthest.size
+        assert np.all(np.sort(times)[inside] <= slider["time"][row[inside]] + 1e-12)
+        assert np.all(np.sort(times)[inside] >= slider["time"][np.maximum(row[inside] - 1, 0)] - 1e-12)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05, 5.0])
+def test_rows_obey_the_equation_between_them(damping: float) -> None:
+    """s = V t - (x - x_0) in every row, x' is the slope of x, and stuck the force is k x + c V."""
+    slider = Slider(mass=0.005, stiffness=300.0, damping=damping)
+    run = model(slider=slider, distance=300.0, tick=0.02)
+    rows = coupled(run, 3).slider
+    travelled = 1000.0 * rows["time"] - (rows["displacement"] - run.equilibrium_displacement)
+    assert np.abs(rows["distance"] - travelled).max() < 1e-9
+    assert rows["time"] == pytest.approx(np.arange(rows["time"].size) * 2e-5, rel=1e-14)
+    slope = (rows["displacement"][2:] - rows["displacement"][:-2]) / 4e-5
+    assert np.abs(slope - rows["velocity"][1:-1]).max() < 2e-3 * np.abs(slope).max()
+    stuck = rows["phase"] == 1
+    assert damping == 5.0 or stuck.sum() > 1000
+    held = 300.0 * rows["displacement"] + damping * rows["velocity"]
+    assert rows["friction_force"][stuck] == pytest.approx(held[stuck], rel=1e-12)
+    assert np.all(rows["velocity"][stuck] == 1000.0)
+    field = field_of(run, 3)
+    for n in range(0, rows["time"].size, 97):
+        bears = coupled_slider.force_at(field, float(rows["distance"][n]))
+        if stuck[n]:
+            assert abs(rows["friction_force"][n]) <= bears * (1.0 + 1e-9)
+        else:
+            assert rows["friction_force"][n] == pytest.approx(bears, rel=1e-9)

@@ -1,0 +1,169 @@
+"""A two-way slider in whole runs: the contact of the one-way run, equal bits from both engines and after every cut."""
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rubnoise.errors import Refused, RubnoiseError
+from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation import draws, panels, starts
+from rubnoise.simulation.coupled import fold, motion
+from rubnoise.simulation.run import Engine, extent, simulate
+from rubnoise.simulation.state import State
+from tests.models import UNEQUAL, contents, model, recorded, run_to_end
+
+TIMES = {("junctions", "birth_time"), ("junctions", "death_time")}
+RUNS: dict[str, dict[str, Any]] = {
+    "fig5": {"distance": 2000.0},
+    "thin": {"distance": 1500.0, "count": 0.2},
+    "empty": {"distance": 600.0, "start": "empty"},
+    "regular": {"distance": 800.0, "births": "regular"},
+    "unequal": {"distance": 1500.0, "strength": UNEQUAL, "speed": 10_000.0},
+    "wide": {"distance": 800.0, "tick": 3.0},
+}
+
+
+def two_way(run: Model, **changes: Any) -> Model:
+    assert run.slider is not None
+    return replace(run, slider=replace(run.slider, coupling="two-way", **changes))
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+@pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
+def test_the_contact_is_that_of_the_one_way_run(changes: dict[str, Any], engine: Engine) -> None:
+    run = model(**changes)
+    there, here = contents(recorded(run, 3)), contents(recorded(two_way(run), 3, engine=engine))
+    shared = [name for name in there if name[0] in {"junctions", "trace", "life_curve"} and name not in TIMES]
+    assert len(shared) > 8
+    assert all(here[name] == there[name] for name in shared)
+    assert {name for group, name in here if group == "blocks"} == {
+        "block", "birth_distance", "first_junction", "first_tick",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
+def test_engines_give_equal_bits(changes: dict[str, Any]) -> None:
+    run = two_way(model(**changes))
+    told, last = run_to_end(run, 3, engine="events")
+    filled, end = run_to_end(run, 3, engine="batch")
+    assert contents(told) == contents(filled)
+    assert last.two_way == end.two_way
+
+
+def test_first_passages_are_those_of_the_rows() -> None:
+    """A birth or death lies between the rows of /slider in which the farthest distance so far passes it."""
+    record = recorded(two_way(model(distance=1500.0, count=3.0)), 4)
+    junctions, slider = record["junctions"], record["slider"]
+    farthest = np.maximum.accumulate(slider["distance"])
+    assert (np.diff(slider["distance"]) < 0.0).any()
+    for event in ("birth", "death"):
+        place, time = junctions[f"{event}_distance"], junctions[f"{event}_time"]
+        assert np.array_equal(np.isnan(time), np.signbit(place) | (place > 1500.0))
+        known = np.flatnonzero(~np.isnan(time) & (place < farthest[-1]))
+        row = np.searchsorted(farthest, place[known])
+        assert known.size > 100
+        assert np.all(time[known] <= slider["time"][row] + 1e-9)
+        assert np.all(time[known] >= slider["time"][np.maximum(row - 1, 0)] - 1e-9)
+    assert (junctions["birth_time"][1:] >= junctions["birth_time"][:-1])[~np.isnan(junctions["birth_time"][:-1])].all()
+
+
+def test_rows_are_uniform_in_time_and_landmarks_take_turns() -> None:
+    record = recorded(two_way(model(distance=1000.0)), 5)
+    slider, landmarks = record["slider"], record["landmarks"]
+    assert slider["time"] == pytest.approx(np.arange(slider["time"].size) * 1e-4, rel=1e-14)
+    assert slider["phase"].dtype == landmarks["kind"].dtype == np.uint8
+    assert slider["distance"].size != record["trace"]["distance"].size
+    assert 0.3 < (slider["phase"] == 1).mean() < 1.0
+    assert landmarks["landmark"].tolist() == list(range(landmarks["kind"].size))
+    kind = landmarks["kind"][np.isin(landmarks["kind"], (0, 1))]
+    assert kind.size > 20
+    assert (kind[1:] != kind[:-1]).all()
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+@pytest.mark.parametrize("changes", [RUNS["fig5"], RUNS["fig5"] | {"count": 2.0, "distance": 3000.0}])
+def test_resumed_after_any_block_it_has_equal_bits(
+    monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], engine: Engine
+) -> None:
+    for each in (draws, starts):
+        monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
+    monkeypatch.setattr(panels, "LARGEST_PANEL", 700)
+    run = two_way(model(**changes))
+    states: list[State] = []
+    whole = MemoryRecord(extent(run, 3))
+    simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
+    assert len(states) > 1
+    cuts = states[:: max(len(states) // 6, 1)]
+    for cut in cuts:
+        again = MemoryRecord(extent(run, 3))
+        with suppress(_Left):
+            simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(cut.block))
+        state = State.unpack(cut.pack())
+        assert state.pack() == cut.pack()
+        simulate(run, 3, again, engine="batch" if engine == "events" else "events", state=state)
+        assert contents(again) == contents(whole)
+
+
+def test_rows_wait_until_their_death_has_been_passed() -> None:
+    """The rows written at a cut are those of junctions that all were passed; nobody waits without a reason."""
+    run = two_way(model(distance=2000.0))
+    written: list[int] = []
+    record = MemoryRecord(extent(run, 3))
+
+    class Counting:
+        def write(self, group: str, first_row: int, columns: Any) -> None:
+            if group == "junctions":
+                written.append(first_row + next(iter(columns.values())).size)
+            record.write(group, first_row, columns)
+
+    states: list[State] = []
+    ends: list[int] = []
+
+    def note(state: State) -> None:
+        states.append(state)
+        ends.append(written[-1])
+
+    simulate(run, 3, Counting(), engine="batch", alone=True, commit=note)
+    assert ends[-1] == states[-1].junctions
+    assert all(0 < state.junctions - end < 100 for state, end in zip(states[:-1], ends[:-1], strict=True))
+
+
+def test_the_tolerance_is_used() -> None:
+    run = model(distance=100.0)
+    fine, coarse = (recorded(two_way(run, tolerance=tolerance), 3)["slider"] for tolerance in (1e-11, 1e-5))
+    count = min(fine["time"].size, coarse["time"].size, 100)
+    away = np.abs(fine["displacement"][:count] - coarse["displacement"][:count]).max()
+    assert 0.0 < away < 1e-3 * np.abs(fine["displacement"]).max()
+
+
+def test_an_intervention_is_refused() -> None:
+    def process(env: Any, live: Any) -> Any:
+        yield env.timeout(1.0)
+
+    with pytest.raises(Refused, match=r'slider\.coupling = "one-way" takes interventions'):
+        recorded(two_way(model(distance=20.0)), intervene=process)
+
+
+def test_a_motion_without_a_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(*_arguments: Any) -> int:
+        return motion.LOST
+
+    monkeypatch.setattr(fold, "advance", lost)
+    with pytest.raises(RubnoiseError, match=r"no step of the slider .* a larger slider.tolerance may do"):
+        recorded(two_way(model(distance=20.0)))
+
+
+def _leave_after(block: int) -> Any:
+    def commit(state: State) -> None:
+        if state.block == block:
+            raise _Left
+
+    return commit
+
+
+class _Left(Exception):  # noqa: N818  (nothing is wrong)
+    pass
