@@ -147,7 +147,7 @@ class TrianglePulse:
     @property
     def squared_kinks(self) -> float:
         """3 pi^2 / 8: the slope jumps by pi/4 at both ends and by -pi/2 at mid-life."""
-        return 0.375 * pi * pi
+        return 0.375 * pi**2
 
     @property
     def squared_slope(self) -> float:
