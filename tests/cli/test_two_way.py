@@ -76,6 +76,42 @@ def test_verify_holds_what_it_can_and_names_what_it_leaves_out(ran: Path) -> Non
     assert "regenerated: a two-way slider is not in /blocks" in " ".join(again.out.split())
 
 
+@pytest.mark.parametrize(
+    ("place", "change", "check"),
+    [
+        ("slider/time", 1e-9, "slider_rows"),
+        ("slider/distance", 1e-3, "slider_rows"),
+        ("slider/displacement", 1e-3, "slider_rows"),
+        ("slider/phase", 1, "slider_rows"),
+        ("landmarks/kind", 1, "landmarks"),
+        ("landmarks/time", 1.0, "landmarks"),
+        ("landmarks/velocity", 1e-9, "landmarks"),
+        ("landmarks/landmark", 1, "landmarks"),
+        ("junctions/birth_time", -1.0, "passages"),
+        ("junctions/death_time", np.nan, "passages"),
+    ],
+)
+def test_rows_are_held_against_each_other(ran: Path, place: str, change: float, check: str) -> None:
+    with h5py.File(ran, "r+") as file:
+        row = int(np.flatnonzero(file["slider/phase"][:] == 1)[40]) if place.startswith("slider") else 20
+        row += 60 * place.startswith("junctions")
+        file[place][row] = file[place][row] + change
+    done = call("verify", ran, "--json")
+    assert done.code == 3
+    assert check in json.loads(done.out)["different"]
+
+
+@pytest.mark.parametrize("tolerance", ["1e-4", "1e-12"])
+@pytest.mark.parametrize("count", ["1", "20"])
+def test_a_right_run_keeps_all_of_it(here: Path, count: str, tolerance: str) -> None:
+    changes = (f"interface.mean_junction_count={count}", f"slider.tolerance={tolerance}", "interface.calibration=exact")
+    words = [word for change in changes for word in ("--set", change)]
+    assert call("run", SLIDER, "-o", "x.h5", "-q", "--engine", "batch", *TWO_WAY, *words).code == 0
+    with h5py.File(here / "x.h5") as file:
+        assert file["landmarks/kind"].size > 4
+    assert call("verify", "x.h5").code == 0
+
+
 @pytest.mark.parametrize("place", ["slider/phase", "landmarks/kind", "junctions/birth_time", "junctions/death_time"])
 def test_verify_finds_a_changed_row(ran: Path, place: str) -> None:
     with h5py.File(ran, "r+") as file:

@@ -14,6 +14,7 @@ from rubnoise.analysis.verifying.lives import life_checks
 from rubnoise.analysis.verifying.origin import cells_per_tick, layout_check, need_same_streams, origin_check
 from rubnoise.analysis.verifying.scenario_text import scenario_check
 from rubnoise.analysis.verifying.slider import slider_checks
+from rubnoise.analysis.verifying.two_way import two_way_checks
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import HashedReader
@@ -23,7 +24,7 @@ from rubnoise.storage.inventory import Inventory
 _TWO_WAY: Final = {
     "times": "when a two-way slider passes a birth or a death follows from its motion, which is not made again",
     "slider_columns": "rows of a two-way slider lie at places of its own, and /trace has no force there",
-    "motion": "what is known to check a motion is that of one-way coupling",
+    "motion": "the motion of a two-way slider between landmarks is not made again",
 }
 
 
@@ -80,6 +81,7 @@ def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[C
     checks = contact_checks(model, run)
     if model.is_two_way:
         left_out += [LeftOut(name=name, reason=reason) for name, reason in _TWO_WAY.items()]
+        checks += two_way_checks(model, run)
     elif model.slider is not None:
         checks += slider_checks(model, run, cells_per_tick(run))
     if all(check.holds for check in checks):

@@ -139,8 +139,8 @@ class CoupledMotion:
         field = Field.over(self._model.pulse.shape, living, begin, end, width, self._room)
         order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
         whole, numbers = state.whole.copy(), state.numbers.copy()
-        whole[layout.BORN] = len(living) - int(np.isnan(births).sum())
-        whole[layout.DIED] = len(living) - int(np.isnan(deaths).sum())
+        whole[layout.BORN] = len(living) - np.count_nonzero(np.isnan(births))
+        whole[layout.DIED] = len(living) - np.count_nonzero(np.isnan(deaths))
         near = np.empty(4 * (len(living) + 1))
         met = (field.lives, field.shape, order, births, deaths)
         far, work, powers = np.empty(NODES), np.zeros(WORK), np.zeros(10)
@@ -229,7 +229,7 @@ class CoupledMotion:
         death = state.rows.birth + 2.0 * state.rows.diameter
         old = passed & (death < state.distance(self._constants) - look_back(model))
         kept = np.flatnonzero(passed & ~old)
-        old[kept[: max(len(old) - int(old.sum()) - _KEPT_ROWS, 0)]] = True
+        old[kept[: max(len(old) - np.count_nonzero(old) - _KEPT_ROWS, 0)]] = True
         if not old.any():
             return
         rest = np.flatnonzero(~old)

@@ -1,0 +1,120 @@
+"""What rows of a two-way slider say of each other: places, times, phases, landmarks in their turn, first passages."""
+
+from typing import Final
+
+import numpy as np
+
+from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.lives import AT_END
+from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.reading import panels
+from rubnoise.model import Model, Slider
+from rubnoise.record.reader import Rows
+
+SLIP, STUCK, REVERSED = 0, 1, 2
+"""Phases in /slider."""
+
+STICK, BREAKAWAY, REVERSAL, FORWARD = 0, 1, 2, 3
+"""Kinds in /landmarks."""
+
+FOLLOWS: Final = {
+    STICK: (BREAKAWAY,),
+    BREAKAWAY: (STICK, REVERSAL),
+    REVERSAL: (STICK, FORWARD),
+    FORWARD: (STICK, REVERSAL),
+}
+"""What may come after a landmark: a stick ends in a breakaway alone, and a reversal in a stick or forward."""
+
+SHARE: Final = 1e-9
+"""Of the largest modulus in the rows read together: what sums over many steps may have rounded."""
+
+
+def two_way_checks(model: Model, rows: Rows) -> list[Check]:
+    """Return whether rows of a two-way slider obey what needs no force: s = V t - (x - x_0), and what a stick is."""
+    slider, speed = model.slider, model.sliding_speed
+    if slider is None or speed is None:
+        return []
+    return [_rows_check(model, slider, speed, rows), _landmarks_check(slider, speed, rows), _passages_check(rows)]
+
+
+def _rows_check(model: Model, slider: Slider, speed: float, rows: Rows) -> Check:
+    notes, loose = Notes("slider_rows"), _loose(model, slider)
+    for panel in panels(rows, "slider"):
+        time, place, velocity, phase = (panel[name] for name in ("time", "displacement", "velocity", "phase"))
+        notes.equal("/slider/time", panel.first, time, np.arange(panel.first, panel.end) * model.tick / speed)
+        travelled = speed * time - (place - model.equilibrium_displacement)
+        allowed = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
+        notes.near("/slider/distance", panel.first, panel["distance"], travelled, allowed)
+        notes.holds("/slider/phase", panel.first, phase, phase <= REVERSED, "0, 1 or 2")
+        stuck, off = phase == STUCK, SHARE * max(_largest(velocity), speed) + loose
+        right = np.select([stuck, phase == SLIP], [velocity == speed, velocity <= speed + off], velocity >= speed - off)
+        notes.holds("/slider/velocity", panel.first, velocity, right, "what the phase says beside the drive's speed")
+        force = panel["friction_force"]
+        held = np.where(stuck, slider.stiffness * place + slider.damping * speed, force)
+        notes.near("/slider/friction_force", panel.first, force, held, SHARE * _largest(force))
+        signs = stuck | np.where(phase == REVERSED, force <= 0.0, force >= 0.0)
+        notes.holds("/slider/friction_force", panel.first, force, signs, "against the motion over the surface")
+    return notes.check()
+
+
+def _landmarks_check(slider: Slider, speed: float, rows: Rows) -> Check:
+    """Compare each landmark with the one before it: later, of a kind that may follow, and sticks in closed form."""
+    notes, before = Notes("landmarks"), None
+    for panel in panels(rows, "landmarks"):
+        names = ("time", "distance", "kind", "displacement")
+        now = np.array([panel[name].astype(np.float64) for name in names])
+        earlier = np.concatenate([now[:, :1] if before is None else before, now[:, :-1]], axis=1)
+        time, distance, kind, place = now
+        since, there, what, begin = earlier
+        notes.equal("/landmarks/landmark", panel.first, panel["landmark"], np.arange(panel.first, panel.end))
+        notes.equal("/landmarks/velocity", panel.first, panel["velocity"], speed)
+        notes.holds("/landmarks/time", panel.first, time, time >= since, "at or after the landmark before it")
+        turns = np.zeros(kind.size, dtype=bool)
+        for each, after in FOLLOWS.items():
+            turns |= (what == each) & np.isin(kind, after)
+        if before is None:
+            turns[:1] = np.isin(kind[:1], (STICK, REVERSAL))
+        notes.holds("/landmarks/kind", panel.first, panel["kind"], turns, "a kind that may follow the one before it")
+        ends = kind == BREAKAWAY
+        notes.near("/landmarks/distance", panel.first, distance, np.where(ends, there, distance), 0.0)
+        ridden = np.where(ends, begin + speed * (time - since), place)
+        rounded = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
+        notes.near("/landmarks/displacement", panel.first, place, ridden, rounded)
+        force = panel["force_after"]
+        held = np.where((kind == STICK) | ends, slider.stiffness * place + slider.damping * speed, force)
+        # Where w and w' are 0 at once, which of two equal forces acts is decided within the tolerance.
+        allowed = max(SHARE, 10.0 * slider.tolerance) * _largest(force)
+        notes.near("/landmarks/force_after", panel.first, force, held, allowed)
+        before = now[:, -1:]
+    return notes.check()
+
+
+def _passages_check(rows: Rows) -> Check:
+    """Births are passed in their order, deaths after births; what lies outside of the run is never passed."""
+    notes, latest = Notes("passages"), 0.0
+    for panel in panels(rows, "junctions"):
+        birth, death = panel["birth_time"], panel["death_time"]
+        never, beyond = np.signbit(panel["birth_distance"]), (panel["state"] & AT_END) != 0
+        notes.holds("/junctions/birth_time", panel.first, birth, np.isnan(birth) == never, "nan before the start alone")
+        notes.holds("/junctions/death_time", panel.first, death, np.isnan(death) == beyond, "nan beyond the end alone")
+        passed = np.maximum.accumulate(np.concatenate([[latest], np.where(never, 0.0, np.nan_to_num(birth))]))
+        notes.holds(
+            "/junctions/birth_time", panel.first, birth, never | (birth >= passed[:-1]), "at or after those before"
+        )
+        after = beyond | (death >= np.where(never, 0.0, birth))
+        notes.holds("/junctions/death_time", panel.first, death, after, "at or after the birth")
+        latest = float(passed[-1])
+    return notes.check()
+
+
+def _loose(model: Model, slider: Slider) -> float:
+    """Return by how much (um/s) the tolerance lets a slider that stands have another speed than the drive."""
+    if model.strengths is None:
+        return 0.0
+    deflection = model.strengths.moment(1) * model.stationary_mean_area / slider.stiffness
+    return slider.tolerance * deflection * slider.natural_angular_frequency
+
+
+def _largest(values: np.ndarray) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.abs(finite).max(initial=0.0))
