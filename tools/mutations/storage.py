@@ -90,9 +90,9 @@ MUTANTS = (
         "np.trunc(values * STEPS)",
     ),
     one(
-        "a speed in um",
+        "a force in N",
         "test_every_column_has_the_unit_of_its_quantity",
-        """units="um/s", symbol="x'", long_name="velocity of the slider"),""",
-        """units="um", symbol="x'", long_name="velocity of the slider"),""",
+        'units="uN", symbol="F_s", long_name="friction force on the slider"),',
+        'units="N", symbol="F_s", long_name="friction force on the slider"),',
     ),
 )
