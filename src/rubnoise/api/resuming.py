@@ -48,7 +48,7 @@ def resume(
     """Go on with a run that did not finish, ``NAME.h5.part``, and open its result, ``NAME.h5``.
 
     Every dataset equals that of a run that was never stopped, bit for bit. ``force`` allows an existing file to be
-    replaced; ``watch`` is told where the run goes on and after each panel; ``observe`` is told of what happens from
+    replaced; ``watch`` is told where the run goes on and after each panel; ``observe`` is called for what happens from
     there on. A run that was begun with an intervention needs it again as ``intervene``: a process that begins where the
     run goes on. Raises RunFileRefused for a part that cannot be read, OutputRefused where the result may not be written
     or another process writes it, Refused where this version of rubnoise would go on with other numbers, or the guests
