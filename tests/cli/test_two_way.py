@@ -43,6 +43,17 @@ def test_a_run_tells_what_it_measured_and_no_exact_motion_beside_it(ran: Path) -
     assert 0.3 < summary["stick_fraction"]["observed"] < 1.0
 
 
+def test_a_run_of_one_row_has_no_rates(here: Path) -> None:
+    """A slider that is thrown back at once comes to the end of a tick of distance before a tick of time has passed."""
+    short = ["--set", "sliding.distance=0.05 um", "--set", "output.tick=0.05 um", "--set", "slider.coupling=two-way"]
+    assert call("run", SLIDER, "-o", "one.h5", "-q", "--seed", "1", *short).code == 0
+    with h5py.File("one.h5") as file:
+        assert file["slider/time"].size == 1
+        assert file["summary"].attrs["stick_fraction"] == 0.0
+        assert not [name for name in file["summary"].attrs if name.endswith("_per_s")]
+    assert call("verify", "one.h5").code == 0
+
+
 def test_engines_give_equal_bits_and_the_contact_of_one_way(ran: Path) -> None:
     assert call("run", SLIDER, "-o", "batch.h5", "-q", "--engine", "batch", *TWO_WAY).code == 0
     assert call("run", SLIDER, "-o", "one.h5", "-q", *SHORT).code == 0

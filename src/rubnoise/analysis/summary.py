@@ -9,6 +9,7 @@ from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.moments import LARGEST_ERRORS
 from rubnoise.analysis.records import longer
 from rubnoise.model import Model
+from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.theory.campbell import Cumulants
 from rubnoise.theory.exact import Exact, exact
@@ -22,9 +23,6 @@ from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.random_births import are_at_random
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
-
-STUCK, STICK, REVERSAL = 1, 0, 2
-"""A phase of /slider, and two kinds of /landmarks."""
 
 Errors = tuple[float | None, ...]
 
@@ -152,17 +150,22 @@ def _motion(place: Moments, speed: Moments, theory: Theory) -> list[Agreement]:
 
 
 def _two_way_motion(model: Model, tally: Tally) -> list[Agreement]:
-    """Return what the rows of a two-way slider, which are uniform in time, show: no exact value is known of it."""
-    place, phases, kinds = tally.moments["displacement"], tally.counts["phase"], tally.counts.get("kind", [0] * 4)
+    """Return what the rows of a two-way slider, which are uniform in time, show: no exact value is known of it.
+
+    A run of one row has no duration, and no rates.
+    """
+    place, phases = tally.moments["displacement"], tally.counts["phase"]
+    kinds = tally.counts.get("kind", [0] * len(LandmarkKind))
     duration = (place.count - 1) * (model.tick_duration or 0.0)
     figures = {
         "displacement_mean": place.mean,
         "displacement_std": place.std,
         "velocity_std": tally.moments["velocity"].std,
-        "stick_fraction": phases[STUCK] / place.count,
-        "sticks_per_s": kinds[STICK] / duration if duration else 0.0,
-        "reversals_per_s": kinds[REVERSAL] / duration if duration else 0.0,
+        "stick_fraction": phases[Phase.STICK] / place.count,
     }
+    if duration:
+        figures["sticks_per_s"] = kinds[LandmarkKind.STICK] / duration
+        figures["reversals_per_s"] = kinds[LandmarkKind.REVERSAL] / duration
     return [Agreement(name=name, observed=seen, expected=None, standard_error=None) for name, seen in figures.items()]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.record.sink import Columns
 
 WATCHED = {
@@ -15,7 +16,7 @@ WATCHED = {
 }
 """Which columns are tallied, by group, and to which power."""
 
-COUNTED = {"slider": {"phase": 3}, "landmarks": {"kind": 4}}
+COUNTED = {"slider": {"phase": len(Phase)}, "landmarks": {"kind": len(LandmarkKind)}}
 """Columns of few whole numbers of which each is counted, by group, and how many there are."""
 
 TALLIED = {group: {**WATCHED.get(group, {}), **COUNTED.get(group, {})} for group in {**WATCHED, **COUNTED}}
