@@ -63,7 +63,7 @@ class Path:
     @property
     def reverse_work(self) -> float | None:
         """Int G |ds| in uN um over reversals; None where one goes back behind the start, where no rows are."""
-        if (self.turns < 0.0).any():
+        if (self.turns < -_ROUNDING * self.balance.distance).any():
             return None
         begin, end = self._work.at_places()[1:].reshape(2, -1)
         return float((begin - end).sum())
