@@ -18,6 +18,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.coupling import coupling, weak_motion
+from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.response import response
 from tests.coupled_runs import coupled
 from tests.models import UNEQUAL, model, recorded
@@ -87,18 +88,18 @@ def test_exact_laws_hold_to_the_tolerance(name: str, tolerance: float) -> None:
 
 
 def test_the_mean_force_is_that_of_its_own_lives_to_rounding() -> None:
-    """Over a thousand um of Figure 5 the law leaves some 1e-13 of the force, where chance leaves a hundredth."""
+    """Over a thousand um of Figure 5 the law leaves some 1e-13 of the force, where Campbell's mean leaves 2e-2."""
     run, rows = ran("figure 5", 1e-11)
     found = identities(run, rows)["mean_force_law"]
     assert isinstance(found, Identity)
     assert found.deviation < 1e-11 * balance(run, rows).mean_force
-    assert balance(run, rows).expected_excess() > 1e-2 * balance(run, rows).mean_force
+    assert mean_force_error(run, run.distance) > 1e-2 * balance(run, rows).mean_force
 
 
 def test_runs_of_this_page_do_what_they_are_named_for() -> None:
     kinds = {name: ran(name)[1].groups["landmarks"]["kind"] for name in RUNS}
     assert (kinds["reversals"] == 2).any()
-    assert (kinds["figure 5"] == 0).sum() > 10
+    assert (kinds["figure 5"] == 0).sum() > 3
     assert kinds["fast"].size == 0
 
 
@@ -276,12 +277,12 @@ class Point:
 
 POINTS = (
     Point(speed=5e4, damping=0.2, count=20.0, distance=1e5),
-    Point(speed=3.5e4, damping=0.2, count=20.0, distance=1e5),
+    Point(speed=3.5e4, damping=0.2, count=20.0, distance=6e4),
     Point(speed=2.5e4, damping=0.5, count=20.0, distance=4e4),
-    Point(speed=6e4, damping=0.2, count=5.0, distance=1e5),
+    Point(speed=3.5e4, damping=0.5, count=20.0, distance=4e4),
     Point(speed=2.2e4, damping=0.2, count=80.0, distance=4e4),
 )
-FIELDS = 24
+FIELDS = 40
 
 
 def ratio_of_spreads(point: Point) -> tuple[float, float]:
@@ -301,7 +302,7 @@ def ratio_of_spreads(point: Point) -> tuple[float, float]:
 
 @pytest.mark.torture
 def test_weak_coupling_at_five_points_by_one_chi_square() -> None:
-    """Sum of z^2 over five points, each z a Student deviate of 23 degrees of freedom: its mean is 5.48, std 3.6.
+    """Sum of z^2 over five points, each z a Student deviate of 39 degrees of freedom.
 
     The bound is the quantile 0.9999 of chi-square with five degrees of freedom, widened by the deviates' variance.
     """
