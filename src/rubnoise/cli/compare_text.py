@@ -25,6 +25,7 @@ UNITS = {
     "spectrum": "um^4",
     "displacement": "um",
     "velocity": "um/s",
+    "mean_force": "uN",
 }
 PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
 """Ends of names of figures without a unit."""

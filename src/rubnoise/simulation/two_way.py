@@ -64,8 +64,11 @@ class TwoWayMotion:
         born = replace(born, departure=np.full(len(born), np.inf))
         self._waiting = self._waiting.then(born)
         self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
+        before = self._motion.finished
         for told in self._moved(born, known):
             self._write(told)
+        if self._motion.finished and not before:
+            self._sink.write("balance", 0, self._balance())
         self._write_known()
         if self._telling is not None:
             self._telling.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
@@ -92,6 +95,18 @@ class TwoWayMotion:
             times[junction - self._written] = time
         if self._telling is not None:
             self._telling.landmarks(told.landmarks)
+
+    def _balance(self) -> dict[str, Doubles]:
+        """Return the row of /balance: the end of the run, and what has been summed up from its start to there."""
+        state, constants = self._motion.state, self._constants
+        row = {
+            "time": state.time(constants),
+            "distance": state.distance(constants),
+            "displacement": state.displacement,
+            "velocity": state.velocity(constants),
+            **state.integrals,
+        }
+        return {name: np.array([value]) for name, value in row.items()}
 
     def _write_known(self) -> None:
         """Write the first of the waiting rows, as many as are known: all of them where the run is over."""
