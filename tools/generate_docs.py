@@ -29,6 +29,7 @@ ROWS = {
     "ticks": "one a tick",
     "slider": "one a tick, with two-way coupling one in the time of a tick",
     "landmarks": "one a landmark",
+    "balance": "one, of the end of the run",
     "blocks": "one a block",
     "curve": "one a point of the curve",
 }

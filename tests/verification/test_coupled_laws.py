@@ -55,7 +55,7 @@ def mean_force_times_time(run: Model, found: CoupledRun) -> float:
     slider, _ = slider_of(run)
     velocity = found.velocity
     moved = found.state.displacement - found.start
-    return slider.mass * velocity + slider.damping * moved + slider.stiffness * found.state.integrals["displacement"]
+    return slider.mass * velocity + slider.damping * moved + slider.stiffness * found.state.integrals["displacement_integral"]
 
 
 def energy_gained(run: Model, found: CoupledRun) -> float:
@@ -88,7 +88,7 @@ def test_energy(run: Model, start: float | None, tolerance: float) -> None:
     )
     given = speed * mean_force_times_time(run, found)
     stored = energy_gained(run, found)
-    taken = along + slider.damping * found.state.integrals["velocity_squared"] + stored
+    taken = along + slider.damping * found.state.integrals["velocity_squared_integral"] + stored
     assert abs(given - taken) < 10.0 * tolerance * abs(given)
     # The drive's speed off by 1 in 10^6.
     assert abs(given * (1.0 + 1e-6) - taken) > 10.0 * tolerance * abs(given)
@@ -104,12 +104,12 @@ def test_the_mean_force(run: Model, start: float | None) -> None:
     expected = (
         across
         + 2.0 * found.state.integrals["reverse_work"]
-        + slider.damping * found.state.integrals["velocity_squared"]
+        + slider.damping * found.state.integrals["velocity_squared_integral"]
         + stored
     )
     assert speed * mean_force_times_time(run, found) == pytest.approx(expected, rel=1e-8)
     # Time averages are not averages over distance: the dashpot's share is not small.
-    assert slider.damping * found.state.integrals["velocity_squared"] > 1e-4 * abs(across)
+    assert slider.damping * found.state.integrals["velocity_squared_integral"] > 1e-4 * abs(across)
 
 
 def test_uniform_cells_converge_by_the_sixth_power() -> None:
@@ -186,13 +186,13 @@ def test_statistics_are_those_of_the_reference() -> None:
     for n in range(16):
         run = coupled(model(distance=12000.0, tick=1.0), seed_of(f"statistics/{n}"))
         time = run.duration
-        mean = run.state.integrals["displacement"] / time
+        mean = run.state.integrals["displacement_integral"] / time
         found.append(
             {
                 "stick_fraction": run.state.integrals["time_stuck"] / time,
                 "mean_x": mean,
                 "sticks_per_s": float((run.landmarks["kind"] == 0).sum()) / time,
-                "std_v": math.sqrt(run.state.integrals["velocity_squared"] / time),
+                "std_v": math.sqrt(run.state.integrals["velocity_squared_integral"] / time),
             }
         )
     for name in found[0]:

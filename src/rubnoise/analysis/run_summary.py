@@ -42,7 +42,7 @@ class SummarySink:
         layout = RunLayout.of(model)
         self._model = model
         self._layout = layout
-        self._tally = Tally()
+        self._tally = Tally.of(model)
         self._histogram = HistogramSum(layout.edges, layout.batch)
         self._spectrum = WelchSum(layout.segment, layout.step)
         self._covariance = CovarianceSum(int(layout.lags[-1]), area_cumulants(model).mean)

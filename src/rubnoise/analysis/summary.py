@@ -6,11 +6,14 @@ from functools import lru_cache
 from math import isnan
 
 from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.moments import LARGEST_ERRORS
 from rubnoise.analysis.records import longer
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.theory.campbell import Cumulants
+from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.motion_errors import (
     expected_mean_displacement,
@@ -20,11 +23,11 @@ from rubnoise.theory.motion_errors import (
 )
 from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.random_births import are_at_random
-from rubnoise.theory.response import response
+from rubnoise.theory.response import Response, response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
 
-STUCK, STICK, REVERSAL = 1, 0, 2
-"""A phase of /slider, and two kinds of /landmarks."""
+STICK, REVERSAL = 0, 2
+"""Two kinds of /landmarks."""
 
 Errors = tuple[float | None, ...]
 
@@ -47,6 +50,7 @@ class Theory:
     count_error: float | None
     mean_displacement: float | None
     motion_errors: Errors
+    two_way: Response | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +73,9 @@ def theory_of(model: Model) -> Theory:
     not a Poisson process have them for means alone.
     """
     expected, stationary = exact(model), model.start == "stationary"
-    moves = expected.slider is not None and not model.is_two_way
+    one_way = expected.slider is not None and not model.is_two_way
+    two_way = _weak_motion(model) if model.is_two_way else None
+    moves = one_way or two_way is not None
     return Theory(
         exact=expected,
         area_errors=_errors(model, mean_area_error, standard_errors) if stationary else _UNKNOWN,
@@ -77,8 +83,9 @@ def theory_of(model: Model) -> Theory:
         if stationary and expected.force
         else _UNKNOWN,
         count_error=mean_count_error(model) if stationary else None,
-        mean_displacement=expected_mean_displacement(model, model.distance) if moves else None,
+        mean_displacement=_mean_displacement(model, two_way) if moves else None,
         motion_errors=_motion_errors(model) if moves and stationary and _many_decays(model) else _UNKNOWN[:3],
+        two_way=two_way,
     )
 
 
@@ -90,7 +97,7 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
     if "friction_force" in seen and theory.exact.force is not None:
         figures += _moments("friction_force", seen["friction_force"], theory.exact.force, theory.force_errors)[:2]
     if "displacement" in seen and model.is_two_way:
-        figures += _two_way_motion(model, tally)
+        figures += _two_way_motion(model, tally, theory)
     elif "displacement" in seen:
         figures += _motion(seen["displacement"], seen["velocity"], theory)
     return figures
@@ -106,7 +113,22 @@ def _errors(
     return errors.mean, errors.std, errors.skewness, errors.excess_kurtosis
 
 
+def _weak_motion(model: Model) -> Response | None:
+    try:
+        return weak_motion(model)
+    except Refused:
+        return None
+
+
+def _mean_displacement(model: Model, two_way: Response | None) -> float:
+    expected = expected_mean_displacement(model, model.distance)
+    return expected if two_way is None else expected + two_way.mean_displacement - response(model).mean_displacement
+
+
 def _motion_errors(model: Model) -> Errors:
+    if model.is_two_way:
+        errors = weak_motion_errors(model, model.distance)
+        return errors.mean_displacement, errors.displacement_std, errors.velocity_std
     if not are_at_random(model):
         return mean_displacement_error(model, model.distance), None, None
     errors = motion_errors(model, model.distance)
@@ -151,19 +173,39 @@ def _motion(place: Moments, speed: Moments, theory: Theory) -> list[Agreement]:
     return [*figures, _validity(figures[-1], slider.sliding_speed)]
 
 
-def _two_way_motion(model: Model, tally: Tally) -> list[Agreement]:
-    """Return what the rows of a two-way slider, which are uniform in time, show: no exact value is known of it."""
-    place, phases, kinds = tally.moments["displacement"], tally.counts["phase"], tally.counts.get("kind", [0] * 4)
-    duration = (place.count - 1) * (model.tick_duration or 0.0)
+def _two_way_motion(model: Model, tally: Tally, theory: Theory) -> list[Agreement]:
+    """Return what /balance and /landmarks tell of a two-way slider, over its whole time.
+
+    Spreads have an expected value while coupling is weak; the excess of the mean force and the residual of energy have
+    one always, which a right run meets within the steps' errors.
+    """
+    if not tally.last:
+        return []
+    seen, kinds = Balance.of(model, tally.last), tally.counts.get("kind", [0] * 4)
+    known = theory.two_way
+    spreads = zip(
+        ("displacement_mean", "displacement_std", "velocity_std"),
+        (seen.displacement_mean, seen.displacement_std, seen.velocity_std),
+        (None,) * 3 if known is None else (theory.mean_displacement, known.displacement_std, known.velocity_std),
+        theory.motion_errors,
+        strict=True,
+    )
+    exact = {"mean_force_excess": seen.expected_excess(), "energy_residual": 0.0}
     figures = {
-        "displacement_mean": place.mean,
-        "displacement_std": place.std,
-        "velocity_std": tally.moments["velocity"].std,
-        "stick_fraction": phases[STUCK] / place.count,
-        "sticks_per_s": kinds[STICK] / duration if duration else 0.0,
-        "reversals_per_s": kinds[REVERSAL] / duration if duration else 0.0,
+        "stick_fraction": seen.time_stuck / seen.time,
+        "sticks_per_s": kinds[STICK] / seen.time,
+        "reversals_per_s": kinds[REVERSAL] / seen.time,
+        "slips_longer_than_d_per_s": tally.slips.count / seen.time,
+        "mean_force_excess": seen.excess_over(seen.friction_along),
+        "energy_residual": seen.energy_residual,
     }
-    return [Agreement(name=name, observed=seen, expected=None, standard_error=None) for name, seen in figures.items()]
+    return [
+        *(Agreement(name=name, observed=at, expected=right, standard_error=error) for name, at, right, error in spreads),
+        *(
+            Agreement(name=name, observed=at, expected=exact.get(name), standard_error=None)
+            for name, at in figures.items()
+        ),
+    ]
 
 
 def _validity(velocity: Agreement, speed: float) -> Agreement:
@@ -206,7 +248,9 @@ def _many_decays(model: Model) -> bool:
 def _decays(model: Model) -> float | None:
     """Return how many of the slowest decay times of its slider a run lasts; None where nothing decays."""
     slider, speed = model.slider, model.sliding_speed
-    if slider is None or speed is None or slider.damping == 0.0 or model.is_two_way:
+    if slider is None or speed is None or slider.damping == 0.0:
+        return None
+    if model.is_two_way and coupling(model).unknown is not None:
         return None
     slowest = max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
     return model.distance / speed / slowest

@@ -26,7 +26,8 @@ def play(
     ``watch`` is told after each panel, and now and then while a file is compressed; ``observe`` and ``intervene`` are
     those of `rubnoise.run`.
     """
-    model, tally = scenario.model(), Tally()
+    model = scenario.model()
+    tally = Tally.of(model)
     writer.replay(tally)
     end = simulate(
         model,

@@ -18,6 +18,7 @@ UNITS = {
     "friction_force": "uN",
     "displacement": "um",
     "velocity": "um/s",
+    "mean_force": "uN",
 }
 
 

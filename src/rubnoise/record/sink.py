@@ -14,7 +14,7 @@ class Extent:
     """How many rows each group of a run has, known exactly before its first event.
 
     slider: 0 without a slider, None where its rows grow with the run, so that only the end tells how many there are;
-    landmarks: 0 where nothing of the kind is told, else None.
+    landmarks: 0 where nothing of the kind is told, else None, and then /balance has a row.
     """
 
     junctions: int
@@ -30,6 +30,7 @@ class Extent:
             "trace": self.ticks,
             "slider": self.slider,
             "landmarks": self.landmarks,
+            "balance": 0 if self.landmarks == 0 else 1,
             "blocks": self.blocks,
         }[group]
 
@@ -38,7 +39,7 @@ class Sink(Protocol):
     """Keeps columns of rows; groups and columns are named as in a result file."""
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows ``first_row``... of a group: "junctions", "trace", "slider", "landmarks" or "blocks".
+        """Keep rows ``first_row``... of a group: "junctions", "trace", "slider", "landmarks", "balance" or "blocks".
 
         Rows come in order and without gaps; a row of "junctions" may come once more when its junction is ended early.
         """

@@ -1,12 +1,13 @@
 """Running moments of what a run records, gathered while its rows pass by."""
 
 from dataclasses import dataclass, field
-from math import sqrt
-from typing import Any
+from math import inf, nan, sqrt
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 
 WATCHED = {
@@ -15,10 +16,35 @@ WATCHED = {
 }
 """Which columns are tallied, by group, and to which power."""
 
-COUNTED = {"slider": {"phase": 3}, "landmarks": {"kind": 4}}
+COUNTED = {"landmarks": {"kind": 4}}
 """Columns of few whole numbers of which each is counted, by group, and how many there are."""
 
-TALLIED = {group: {**WATCHED.get(group, {}), **COUNTED.get(group, {})} for group in {**WATCHED, **COUNTED}}
+KEPT = {
+    "balance": (
+        "time",
+        "distance",
+        "displacement",
+        "velocity",
+        "time_stuck",
+        "displacement_integral",
+        "displacement_squared_integral",
+        "velocity_squared_integral",
+        "friction_work",
+        "reverse_work",
+    )
+}
+"""Columns of which the last value is kept, by group."""
+
+SLIPS = {"landmarks": ("kind", "distance")}
+"""Columns that tell how long slips are, by group."""
+
+BREAKAWAY: Final = 1
+"""The kind of a landmark at which a slip begins."""
+
+TALLIED = {
+    group: dict.fromkeys((*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ())))
+    for group in {**WATCHED, **COUNTED, **KEPT}
+}
 """All columns from which a tally is made."""
 
 
@@ -86,12 +112,43 @@ class Moments:
         return self.fourth / self.count / self.variance**2 - 3.0 if self.variance > 0.0 else 0.0
 
 
+@dataclass(slots=True)
+class Slips:
+    """How many slips of a two-way slider are longer than a length in um, from rows of /landmarks as they come.
+
+    A slip begins where the slider breaks away and ends at the landmark after it.
+    """
+
+    longer_than: float = inf
+    count: int = 0
+    _begin: float = nan
+
+    def add(self, kind: NDArray[Any], distance: NDArray[Any]) -> None:
+        """Take in rows of /landmarks."""
+        if not kind.size:
+            return
+        begins = np.concatenate([[self._begin], np.where(kind == BREAKAWAY, distance, nan)])
+        lengths = distance - begins[:-1]
+        self.count += int(np.count_nonzero(lengths > self.longer_than))
+        self._begin = float(begins[-1])
+
+
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """A sink that keeps only the moments of the columns it watches, or how often each number comes, by name."""
+    """A sink that keeps little of the columns it watches: moments, how often each number comes, or the last value.
+
+    All by name; slips of a two-way slider are counted beside them.
+    """
 
     moments: dict[str, Moments] = field(default_factory=dict)
     counts: dict[str, list[int]] = field(default_factory=dict)
+    last: dict[str, float] = field(default_factory=dict)
+    slips: Slips = field(default_factory=Slips)
+
+    @classmethod
+    def of(cls, model: Model) -> Self:
+        """Return an empty tally for the runs of a model: slips are counted that are longer than its diameter d_m."""
+        return cls(slips=Slips(longer_than=model.calibrated_diameter))
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Take in rows of a group (see Sink)."""
@@ -105,3 +162,8 @@ class Tally:
                 counts = self.counts.setdefault(name, [0] * numbers)
                 for number in range(numbers):
                     counts[number] += int(np.count_nonzero(columns[name] == number))
+        for name in KEPT.get(group, ()):
+            if name in columns and columns[name].size:
+                self.last[name] = float(columns[name][-1])
+        if group in SLIPS and all(name in columns for name in SLIPS[group]):
+            self.slips.add(*(columns[name] for name in SLIPS[group]))

@@ -32,7 +32,7 @@ class TwoWayMotion:
     def __init__(self, model: Model, seed: int, sink: Sink, room: Room, state: State) -> None:
         """Go on from a state; ``room`` is for the moments of the field."""
         self._model, self._sink = model, sink
-        numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
+        numbers = self._constants = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
         landmarks, self._written, self._waiting, self._times, motion = _unpacked(state.two_way)
         if motion is None:
             motion = CoupledState.start(model, numbers, start(model, seed).live)
@@ -57,8 +57,11 @@ class TwoWayMotion:
         self._waiting = self._waiting.then(born)
         self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
         try:
+            before = self._motion.finished
             for told in self._motion.through(born, known):
                 self._write(told)
+            if self._motion.finished and not before:
+                self._sink.write("balance", 0, self._balance())
         except ArithmeticError as problem:
             raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
         self._write_known()
@@ -77,6 +80,18 @@ class TwoWayMotion:
         self._landmarks.append({"landmark": number, **told.landmarks})
         for times, (junction, time) in zip(self._times, (told.births, told.deaths), strict=True):
             times[junction - self._written] = time
+
+    def _balance(self) -> dict[str, Doubles]:
+        """Return the row of /balance: the end of the run, and what has been summed up from its start to there."""
+        state, constants = self._motion.state, self._constants
+        row = {
+            "time": state.time(constants),
+            "distance": state.distance(constants),
+            "displacement": state.displacement,
+            "velocity": state.velocity(constants),
+            **state.integrals,
+        }
+        return {name: np.array([value]) for name, value in row.items()}
 
     def _write_known(self) -> None:
         """Write the first of the waiting rows, as many as are known: all of them where the run is over."""

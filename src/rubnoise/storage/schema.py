@@ -58,7 +58,7 @@ class Group:
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "slider", "landmarks", "blocks", "curve"]
+    length: Literal["junctions", "ticks", "slider", "landmarks", "balance", "blocks", "curve"]
     columns: tuple[Column, ...]
     plotted: str
     needs: Feature | None = None
@@ -162,6 +162,48 @@ LANDMARKS: Final = Group(
     ),
 )
 
+BALANCE: Final = Group(
+    name="balance",
+    long_name="where a two-way run ends, and integrals over its whole motion",
+    length="balance",
+    needs="two-way",
+    plotted="displacement",
+    columns=(
+        Column(name="time", units="s", symbol="t", long_name="time at the end of the run"),
+        Column(name="distance", units="um", symbol="s", long_name="sliding distance at the end of the run"),
+        Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider at the end"),
+        Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider at the end"),
+        Column(name="time_stuck", units="s", symbol="t_stick", long_name="time that the slider has stuck"),
+        Column(
+            name="displacement_integral",
+            units="um*s",
+            symbol="I_x",
+            long_name="integral of the displacement over time",
+        ),
+        Column(
+            name="displacement_squared_integral",
+            units="um^2*s",
+            symbol="I_xx",
+            long_name="integral of the squared displacement over time",
+        ),
+        Column(
+            name="velocity_squared_integral",
+            units="um^2/s",
+            symbol="I_vv",
+            long_name="integral of the squared velocity over time",
+        ),
+        Column(
+            name="friction_work",
+            units="uN*um",
+            symbol="W",
+            long_name="work of friction: integral of the force that the contact bears over the path",
+        ),
+        Column(
+            name="reverse_work", units="uN*um", symbol="W_-", long_name="the part of friction_work done in reversals"
+        ),
+    ),
+)
+
 BLOCKS: Final = Group(
     name="blocks",
     long_name="where every block of the run begins, and what is carried into it beside junctions",
@@ -203,4 +245,4 @@ LIFE_CURVE: Final = Group(
     ),
 )
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LANDMARKS, BLOCKS, LIFE_CURVE)
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE)

@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, nan, sqrt
+from math import hypot, inf, nan, sqrt
 
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.force_slope import force_slope_std
+from rubnoise.theory.motion_errors import MotionErrors, motion_errors
 from rubnoise.theory.random_births import are_at_random
-from rubnoise.theory.response import response
+from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import force_spectral_density
 
 WEAK = 0.1
@@ -69,6 +71,44 @@ def weak_coupling_change(strength: float, kick: float) -> float:
     if lost <= 0.0 or under_root < 0.0:
         return nan
     return sqrt(2.0 * (1.0 + kick) / (lost + sqrt(under_root)))
+
+
+def weak_motion(model: Model) -> Response:
+    """Return the stationary motion of a two-way slider while its coupling is weak.
+
+    Spreads are those of one-way coupling times `Coupling.expected_change`. The mean force exceeds that of one-way
+    coupling by what the dashpot takes, c Var x'/V. Raises Refused, with the reason, where the law does not hold.
+    """
+    found = coupling(model)
+    if found.unknown is not None:
+        raise Refused(f"the motion of a two-way slider is known for weak coupling alone: {found.unknown}")
+    drive, one_way = drive_of(model), response(model)
+    velocity = one_way.velocity_std * found.expected_change
+    excess = drive.slider.damping * velocity * velocity / drive.speed
+    return Response(
+        mean_displacement=one_way.mean_displacement + excess / drive.slider.stiffness,
+        displacement_std=one_way.displacement_std * found.expected_change,
+        velocity_std=velocity,
+        sliding_speed=drive.speed,
+    )
+
+
+def weak_motion_errors(model: Model, distance: float) -> MotionErrors:
+    """Return standard errors of the figures of `weak_motion` over a run of ``distance`` um, as far as the law is known.
+
+    Those of one-way coupling grow with the spread. To those of spreads comes by how much the law itself may miss them:
+    the next term of <V^2/w^2> is 105 u^3, half of which is in a spread; and of what acting back adds, a share
+    1 - r^2/Pi is lost where the force is not quite white. Raises Refused as `weak_motion` and `motion_errors` do.
+    """
+    motion, errors, found = weak_motion(model), motion_errors(model, distance), coupling(model)
+    change, u = found.expected_change, found.strength * found.expected_change**2
+    coloured = max(1.0 - response(model).one_way_validity ** 2 / found.strength, 0.0)
+    unknown = hypot(52.5 * u**3, coloured * (change - 1.0))
+    return MotionErrors(
+        mean_displacement=change * errors.mean_displacement,
+        displacement_std=hypot(change * errors.displacement_std, unknown * motion.displacement_std),
+        velocity_std=hypot(change * errors.velocity_std, unknown * motion.velocity_std),
+    )
 
 
 def _strength(model: Model, drive: Drive) -> float:

@@ -41,7 +41,7 @@ def summary_check(model: Model, run: Reader) -> Check:
 
     Standard errors are worked out again, too; a figure that a run of the scenario does not have is named.
     """
-    notes, tally, stored = Notes("summary"), Tally(), run.summary
+    notes, tally, stored = Notes("summary"), Tally.of(model), run.summary
     for group in TALLIED:
         if group in run.columns:
             for panel in panels(run, group):

@@ -11,6 +11,7 @@ from rubnoise.model import Model
 from rubnoise.simulation.coupled.layout import (
     CELL,
     DISPLACEMENT,
+    DRIVE,
     FRICTION_WORK,
     NUMBERS,
     OFFSET,
@@ -35,9 +36,9 @@ Integers = NDArray[np.int64]
 
 _INTEGRALS: Final = {
     "time_stuck": TIME_STUCK,
-    "displacement": X_TIME,
-    "displacement_squared": XX_TIME,
-    "velocity_squared": VV_TIME,
+    "displacement_integral": X_TIME,
+    "displacement_squared_integral": XX_TIME,
+    "velocity_squared_integral": VV_TIME,
     "friction_work": FRICTION_WORK,
     "reverse_work": REVERSE_WORK,
 }
@@ -96,6 +97,10 @@ class CoupledState:
         """Displacement x in um."""
         return float(self.numbers[DISPLACEMENT])
 
+    def velocity(self, constants: Doubles) -> float:
+        """Return the velocity x' in um/s."""
+        return float(constants[DRIVE] - self.numbers[RELATIVE])
+
     @property
     def phase(self) -> int:
         """0 in slip, 1 stuck, 2 in reversal."""
@@ -105,8 +110,8 @@ class CoupledState:
     def integrals(self) -> dict[str, float]:
         """What has been summed up since t = 0, step by step.
 
-        time_stuck (s); displacement int x dt (um s); displacement_squared int x^2 dt (um^2 s); velocity_squared
-        int x'^2 dt (um^2/s); friction_work int G |ds| over slip (uN um), and reverse_work, its part in reversal.
+        Named and in units as in /balance: time_stuck; int x dt; int x^2 dt; int x'^2 dt; friction_work int G |ds| over slip, and
+        reverse_work, its part in reversal.
         """
         return {name: float(self.numbers[place]) for name, place in _INTEGRALS.items()}
 

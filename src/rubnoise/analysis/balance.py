@@ -1,0 +1,122 @@
+"""The balance of a two-way run: its mean force and its energy, from where the motion ends and integrals over it.
+
+With s = V t - (x - x_0), w = V - x' and F the friction force on the slider, m x'' + c x' + k x = F gives
+
+    int F dt       = m [x'] + c [x] + k int x dt
+    V int F dt     = int G |ds| + c int x'^2 dt + [E]            E = m x'^2/2 + k x^2/2
+    int G |ds|     = int G ds + 2 int_(w < 0) G |ds|
+
+G the force that the contact bears, [...] what a quantity gains over the run. In a stick F works, too: F V. The second
+line is the balance of energy; over V T it is the law of the mean force, which exceeds the mean of G over distance by
+what the dashpot takes, by what reversals take twice, and by what is stored.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from math import sqrt
+from typing import Self
+
+from rubnoise.model import Model, Slider
+from rubnoise.theory.drive import drive_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Balance:
+    """The row of /balance, in its units (um, s, uN), and what it is to be read with: slider, speed (um/s), start (um).
+
+    Every run begins at rest: x' = 0.
+    """
+
+    slider: Slider
+    speed: float
+    start: float
+    time: float
+    distance: float
+    displacement: float
+    velocity: float
+    time_stuck: float
+    displacement_integral: float
+    displacement_squared_integral: float
+    velocity_squared_integral: float
+    friction_work: float
+    reverse_work: float
+
+    @classmethod
+    def of(cls, model: Model, row: Mapping[str, float]) -> Self:
+        """Return the balance of a run of a model; raises Refused without slider, strength or speed."""
+        drive = drive_of(model)
+        beside = {"slider": drive.slider, "speed": drive.speed, "start": model.equilibrium_displacement}
+        kept = {each.name: row[each.name] for each in fields(cls) if each.name not in beside}
+        return cls(slider=drive.slider, speed=drive.speed, start=model.equilibrium_displacement, **kept)
+
+    @property
+    def displacement_mean(self) -> float:
+        """Mean of x over time in um."""
+        return self.displacement_integral / self.time
+
+    @property
+    def displacement_std(self) -> float:
+        """Standard deviation of x over time in um."""
+        mean = self.displacement_mean
+        return sqrt(max(self.displacement_squared_integral / self.time - mean * mean, 0.0))
+
+    @property
+    def velocity_std(self) -> float:
+        """Standard deviation of x' over time in um/s, its mean being what x has moved over the time."""
+        mean = (self.displacement - self.start) / self.time
+        return sqrt(max(self.velocity_squared_integral / self.time - mean * mean, 0.0))
+
+    @property
+    def impulse(self) -> float:
+        """Impulse of the friction force, int F dt, in uN s."""
+        slider = self.slider
+        held = slider.mass * self.velocity + slider.damping * (self.displacement - self.start)
+        return held + slider.stiffness * self.displacement_integral
+
+    @property
+    def given(self) -> float:
+        """Work of the drive, V int F dt, in uN um."""
+        return self.speed * self.impulse
+
+    @property
+    def dissipated(self) -> float:
+        """Work that the dashpot takes, c int x'^2 dt, in uN um."""
+        return self.slider.damping * self.velocity_squared_integral
+
+    @property
+    def stored(self) -> float:
+        """Energy gained over the run, [E], in uN um."""
+        slider = self.slider
+        moved = slider.stiffness * (self.displacement - self.start) * (self.displacement + self.start)
+        return 0.5 * (slider.mass * self.velocity * self.velocity + moved)
+
+    @property
+    def scale(self) -> float:
+        """Largest of the works in uN um, by which residuals are measured."""
+        slider = self.slider
+        held = 0.5 * slider.stiffness * max(self.displacement * self.displacement, self.start * self.start)
+        return max(abs(self.given), self.friction_work, self.dissipated, held)
+
+    @property
+    def energy_residual(self) -> float:
+        """What is missing in the balance of energy, over the largest of its terms: 0 but for the steps' errors."""
+        missing = self.given - (self.friction_work + self.dissipated + self.stored)
+        return missing / self.scale if self.scale > 0.0 else 0.0
+
+    @property
+    def friction_along(self) -> float:
+        """Signed int G ds in uN um over the whole path: over a reversal and the way back it cancels."""
+        return self.friction_work - 2.0 * self.reverse_work
+
+    @property
+    def mean_force(self) -> float:
+        """Mean of F over time in uN."""
+        return self.impulse / self.time
+
+    def expected_excess(self) -> float:
+        """Return by how much (uN) <F> exceeds int G ds/(V T): (c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T)."""
+        return (self.dissipated + 2.0 * self.reverse_work + self.stored) / (self.speed * self.time)
+
+    def excess_over(self, friction_along: float) -> float:
+        """Return <F> less an int G ds (uN um) over V T, in uN."""
+        return self.mean_force - friction_along / (self.speed * self.time)
