@@ -218,10 +218,11 @@ TWO_WAY = (
         ),
         FROZEN,
     ),
-    Mutant(
-        "stick asked for at a breakaway",
-        (Edit("if whole[FRESH] == 0:", "if True:"), Edit("> 0.0 else 2.0", ">= 0.0 else 2.0")),
+    one(
+        "stuck again at a breakaway",
         "test_after_a_breakaway_the_slider_moves_on",
+        "force = force_in_cell(offset, part) if ending != MOVING else 0.0",
+        "ending = STOPPED if whole[FRESH] == 1 else ending\nforce = force_in_cell(offset, part) if ending != MOVING else 0.0",
     ),
     Mutant(
         "static force used in slip",
