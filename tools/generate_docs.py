@@ -1,7 +1,7 @@
 """Write the generated parts of the documentation: `python tools/generate_docs.py [--check]`, with rubnoise installed.
 
-A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand. With
-`--reference DIR`, the folder of the sweep scenarios/studies/coupling_reference.toml, the reference values of two-way
+A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
+With `--reference DIR`, the folder of the sweep scenarios/studies/coupling_reference.toml, the reference values of two-way
 coupling are taken from there first, unless they disagree with those that another program found: then nothing is written.
 """
 
@@ -72,7 +72,9 @@ def main(arguments: Sequence[str]) -> int:
         if wrong := list(disagreements(points)):
             print("generate_docs: two programs disagree", *wrong, sep="\n  ", file=sys.stderr)
             return 1
-        source = "rubnoise sweep scenarios/studies/coupling_reference.toml; of each figure the value and its standard error"
+        source = (
+            "rubnoise sweep scenarios/studies/coupling_reference.toml; of each figure the value and its standard error"
+        )
         REFERENCE.write_text(json.dumps({"_source": source, "points": points}, indent=1) + "\n", encoding="utf-8")
     stale = [page for page in PAGES if (text := read(page)) != generated(text)]
     for page in stale:

@@ -1,6 +1,6 @@
 """Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
-With --two-way the runs are those with a slider, and it pushes back: rows of /slider and /landmarks grow beside the part.
+With --two-way the runs are those with a slider, and it pushes back: its rows and landmarks grow beside the part.
 With --growing nobody counts the rows of /slider beforehand: they grow beside the part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """

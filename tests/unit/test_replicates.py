@@ -85,7 +85,9 @@ def test_pairs_tell_a_ratio_as_well_as_they_say(name: str, truth: float) -> None
         found = ratio_of_pairs(name, first.tolist(), second.tolist())
         held += abs(found.value - truth) <= found.reach
         missed += abs(found.value - 1.01 * truth) <= found.reach
-        widths.append(found.standard_error / ratio(pooled(name, first.tolist()), pooled(name, second.tolist())).standard_error)
+        widths.append(
+            found.standard_error / ratio(pooled(name, first.tolist()), pooled(name, second.tolist())).standard_error
+        )
     assert 922 <= held <= 978
     assert missed < 850
     assert np.median(widths) < 0.1

@@ -79,7 +79,11 @@ def test_coupling_alone_makes_no_slider() -> None:
     text = TWO_WAY[: TWO_WAY.index("mass = ")] + 'coupling = "two-way"\n'
     said = refusal(text)
     line = 1 + text[: text.index("[slider]")].count("\n")
-    for key, example in (("damping", '"0.05 N*s/m" or damping_ratio = 0.02'), ("mass", '"5 g"'), ("stiffness", '"300 N/m"')):
+    for key, example in (
+        ("damping", '"0.05 N*s/m" or damping_ratio = 0.02'),
+        ("mass", '"5 g"'),
+        ("stiffness", '"300 N/m"'),
+    ):
         assert f"run.toml:{line}: error: slider.{key}: missing" in said
         assert f"write {key} = {example}" in said
     assert "sliding.speed: missing" in refusal(TWO_WAY.replace('speed = "1 mm/s"\n', ""))

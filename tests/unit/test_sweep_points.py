@@ -139,7 +139,8 @@ def test_the_engine_of_a_sweep_is_batch_unless_the_file_names_one_and_changes_no
 
 
 def test_both_couplings_meet_the_same_junctions(tmp_path: Path) -> None:
-    table = '[sweep]\nreplicates = 3\n[sweep.grid]\nslider.coupling = ["one-way", "two-way"]\nsliding.speed = ["1 mm/s", "1 m/s"]\n'
+    both = 'slider.coupling = ["one-way", "two-way"]\n'
+    table = f'[sweep]\nreplicates = 3\n[sweep.grid]\n{both}sliding.speed = ["1 mm/s", "1 m/s"]\n'
     slider = '[strength]\nmean = "250 MPa"\n[slider]\nmass = "5 g"\nstiffness = "300 N/m"\ndamping_ratio = 0.02\n'
     points = expand(sweep_of(tmp_path, table, head=HEAD + slider))
     one_way, two_way = points[:6], points[6:]
@@ -147,7 +148,7 @@ def test_both_couplings_meet_the_same_junctions(tmp_path: Path) -> None:
     assert len({point.seed for point in one_way}) == 6
     assert len({point.run_id for point in points}) == 12
     # A scenario without coupling has the seeds that it always had.
-    alone = expand(sweep_of(tmp_path, table.replace('slider.coupling = ["one-way", "two-way"]\n', ""), head=HEAD + slider))
+    alone = expand(sweep_of(tmp_path, table.replace(both, ""), head=HEAD + slider))
     assert [point.seed for point in alone] == [point.seed for point in one_way]
 
 

@@ -211,9 +211,17 @@ TWO_WAY = (
                 f"net, pull = {_PULL} - mean,",
                 f"mean, slope, bend = way * mean, way * slope, way * bend\nnet, pull = {_PULL} - mean,",
             ),
-            Edit("- spread(stiffness) * passed - force store", "- spread(stiffness) * passed - spread(way) * force\nstore"),
-            Edit("- spread(damping) * speed) - force) * per_mass", "- spread(damping) * speed) - toward * force) * per_mass"),
-            Edit("growth = (pull - force_in_cell(offset, part))", "growth = (pull - way * force_in_cell(offset, part))"),
+            Edit(
+                "- spread(stiffness) * passed - force store",
+                "- spread(stiffness) * passed - spread(way) * force\nstore",
+            ),
+            Edit(
+                "- spread(damping) * speed) - force) * per_mass",
+                "- spread(damping) * speed) - toward * force) * per_mass",
+            ),
+            Edit(
+                "growth = (pull - force_in_cell(offset, part))", "growth = (pull - way * force_in_cell(offset, part))"
+            ),
             Edit("- damping * after - force) / mass", "- damping * after - way * force) / mass"),
         ),
         FROZEN,
@@ -222,12 +230,16 @@ TWO_WAY = (
         "stuck again at a breakaway",
         "test_after_a_breakaway_the_slider_moves_on",
         "force = force_in_cell(offset, part) if ending != MOVING else 0.0",
-        "ending = STOPPED if whole[FRESH] == 1 else ending\nforce = force_in_cell(offset, part) if ending != MOVING else 0.0",
+        "ending = STOPPED if whole[FRESH] == 1 else ending\n"
+        "force = force_in_cell(offset, part) if ending != MOVING else 0.0",
     ),
     Mutant(
         "static force used in slip",
         (
-            Edit("force_in_lanes(fused(spread(way), passed, spread(offset)), part)", "force_in_lanes(spread(offset), part)"),
+            Edit(
+                "force_in_lanes(fused(spread(way), passed, spread(offset)), part)",
+                "force_in_lanes(spread(offset), part)",
+            ),
             Edit("force_in_lanes(fused(toward, passed, place), part)", "force_in_lanes(place, part)"),
         ),
         "test_ten_cases_at_random[0]",

@@ -107,9 +107,7 @@ SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
 
 def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
     """Return those of the runs that have a slider, with one that pushes back."""
-    return tuple(
-        replace(story, name=f"{story.name}, two-way", coupling="two-way") for story in stories if story.slider
-    )
+    return tuple(replace(story, name=f"{story.name}, two-way", coupling="two-way") for story in stories if story.slider)
 
 
 @contextmanager

@@ -75,8 +75,8 @@ def ratio(first: Estimate, second: Estimate) -> Estimate:
 class Quantity:
     """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
-    None is printed where the paper gives no number; exact is nan where theory has none, as of a slider that pushes back.
-    ``rounding`` is the agreement to ask for where the runs do not scatter, in the same unit.
+    None is printed where the paper gives no number; exact is nan where theory has none, as of a slider that pushes
+    back. ``rounding`` is the agreement to ask for where the runs do not scatter, in the same unit.
     """
 
     name: str
@@ -92,7 +92,7 @@ class Quantity:
         return isnan(self.exact) or self.simulated.agrees_with(self.exact, self.rounding)
 
     def below(self, bound: float) -> bool:
-        """Whether the number is below a bound: the exact one, where there is one, and the whole interval of the runs."""
+        """Whether the number is below a bound: the exact one, where there is one, and the interval of the runs."""
         return (isnan(self.exact) or self.exact < bound) and self.simulated.interval[1] < bound
 
 

@@ -127,9 +127,7 @@ def _few_or_many(found: Evidence) -> Claim:
         name="the same, if the slider pushes back",
         unit="",
         printed=None,
-        simulated=ratio(
-            *(found.at(count=count, coupling="two-way").numbers["displacement_std"] for count in (50, 10))
-        ),
+        simulated=ratio(*(found.at(count=count, coupling="two-way").numbers["displacement_std"] for count in (50, 10))),
         exact=nan,
     )
     quantities = (force, motion, pushing_back)
@@ -187,8 +185,8 @@ def _constant_speed(found: Evidence) -> Claim:
         says="The paper does not say it, but takes the sliding speed, 1 mm/s, for constant while the slider vibrates.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if steady else Verdict.FAILS),
-        because=f"One-way, the slider moves {one_way.simulated.value:.0f} times as fast as the surface under it, so its "
-        "motion has to act back on the sliding distance, and with it on births and deaths. Two-way coupling does that: "
+        because=f"One-way, the slider moves {one_way.simulated.value:.0f} times as fast as the surface under it, so "
+        "its motion has to act back on the sliding distance, and with it on births and deaths. Two-way coupling does that: "
         f"the slider then sticks for {100.0 * stuck.simulated.value:.0f} % of the time, still moves "
         f"{pushing_back.simulated.value:.0f} times as fast as the surface, and spreads "
         f"{change.simulated.value:.2f} times as far as Fig. 5 has it.",

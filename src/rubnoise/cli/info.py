@@ -19,7 +19,9 @@ def command(
     *,
     figures: Annotated[
         str | None,
-        typer.Option(help="Of a sweep: these figures of each point, over its replicates.", metavar="NAME,...", show_default=False),
+        typer.Option(
+            help="Of a sweep: these figures of each point, over its replicates.", metavar="NAME,...", show_default=False
+        ),
     ] = None,
     over: Annotated[
         str | None,

@@ -56,7 +56,9 @@ def estimates(sweep: SweepResult, names: Sequence[str], over: str | None = None)
         try:
             ratios = sweep.ratios(name, key, value)
         except ValueError as problem:
-            raise Refused(f"--over {over}: {problem}, and all else as at another; keys that go side by side change together") from problem
+            raise Refused(
+                f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
+            ) from problem
         for point, estimate in zip(found, ratios, strict=True):
             point["over"][name] = _interval(estimate)
     return found
@@ -74,7 +76,7 @@ def _of_a_point(sweep: SweepResult, over: str) -> tuple[str, Any]:
 
 
 def _interval(estimate: Pooled) -> dict[str, float | int | None]:
-    """Return value, standard error, the ends of the 95 % interval and the number of runs; None for what is not known."""
+    """Return value, standard error, 95 % interval and the number of runs; None for what is not known."""
     numbers = {
         "value": estimate.value,
         "standard_error": estimate.standard_error,
