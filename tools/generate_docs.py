@@ -1,8 +1,8 @@
 """Write the generated parts of the documentation: `python tools/generate_docs.py [--check]`, with rubnoise installed.
 
 A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
-With `--reference DIR`, the folder of the sweep scenarios/studies/coupling_reference.toml, the reference values of two-way
-coupling are taken from there first, unless they disagree with those that another program found: then nothing is written.
+With `--reference DIR`, the folder of a sweep of scenarios/studies/coupling_reference.toml, reference values of two-way
+coupling are taken from there first, unless they disagree with those of another program: then nothing is written.
 """
 
 import json
