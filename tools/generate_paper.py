@@ -5,6 +5,7 @@ The page holds every claim of the paper as `rubnoise claims` settles it, every f
 
 import sys
 from collections.abc import Iterator
+from math import isnan
 from pathlib import Path
 
 from rubnoise.claims.catalogue import settle
@@ -24,9 +25,10 @@ theory gives, and the verdict that follows from the numbers. `rubnoise claims` m
 `rubnoise figures all -o DIR` the pictures; `tools/generate_paper.py` wrote this page from both.
 
 Each simulated number is the mean of independent runs, or follows from such means, with the 95 % interval of their
-scatter, which owes nothing to the theory. Exact numbers follow from the model alone ([model.md](model.md)). Where the
-two disagree by more than four standard errors the verdict is *unsettled*, and this page is not written. The claims
-stand here in other words, their numbers as printed.
+scatter, which owes nothing to the theory. Exact numbers follow from the model alone ([model.md](model.md)); of a
+slider that pushes back ([two-way.md](two-way.md)) there are none, and the verdict follows from runs with their
+intervals. Where the two disagree by more than four standard errors the verdict is *unsettled*, and this page is not
+written. The claims stand here in other words, their numbers as printed.
 """
 
 LIMITS = """
@@ -47,7 +49,8 @@ Two more follow from its equations:
   equal sizes and not 1.230/sqrt(N_jm), and the tail of the spectrum is k^-5 and not k^-4: a centred pass has a kink at
   mid-life, the others have none.
 - **A slider that does not act back.** The area depends on the distance slid, and that grows evenly, however the slider
-  moves: see [constant_speed](#constant_speed).
+  moves: see [constant_speed](#constant_speed). rubnoise has this limit with `slider.coupling = "one-way"`, the
+  default, and not with `"two-way"`.
 """
 
 
@@ -95,8 +98,9 @@ def _claim(claim: Claim) -> Iterator[str]:
 def _quantity(quantity: Quantity) -> str:
     name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
+    exact = "" if isnan(quantity.exact) else f"{quantity.exact:.6g}"
     low, high = quantity.simulated.interval
-    return f"| {name} | {printed} | {quantity.simulated.value:.5g} ± {0.5 * (high - low):.2g} | {quantity.exact:.6g} |"
+    return f"| {name} | {printed} | {quantity.simulated.value:.5g} ± {0.5 * (high - low):.2g} | {exact} |"
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
+With --two-way the runs are those with a slider, and it pushes back: its rows and landmarks grow beside the part.
 With --growing nobody counts the rows of /slider beforehand: they grow beside the part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
@@ -9,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -23,22 +25,22 @@ from survival.full import full  # noqa: E402
 from survival.kills import kills  # noqa: E402
 from survival.power import power  # noqa: E402
 from survival.signals import signals  # noqa: E402
-from survival.stories import growing  # noqa: E402
+from survival.stories import LONG, SHORT, SMALL, Story, growing, two_way  # noqa: E402
 from survival.sweeps import sweeps  # noqa: E402
 from survival.writes import writes  # noqa: E402
 
-Torture = Callable[[int, int], Outcome]
-TORTURES: Mapping[str, tuple[Torture, int]] = {
-    "kills": (kills, 1000),
-    "writes": (writes, 1),
-    "power": (power, 1000),
-    "sweeps": (sweeps, 1000),
-    "full": (full, 100),
-    "flips": (flips, 1200),
-    "signals": (signals, 200),
-    "cost": (cost, 10),
+Torture = Callable[..., Outcome]
+TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {
+    "kills": (kills, 1000, LONG),
+    "writes": (writes, 1, SMALL),
+    "power": (power, 1000, SMALL),
+    "sweeps": (sweeps, 1000, SMALL),
+    "full": (full, 100, SMALL),
+    "flips": (flips, 1200, SMALL),
+    "signals": (signals, 200, SHORT),
+    "cost": (cost, 10, ()),
 }
-"""Each with how often it is done by default."""
+"""Each with how often it is done by default, and to which runs; the cost is that of runs of its own."""
 
 
 def main() -> int:
@@ -48,35 +50,44 @@ def main() -> int:
     parser.add_argument("--count", type=int, help="how often; as often as docs/survival.md tells by default")
     parser.add_argument("--jobs", type=int, default=1, help="processes (1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of every choice (1)")
+    parser.add_argument("--two-way", action="store_true", help="torture runs with two-way coupling")
     parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
     asked = parser.parse_args()
-    torture, usual = TORTURES[asked.what]
+    torture, usual, stories = TORTURES[asked.what]
+    if asked.two_way and not stories:
+        parser.error(f"--two-way is not for {asked.what}, which has runs of its own")
+    if asked.two_way and asked.growing:
+        parser.error("rows of a two-way slider always grow: leave out --growing")
+    task = _Task(torture, two_way(stories) if asked.two_way else stories, grown=asked.growing)
     began = time.monotonic()
-    outcome = _shared(_Grown(torture) if asked.growing else torture, asked.count or usual, asked.jobs, asked.seed)
+    outcome = _shared(task, asked.count or usual, asked.jobs, asked.seed)
     print(outcome.told())
     print(f"in {time.monotonic() - began:.0f} s")
     return int(bool(outcome.findings))
 
 
 @dataclass(frozen=True, slots=True)
-class _Grown:
-    """A torture of runs whose rows of /slider grow."""
+class _Task:
+    """A torture and the runs that it is for; ``grown``: nobody counts their rows of /slider beforehand."""
 
     torture: Torture
+    stories: tuple[Story, ...]
+    grown: bool
 
     def __call__(self, count: int, seed: int) -> Outcome:
-        with growing():
-            return self.torture(count, seed)
+        how = {"stories": self.stories} if self.stories else {}
+        with growing() if self.grown else nullcontext():
+            return self.torture(count, seed, **how)
 
 
-def _shared(torture: Torture, count: int, jobs: int, seed: int) -> Outcome:
+def _shared(task: _Task, count: int, jobs: int, seed: int) -> Outcome:
     """Share the work among processes, each with a seed of its own."""
     if jobs == 1:
-        return torture(count, seed)
+        return task(count, seed)
     outcome = Outcome()
     shares = [count // jobs + (job < count % jobs) for job in range(jobs)]
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for each in [pool.submit(torture, share, 1000 * seed + job) for job, share in enumerate(shares)]:
+        for each in [pool.submit(task, share, 1000 * seed + job) for job, share in enumerate(shares)]:
             outcome.add(each.result())
     return outcome
 

@@ -13,11 +13,13 @@ import xxhash
 
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.model import Model
+from rubnoise.model import Model, Slider
+from rubnoise.simulation.run import Engine
 from rubnoise.streams import STREAM_VERSION
 from tests.models import UNEQUAL, model, recorded
 
 SEED = 20_240_229
+PUSHING_BACK = Slider(mass=0.005, stiffness=300.0, damping=0.05, coupling="two-way")
 GOLDEN = Path(__file__).parent / f"stream_{STREAM_VERSION}.json"
 RUNS: dict[str, Model] = {
     "figure 5": model(distance=5_500.0, tick=0.1),
@@ -42,6 +44,8 @@ RUNS: dict[str, Model] = {
     "lenses, regular births, wide sizes, unequal strengths": model(
         births="regular", strength=UNEQUAL, spread=Spread(relative=0.5), distance=1_500.0, tick=0.5
     ),
+    "figure 5, two-way": model(distance=1_200.0, tick=0.3, slider=PUSHING_BACK),
+    "few, two-way, with reversals": model(count=2.0, distance=6_000.0, tick=1.0, slider=PUSHING_BACK),
 }
 
 
@@ -50,8 +54,8 @@ def hashes(*names: str) -> dict[str, dict[str, str]]:
     return {name: columns_of(RUNS[name]) for name in names or RUNS}
 
 
-def columns_of(run: Model) -> dict[str, str]:
-    groups = recorded(run, SEED).groups
+def columns_of(run: Model, engine: Engine = "events") -> dict[str, str]:
+    groups = recorded(run, SEED, engine=engine).groups
     return {
         f"{group}/{column}": xxhash.xxh3_128_hexdigest(little_endian(values).tobytes())
         for group, columns in groups.items()

@@ -22,6 +22,14 @@ def test_every_column_has_its_golden_bits(name: str) -> None:
     assert columns_of(RUNS[name]) == EXPECTED[name]
 
 
+@pytest.mark.parametrize("name", [name for name, run in RUNS.items() if run.is_two_way])
+def test_a_slider_that_pushes_back_has_them_by_both_engines(name: str) -> None:
+    assert columns_of(RUNS[name], "batch") == EXPECTED[name]
+    assert {"slider/phase", "landmarks/kind", "landmarks/time", "junctions/birth_time"} <= EXPECTED[name].keys()
+    kinds = recorded(RUNS[name], SEED, engine="batch")["landmarks"]["kind"]
+    assert set(kinds.tolist()) == ({0, 1, 2} if "reversals" in name else {0, 1})
+
+
 def test_the_runs_are_long_enough_to_pass_blocks_and_draw_from_every_stream() -> None:
     assert STREAM_VERSION == 1
     assert recorded(RUNS["figure 5"], SEED).extent.junctions > 9_500

@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import numpy as np
 import pytest
 
 import rubnoise
@@ -71,6 +72,67 @@ def test_one_way_coupling_takes_no_tolerance() -> None:
     assert said == shown(f'{head}, and "one-way" is the default', "tolerance = 1e-9", "1e-9", hint)
     said = refusal(with_tolerance("1e-9", TWO_WAY.replace("two-way", "one-way")))
     assert said.startswith(head.replace(f":{LINE}:", f":{LINE + 1}:") + "\n")
+
+
+def test_coupling_alone_makes_no_slider() -> None:
+    """Without a slider nothing can push back: what a slider has is asked for, at the key that asks for one."""
+    text = TWO_WAY[: TWO_WAY.index("mass = ")] + 'coupling = "two-way"\n'
+    said = refusal(text)
+    line = 1 + text[: text.index("[slider]")].count("\n")
+    for key, example in (
+        ("damping", '"0.05 N*s/m" or damping_ratio = 0.02'),
+        ("mass", '"5 g"'),
+        ("stiffness", '"300 N/m"'),
+    ):
+        assert f"run.toml:{line}: error: slider.{key}: missing" in said
+        assert f"write {key} = {example}" in said
+    assert "sliding.speed: missing" in refusal(TWO_WAY.replace('speed = "1 mm/s"\n', ""))
+    assert "strength.mean: missing" in refusal(TWO_WAY.replace('[strength]\nmean = "250 MPa"\n', ""))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("250 MPa", "0 MPa", "strength.mean"),
+        ("300 N/m", "0 N/m", "slider.stiffness"),
+        ("1 mm/s", "0 mm/s", "sliding.speed"),
+        ("1 mm/s", "-1 mm/s", "sliding.speed"),
+        ("200 um^2", "0 um^2", "interface.mean_real_contact_area"),
+    ],
+)
+def test_a_contact_that_bears_nothing_by_its_keys_is_refused(old: str, new: str, key: str) -> None:
+    said = refusal(TWO_WAY.replace(f'"{old}"', f'"{new}"'))
+    assert f"error: {key}: must be above 0" in said
+    assert f'"{new}"' in said
+
+
+def test_a_contact_that_bears_nothing_here_and_there_is_taken() -> None:
+    """G = 0 is a place like any other: before the first birth of an empty start, and between junctions that are few."""
+    few = TWO_WAY.replace("mean_junction_count = 20", "mean_junction_count = 0.2")
+    few = few.replace('distance = "20 mm"', 'distance = "2 mm"\nstart = "empty"').replace("0.1 um", "1 um")
+    record = rubnoise.simulate(loads(few))
+    slider, area = record["slider"], record["trace"]["real_contact_area"]
+    assert area[0] == 0.0
+    assert (area == 0.0).mean() > 0.5
+    free = (slider["phase"] != 1) & (slider["friction_force"] == 0.0)
+    assert free.any()
+    assert np.isfinite(slider["displacement"]).all()
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ('"two_way"', 'unknown value "two_way"'),
+        ("true", "needs a word in quotation marks, not a boolean"),
+        ("2", "needs a word in quotation marks, not a"),
+    ],
+)
+def test_another_coupling_is_refused(value: str, said: str) -> None:
+    head = f"run.toml:{LINE}: error: slider.coupling: "
+    told = refusal(TWO_WAY.replace('"two-way"', value))
+    assert told.startswith(head)
+    assert said in told
+    assert "two-way" in told.splitlines()[-1]
 
 
 def test_an_intervention_is_refused_before_anything_runs(tmp_path: Any) -> None:

@@ -15,6 +15,8 @@ from tests.architecture.sources import ROOT
 
 STUDIES = ROOT / "scenarios" / "studies"
 NAMES = ("damping", "speed", "texture")
+BOTH_WAYS = ("coupling", "coupling_reference")
+"""Studies of both couplings, run by run."""
 COUNT, RATIO, SPEED = "interface.mean_junction_count", "slider.damping_ratio", "sliding.speed"
 FORCE = "friction_force_std"
 
@@ -30,7 +32,7 @@ def _exact(sweep: Sweep, quantity: str, key: str = "", value: object = None) -> 
 
 
 def test_these_are_all() -> None:
-    assert tuple(sorted(path.stem for path in STUDIES.iterdir())) == NAMES
+    assert sorted(path.stem for path in STUDIES.iterdir()) == sorted((*NAMES, *BOTH_WAYS))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -47,6 +49,37 @@ def test_each_is_sound_and_long_enough_for_its_slider(name: str) -> None:
         decays = 0.5 * model.slider.damping / model.slider.mass * model.distance / model.sliding_speed
         assert decays >= 29.9
         assert model.mean_life_distance >= 12.0 * model.tick
+
+
+@pytest.mark.parametrize("name", BOTH_WAYS)
+def test_both_couplings_meet_the_same_contact_at_every_point(name: str) -> None:
+    study = _study(name)
+    assert study.warnings == ()
+    assert (study.keep, study.replicates, study.precision) == ("summary", 8, None)
+    one_way, two_way = (
+        [case for case in study.cases if case.values["slider.coupling"] == coupling]
+        for coupling in ("one-way", "two-way")
+    )
+    assert len(one_way) == len(two_way) == len(study.cases) / 2
+    for first, second in zip(one_way, two_way, strict=True):
+        assert {**first.values, "slider.coupling": "two-way"} == second.values
+        seeds = [[point.seed for point in points_of([case], 8)] for case in (first, second)]
+        assert seeds[0] == seeds[1]
+        assert len(set(seeds[0])) == 8
+    speeds = {case.scenario.model().sliding_speed for case in study.cases}
+    assert {100.0, 1e3, 1e4, 1e5, 1e6} <= speeds
+    assert (max(speeds, default=0.0) == 1e7) == (name == "coupling")
+
+
+def test_the_reference_has_a_thousand_seconds_of_figure_5_and_other_seeds_than_the_study() -> None:
+    reference = _study("coupling_reference")
+    models = [case.scenario.model() for case in reference.cases if case.scenario.model().is_two_way]
+    figure_5 = [m for m in models if (m.sliding_speed, m.mean_junction_count) == (1e3, 20.0)]
+    assert [8.0 * m.distance / 1e3 > 1000.0 for m in figure_5] == [True]
+    assert {m.mean_junction_count for m in models if m.sliding_speed == 1e3} == {2.0, 5.0, 10.0, 20.0, 50.0}
+    assert {m.sliding_speed for m in models} == {100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6}
+    seeds = [{p.seed for p in points_of(study.cases, 8)} for study in (reference, _study("coupling"))]
+    assert not seeds[0] & seeds[1]
 
 
 def test_vibration_rises_and_falls_with_the_speed() -> None:

@@ -138,6 +138,20 @@ def test_the_engine_of_a_sweep_is_batch_unless_the_file_names_one_and_changes_no
     assert told["events"] == [("events", seed, name) for _, seed, name in told["batch"]]
 
 
+def test_both_couplings_meet_the_same_junctions(tmp_path: Path) -> None:
+    both = 'slider.coupling = ["one-way", "two-way"]\n'
+    table = f'[sweep]\nreplicates = 3\n[sweep.grid]\n{both}sliding.speed = ["1 mm/s", "1 m/s"]\n'
+    slider = '[strength]\nmean = "250 MPa"\n[slider]\nmass = "5 g"\nstiffness = "300 N/m"\ndamping_ratio = 0.02\n'
+    points = expand(sweep_of(tmp_path, table, head=HEAD + slider))
+    one_way, two_way = points[:6], points[6:]
+    assert [point.seed for point in one_way] == [point.seed for point in two_way]
+    assert len({point.seed for point in one_way}) == 6
+    assert len({point.run_id for point in points}) == 12
+    # A scenario without coupling has the seeds that it always had.
+    alone = expand(sweep_of(tmp_path, table.replace(both, ""), head=HEAD + slider))
+    assert [point.seed for point in alone] == [point.seed for point in one_way]
+
+
 def test_a_run_that_is_no_table_is_refused(tmp_path: Path) -> None:
     assert "run: needs a table" in sweep_refusal(tmp_path, GRID, head="run = 3\n" + HEAD)
 

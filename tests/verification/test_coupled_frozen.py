@@ -1,16 +1,18 @@
 """The slider two-way coupled to a contact that does not change, or rises steadily: closed forms."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Slider
 from rubnoise.simulation.state import LiveRows
 from tests.coupled_runs import among, oscillator_of
 from tests.models import FIG5_SLIDER, model
-from tests.oracle.coupled_slider import BREAKAWAY, STICK, frozen
+from tests.oracle.coupled_slider import BREAKAWAY, FORWARD, REVERSAL, STICK, frozen
 
 BEARS = 51168.0
 """G in uN."""
@@ -109,3 +111,26 @@ def test_a_breakaway_begins_as_the_cube_of_time() -> None:
     assert 1000.0 - rows["velocity"][early] == pytest.approx(
         300.0 * 1000.0 * since**2 / (2 * 0.005), rel=2e-3, abs=1e-9
     )
+
+
+def test_births_that_are_passed_again_are_told_once_and_when_they_were_passed_first() -> None:
+    """Let go far out, the slider swings over the same junctions again and again; they weigh next to nothing."""
+    births, start = [1000.0, 5000.0, 9000.0], 6822.0
+    rows = triangles([-1.5 * SIZE, -0.5 * SIZE, *births], BEARS / (0.25 * math.pi * SIZE * SIZE))
+    light = rows.strength * np.array([1.0, 1.0, 1e-12, 1e-12, 1e-12])
+    slider = Slider(mass=0.005, stiffness=300.0, damping=0.0)
+    run = model(pulse=TRIANGLE, slider=slider, distance=13400.0)
+    found = among(run, replace(rows, strength=light), displacement=start, most=6)
+    # Forward past all of them, back behind all but the first, forward again.
+    assert found.landmarks["kind"][:2].tolist() == [REVERSAL, FORWARD]
+    far, back = found.landmarks["distance"][:2]
+    assert back < births[0] < births[2] < far
+    junctions, times = found.births
+    assert junctions.tolist() == [2, 3, 4]
+    rest, rate = BEARS / 300.0, math.sqrt(300.0 / 0.005)
+
+    def beyond(time: float, place: float) -> float:
+        return 1000.0 * time - (rest + (start - rest) * math.cos(rate * time) - start) - place
+
+    first = [brentq(beyond, 0.0, math.pi / rate, args=(place,), xtol=1e-15) for place in births]
+    assert np.abs(times - first).max() < 1e-11

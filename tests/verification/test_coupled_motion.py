@@ -1,11 +1,17 @@
 """The two-way slider against an adaptive integrator with events that shares no line with it."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
 from rubnoise.model import Model, Slider
+from rubnoise.simulation.coupled.fold import CoupledMotion, constants
+from rubnoise.simulation.coupled.past import lived
+from rubnoise.simulation.coupled.state import CoupledState
+from rubnoise.simulation.draws import start
+from rubnoise.simulation.kernels import Room
 from tests.coupled_runs import CoupledRun, coupled, field_of, oscillator_of
 from tests.models import model
 from tests.oracle import coupled_slider
@@ -98,6 +104,19 @@ def test_first_passages_are_those_of_the_farthest_distance() -> None:
         inside = row < farthest.size
         assert np.all(np.sort(times)[inside] <= slider["time"][row[inside]] + 1e-12)
         assert np.all(np.sort(times)[inside] >= slider["time"][np.maximum(row[inside] - 1, 0)] - 1e-12)
+
+
+def test_after_a_breakaway_the_slider_moves_on() -> None:
+    """w and w' are 0 there, and rounding decides their sign: whoever asks for it sticks again at the same place."""
+    run = model(distance=2000.0)
+    numbers = constants(run, 1e-9)
+    state = CoupledState.start(run, numbers, start(run, 3).live)
+    motion = CoupledMotion(run, numbers, state, Room(0), partial(lived, run, 3))
+    # What comes at once, since a slider that sticks for ever tells landmarks for ever.
+    told = next(motion.through(lived(run, 3, 0.0, 2000.0), np.inf)).landmarks
+    slip = np.flatnonzero(told["kind"][:-1] == 1)
+    assert slip.size > 20
+    assert np.all(told["distance"][slip + 1] > told["distance"][slip] + 1e-3)
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05, 5.0])

@@ -200,4 +200,68 @@ SLIDER = (
     ),
 )
 
-MUTANTS = (*START_OF_A_RUN, *STREAM_USE, *KERNELS, *PLACES, *SLIDER)
+FROZEN = "test_a_constant_force[0.02-1000.0--9000.0-20]"
+_PULL = "way * (stiffness * x + damping * drive)"
+
+TWO_WAY = (
+    Mutant(
+        "friction of the same sign in reversal",
+        (
+            Edit(
+                f"net, pull = {_PULL} - mean,",
+                f"mean, slope, bend = way * mean, way * slope, way * bend\nnet, pull = {_PULL} - mean,",
+            ),
+            Edit(
+                "- spread(stiffness) * passed - force store",
+                "- spread(stiffness) * passed - spread(way) * force\nstore",
+            ),
+            Edit(
+                "- spread(damping) * speed) - force) * per_mass",
+                "- spread(damping) * speed) - toward * force) * per_mass",
+            ),
+            Edit(
+                "growth = (pull - force_in_cell(offset, part))", "growth = (pull - way * force_in_cell(offset, part))"
+            ),
+            Edit("- damping * after - force) / mass", "- damping * after - way * force) / mass"),
+        ),
+        FROZEN,
+    ),
+    one(
+        "stuck again at a breakaway",
+        "test_after_a_breakaway_the_slider_moves_on",
+        "force = force_in_cell(offset, part) if ending != MOVING else 0.0",
+        "ending = STOPPED if whole[FRESH] == 1 else ending\n"
+        "force = force_in_cell(offset, part) if ending != MOVING else 0.0",
+    ),
+    Mutant(
+        "static force used in slip",
+        (
+            Edit(
+                "force_in_lanes(fused(spread(way), passed, spread(offset)), part)",
+                "force_in_lanes(spread(offset), part)",
+            ),
+            Edit("force_in_lanes(fused(toward, passed, place), part)", "force_in_lanes(place, part)"),
+        ),
+        "test_ten_cases_at_random[0]",
+    ),
+    one(
+        "grazing not looked for",
+        "test_on_a_steady_rise_without_damping_every_period_ends_in_a_stick_of_no_length[0.0]",
+        "if slope_before < 0.0 and slope >= 0.0:",
+        "if False:",
+    ),
+    one(
+        "births repeated on retracing",
+        "test_births_that_are_passed_again_are_told_once_and_when_they_were_passed_first",
+        "whole[layout.BORN] = len(living) - np.count_nonzero(np.isnan(births))",
+        "whole[layout.BORN] = np.searchsorted(living.birth, state.distance(constants))",
+    ),
+    one(
+        "drive 1 % too fast",
+        "test_another_speed_of_the_drive_is_seen",
+        "found[:4] = slider.mass, slider.stiffness, slider.damping, speed",
+        "found[:4] = slider.mass, slider.stiffness, slider.damping, 1.01 * speed",
+    ),
+)
+
+MUTANTS = (*START_OF_A_RUN, *STREAM_USE, *KERNELS, *PLACES, *SLIDER, *TWO_WAY)

@@ -36,6 +36,7 @@ class Story:
     name: str
     engine: str = "events"
     slider: bool = True
+    coupling: str = "one-way"
     compression: str = "none"
     distance: str = "2400 um"
     tick: str = "2 um"
@@ -52,7 +53,9 @@ class Story:
             "output": {"tick": self.tick, "compression": self.compression},
             "run": {"engine": self.engine, "seed": self.seed},
         }
-        return sections | (SLIDER if self.slider else {})
+        if self.slider:
+            sections |= SLIDER | {"slider": SLIDER["slider"] | {"coupling": self.coupling}}
+        return sections
 
     @property
     def text(self) -> str:
@@ -100,6 +103,11 @@ LONG: Final = (
 
 SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
 """Runs that take a quarter of that."""
+
+
+def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
+    """Return those of the runs that have a slider, with one that pushes back."""
+    return tuple(replace(story, name=f"{story.name}, two-way", coupling="two-way") for story in stories if story.slider)
 
 
 @contextmanager

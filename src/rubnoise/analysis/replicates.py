@@ -55,5 +55,23 @@ def ratio(first: Pooled, second: Pooled) -> Pooled:
     return Pooled(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
 
 
+def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -> Pooled:
+    """Return first / second of a figure over runs that were made in pairs, each pair on the same seed.
+
+    What a pair has in common cancels: with r = sum a / sum b over pairs (of standard deviations their squares, and the
+    root of r), the standard error is that of the mean of a - r b, over the mean of b. Pairs with nan are left out.
+    """
+    pairs = np.array([pair for pair in zip(first, second, strict=True) if all(map(isfinite, pair))]).reshape(-1, 2)
+    if not len(pairs) or not pairs[:, 1].any():
+        return Pooled(value=nan, standard_error=inf, runs=0)
+    squared = name.endswith("_std")
+    one, other = (np.square(pairs) if squared else pairs).T
+    value = float(one.sum() / other.sum())
+    error = _error(one - value * other) / abs(float(other.mean())) if len(pairs) > 1 else inf
+    if squared:
+        value, error = sqrt(value), error / (2.0 * sqrt(value)) if value else 0.0
+    return Pooled(value=value, standard_error=error, runs=len(pairs))
+
+
 def _error(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:
     return float(values.std(ddof=1)) / sqrt(values.size)

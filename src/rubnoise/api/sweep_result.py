@@ -24,6 +24,7 @@ from rubnoise.storage.schema import Group
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rubnoise.analysis.replicates import Pooled
     from rubnoise.scenario import Scenario
 
 INDEX: Final = "index.h5"
@@ -130,6 +131,39 @@ class SweepResult:
     def count(self, state: str) -> int:
         """Return how many runs are "planned", "done" or "failed"."""
         return int(np.count_nonzero(self.runs["state"][:] == state))
+
+    def estimates(self, figure: str) -> "list[Pooled]":
+        """Return a figure of every point, pooled over its replicates: a mean, of standard deviations that of squares.
+
+        Raises KeyError for a figure that no run has.
+        """
+        from rubnoise.analysis.replicates import pooled
+
+        values, point = self.runs[figure][:], self.runs["point"][:]
+        return [pooled(figure, values[point == number].tolist()) for number in range(len(self.points))]
+
+    def ratios(self, figure: str, key: str, value: Any) -> "list[Pooled]":
+        """Return a figure of every point over that of the point which differs from it in having a value of a swept key.
+
+        Runs on the same seed are compared pair by pair, since what they have in common cancels. Raises KeyError for a
+        figure that no run has or a key that is not swept, ValueError where there is no such point.
+        """
+        from rubnoise.analysis.replicates import pooled, ratio, ratio_of_pairs
+
+        if key not in self.keys:
+            raise KeyError(f"{key} is not swept")
+        figures, seeds, point = self.runs[figure][:], self.runs["seed"][:], self.runs["point"][:]
+        found = []
+        for number, values in enumerate(self.values):
+            if {**values, key: value} not in self.values:
+                raise ValueError(f"no point has {key} = {value}")
+            rows, others = (np.flatnonzero(point == n) for n in (number, self.values.index({**values, key: value})))
+            count = min(rows.size, others.size)
+            if np.array_equal(seeds[rows[:count]], seeds[others[:count]]):
+                found.append(ratio_of_pairs(figure, figures[rows[:count]].tolist(), figures[others[:count]].tolist()))
+            else:
+                found.append(ratio(*(pooled(figure, figures[some].tolist()) for some in (rows, others))))
+        return found
 
     def run(self, run_id: str) -> Run:
         """Open the result of a run by its name; raises KeyError for a name that is none.

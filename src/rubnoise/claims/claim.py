@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from math import inf, sqrt
+from math import inf, isnan, sqrt
 
 import numpy as np
 
@@ -73,9 +73,10 @@ def ratio(first: Estimate, second: Estimate) -> Estimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """One number of a claim: as printed (None where the paper gives none), as simulated, and exact, all in ``unit``.
+    """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
-    ``rounding`` is the agreement to ask for where the runs do not scatter, in the same unit.
+    None is printed where the paper gives no number; exact is nan where theory has none, as of a slider that pushes
+    back. ``rounding`` is the agreement to ask for where the runs do not scatter, in the same unit.
     """
 
     name: str
@@ -87,8 +88,12 @@ class Quantity:
 
     @property
     def agrees(self) -> bool:
-        """Whether simulation and theory agree."""
-        return self.simulated.agrees_with(self.exact, self.rounding)
+        """Whether simulation and theory agree, where theory has a number."""
+        return isnan(self.exact) or self.simulated.agrees_with(self.exact, self.rounding)
+
+    def below(self, bound: float) -> bool:
+        """Whether the number is below a bound: the exact one, where there is one, and the interval of the runs."""
+        return (isnan(self.exact) or self.exact < bound) and self.simulated.interval[1] < bound
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

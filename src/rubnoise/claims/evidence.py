@@ -40,8 +40,12 @@ class Evidence:
         count: float | None = None,
         shape: str | None = None,
         spread: str | None = None,
+        coupling: str = "one-way",
     ) -> Found:
-        """Return the one point of a mean real contact area (um^2), mean junction count, pulse shape, written spread."""
+        """Return the one point of a mean real contact area (um^2), mean junction count, pulse shape, written spread.
+
+        Of a sweep over both couplings it is the point of one.
+        """
         wanted = [
             point
             for point in self.points
@@ -49,6 +53,7 @@ class Evidence:
             and count in (None, point.model.mean_junction_count)
             and shape in (None, point.model.pulse.shape)
             and spread in (None, point.values.get("diameter.spread"))
+            and (point.model.slider is None or point.model.slider.coupling == coupling)
         ]
         [found] = wanted
         return found

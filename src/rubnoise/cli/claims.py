@@ -1,5 +1,6 @@
 """`rubnoise claims`: what the paper claims, settled by simulation and by theory."""
 
+from math import isnan
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -55,7 +56,7 @@ def _quantity(quantity: "Quantity") -> dict[str, Any]:
         "unit": quantity.unit,
         "printed": quantity.printed,
         "simulated": {"value": quantity.simulated.value, "low": low, "high": high, "runs": quantity.simulated.runs},
-        "exact": quantity.exact,
+        "exact": None if isnan(quantity.exact) else quantity.exact,
         "agree": quantity.agrees,
     }
 
@@ -79,7 +80,8 @@ def _lines(quantity: "Quantity") -> list[str]:
 
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
-    numbers = f"{printed:>8} {_with_interval(quantity):>20} {quantity.exact:>9.4g}"
+    exact = "" if isnan(quantity.exact) else f"{quantity.exact:.4g}"
+    numbers = f"{printed:>8} {_with_interval(quantity):>20} {exact:>9}"
     if len(label) < _LABEL:
         return [headed(f"  {label:<{_LABEL}}", numbers)]
     return [f"  {label}", headed(f"  {'':<{_LABEL}}", numbers)]

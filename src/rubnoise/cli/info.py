@@ -17,9 +17,23 @@ def command(
         ),
     ],
     *,
+    figures: Annotated[
+        str | None,
+        typer.Option(
+            help="Of a sweep: these figures of each point, over its replicates.", metavar="NAME,...", show_default=False
+        ),
+    ] = None,
+    over: Annotated[
+        str | None,
+        typer.Option(
+            help="The same over the points with this value of a swept key.", metavar="KEY=VALUE", show_default=False
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Say what is in a result file, and how its figures compare with the exact ones; or how far a run or a sweep is.
+
+    Of a sweep, --figures tells numbers with their 95 % intervals, and --over ratios with theirs.
 
     Example: rubnoise info fig5.h5
     """
@@ -30,8 +44,10 @@ def command(
     from rubnoise.storage.unfinished import SUFFIX, refusal
 
     if is_folder(file):
-        _tell_of_sweep(file, as_json=as_json)
+        _tell_of_sweep(file, figures, over, as_json=as_json)
         return
+    if figures is not None or over is not None:
+        raise typer.BadParameter("--figures and --over are for the folder of a sweep")
     if file.suffix == SUFFIX:
         _tell_of_part(file, as_json=as_json)
         return
@@ -42,14 +58,18 @@ def command(
         print(json.dumps(answer) if as_json else "\n".join(described(run, answer)))
 
 
-def _tell_of_sweep(folder: Path, *, as_json: bool) -> None:
+def _tell_of_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
     import json
 
     from rubnoise import api
     from rubnoise.cli import sweep_info
 
+    if over is not None and figures is None:
+        raise typer.BadParameter("--over is for --figures")
     with api.open_sweep(folder) as sweep:
         answer = sweep_info.contents(sweep, folder)
+        if figures is not None:
+            answer["estimates"] = sweep_info.estimates(sweep, [name.strip() for name in figures.split(",")], over)
     print(json.dumps(answer) if as_json else "\n".join(sweep_info.described(answer)))
 
 

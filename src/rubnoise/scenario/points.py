@@ -14,6 +14,8 @@ from rubnoise.scenario.scenario import Scenario
 _ID_DIGITS = 16
 _NOT_THE_CONTACT = ("title", "output", "run")
 """What a scenario says about writing and running: a point keeps its seed when only this changes."""
+_NOT_THE_FIELD = ("coupling", "tolerance")
+"""Keys of the slider that change only when each distance is reached: points that differ in them alone share seeds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,15 +62,17 @@ def _points(case: Case, replicates: range) -> Iterator[Point]:
 
 
 def _seed_words(told: Mapping[str, Any]) -> tuple[int, ...]:
-    digest = sha256(_canonical(told, without=_NOT_THE_CONTACT)).digest()
+    slider = {key: value for key, value in (told.get("slider") or {}).items() if key not in _NOT_THE_FIELD}
+    digest = sha256(_canonical({**told, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
     return tuple(int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
 
 
 def _derived(seed: int, words: tuple[int, ...], replicate: int) -> int:
     """Return the seed of a replicate: 53 bits that follow from the seed in the scenario and from what happens there.
 
-    Neither the order of points nor what else is swept has a part in it, nor has how the run is written or titled. From
-    numpy's SeedSequence, whose numbers are the same in every version (O'Neill's seed_seq_fe).
+    Neither the order of points nor what else is swept has a part in it, nor has how the run is written or titled, nor
+    whether the slider pushes back: both couplings meet the same junctions. From numpy's SeedSequence, whose numbers are
+    the same in every version (O'Neill's seed_seq_fe).
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(*words, replicate))
     return int(sequence.generate_state(1, np.uint64)[0]) >> 11
