@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -53,7 +53,7 @@ class Wish:
     @property
     def heard(self) -> "Heard | None":
         """What of the slider a spectrum is of; None for the area, and for other pictures."""
-        return None if self.of is Spectrum.AREA else self.of.value
+        return None if self.of is Spectrum.AREA else cast("Heard", self.of.value)
 
     @property
     def name(self) -> str:
@@ -74,9 +74,9 @@ DEFAULTS = ("displacement_std", "real_contact_area_std")
 
 def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
-    from rubnoise.figures.sweep_words import QUANTITIES
+    from rubnoise.figures.sweep_words import ALL
 
-    return [name for name in (*What, *QUANTITIES) if name.startswith(incomplete)]
+    return [name for name in (*What, *ALL) if name.startswith(incomplete)]
 
 
 def command(

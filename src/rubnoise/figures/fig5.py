@@ -26,7 +26,7 @@ PER_MILLI: Final = 1e-3
 def draw(sources: Sources) -> "Figure":
     """Draw force, displacement and velocity over the first second, each about its exact mean and spread.
 
-    These are exact for one-way coupling. Of a two-way slider, in a scenario of a reader's own, sticks are shaded instead.
+    These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
     """
     scenario = sources.scenario("fig5.toml")
     model = scenario.model()

@@ -40,11 +40,11 @@ def landmarks_figure(stretch: Stretch) -> "Figure":
     figure = new_figure(7.2, 3.6)
     entitle(figure, stretch, f"How far the slider slips and how long it sticks{_part(motion)}")
     slips, sticks = figure.subplots(1, 2)
-    _draw(slips, found.slip_lengths, "slips", "slip length", "µm", 1.0)
+    _draw(slips, found.slip_lengths, "slip", "slip length", "µm", 1.0)
     diameter = stretch.model.sizes.moment(1)
     longer = int((found.slip_lengths > diameter).sum())
     _mark(slips, diameter, f"mean diameter: {longer:,} longer")
-    _draw(sticks, found.stick_times, "sticks", "stick time", "ms", 1e3)
+    _draw(sticks, found.stick_times, "stick", "stick time", "ms", 1e3)
     _mark(sticks, 1e3 / motion.slider.natural_frequency, "natural period")
     return figure
 
@@ -60,10 +60,13 @@ def _draw(axes: "Axes", values: Doubles, what: str, label: str, unit: str, scale
     shown = scale * values[values > 0.0]
     nothing = values.size - shown.size
     axes.set_xlabel(f"{label} ({unit})")
-    axes.set_ylabel(f"number of {what}")
+    axes.set_ylabel(f"number of {what}s")
+    if not values.size:
+        axes.set_ylim(0.0, 1.0)
+        axes.text(0.5, 0.5, f"no {what}s", transform=axes.transAxes, ha="center")
     if shown.size:
         edges = bins(shown)
-        name = f"{values.size:,} {what}" + (f", {nothing:,} of them 0" if nothing else "")
+        name = f"{values.size:,} {what}{'s' * (values.size != 1)}" + (f", {nothing:,} of them 0" if nothing else "")
         axes.hist(np.maximum(shown, edges[0]), bins=edges.tolist(), color=BLUE, alpha=0.55, lw=0.0, label=name)
         median = scale * float(np.median(values))
         axes.axvline(median, color=INK, lw=1.2, label=f"median {median:.3g} {unit}")
@@ -80,6 +83,9 @@ def bins(values: Doubles) -> Doubles:
 
 
 def _mark(axes: "Axes", place: float, label: str) -> None:
+    """Mark a length or a time to compare with; where nothing is drawn there is nothing to compare."""
+    if axes.get_xscale() != "log":
+        return
     low, high = axes.get_xlim()
     axes.set_xlim(min(low, 0.8 * place), max(high, 1.25 * place))
     axes.axvline(place, color=VERMILION, lw=1.2, ls=(0, (5, 3)), label=label)

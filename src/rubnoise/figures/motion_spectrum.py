@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, WelchSum
+from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import NEAREST, entitle, legend_above
 from rubnoise.figures.motion import Motion
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 Heard = Literal["displacement", "velocity", "force"]
 FEWEST_ROWS: Final = 16
 SEGMENTS: Final = 12
+PERIODS: Final = 400.0
+STICKS: Final = 40.0
+"""Natural periods and mean times from stick to stick that a segment holds at most: the rest makes more segments."""
+
 FARTHEST: Final = 40.0
 """Natural frequencies up to which a spectrum is shown."""
 
@@ -98,7 +103,7 @@ def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
     None for too few rows, and where nothing but rounding varies.
     """
     quantity = QUANTITIES[heard]
-    rows = 2 * ((motion.last - motion.first) // (SEGMENTS + 1))
+    rows = 2 * (min(2 * (motion.last - motion.first) // (SEGMENTS + 1), _longest(motion)) // 2)
     if rows < FEWEST_ROWS:
         return None
     total = WelchSum(rows, motion.apart)
@@ -107,6 +112,15 @@ def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
     seen = total.spectrum()
     rounding = NEAREST * quantity.still(motion.model) * response(motion.model).mean_displacement
     return seen if seen.power > rounding**2 else None
+
+
+def _longest(motion: Motion) -> int:
+    """Return the rows of a segment that is long enough: of many natural periods and, if it sticks, of many sticks."""
+    duration = PERIODS / motion.slider.natural_frequency
+    if motion.model.is_two_way:
+        sticks = first_landmark(motion.file, motion.end) - first_landmark(motion.file, motion.begin)
+        duration = max(duration, STICKS * 2.0 * (motion.end - motion.begin) / max(sticks, 1))
+    return int(duration / motion.apart)
 
 
 def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: Heard) -> None:

@@ -27,6 +27,9 @@ BINS: Final = (180, 140)
 SHADES: Final = ("#dcebf5", "#0072b2", "#04213a")
 """From rarely to often; a grey printer keeps them in order."""
 
+COARSE: Final = 0.05
+"""Natural periods between two rows above which a path has corners that the motion has not."""
+
 HEADROOM: Final = 0.06
 """Least room above the drive's speed, as a share of all speeds: a slider that sticks rides there."""
 
@@ -69,7 +72,9 @@ def _draw_path(axes: "Axes", motions: Sequence[Motion]) -> None:
     for motion, look in zip(motions, looks(len(motions)), strict=True):
         place, speed = (motion.file.column("slider", name, motion.first, motion.last) for name in COLUMNS)
         axes.plot(place, MILLI * speed, label="simulated" if len(motions) == 1 else motion.coupling, **look)
-    axes.set_title(f"the path, {_times(motions[0])}", fontsize=8.5)
+    coarse = max(motions, key=lambda motion: motion.apart)
+    note = f", a row every {coarse.apart:.3g} s" if coarse.apart * coarse.slider.natural_frequency > COARSE else ""
+    axes.set_title(f"the path, {_times(motions[0])}{note}", fontsize=8.5)
 
 
 def _draw_density(axes: "Axes", motion: Motion) -> None:
