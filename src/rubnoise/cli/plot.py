@@ -166,15 +166,20 @@ def _plot_run(file: Path, wish: Wish, output: Path | None, *, force: bool) -> No
     from contextlib import ExitStack
 
     from rubnoise.cli.pictures import check_picture, write_picture
-    from rubnoise.cli.results import finished_run
+    from rubnoise.cli.results import complete_run, finished_run
     from rubnoise.figures.catalogue import picture
+    from rubnoise.figures.motion import naming
     from rubnoise.figures.stretch import Stretch
 
     path = output or Path(f"{file.stem}_{wish.name}.png")
     check_picture(path, force=force)
-    with ExitStack() as opened:
-        stretch = Stretch.of(opened.enter_context(finished_run(file)), wish.start, wish.stop)
-        other = None if wish.beside is None else Stretch.of(opened.enter_context(finished_run(wish.beside)))
+    with finished_run(file) as run, ExitStack() as opened:
+        stretch = Stretch.of(run, wish.start, wish.stop)
+        other = None
+        if wish.beside is not None:
+            file_beside = opened.enter_context(complete_run(wish.beside))
+            with naming(f"--with {wish.beside}"):
+                other = Stretch.of(file_beside)
         draw = partial(picture, wish.what.value, stretch, heard=wish.heard, beside=other)
         write_picture(path, draw, force=force)
 

@@ -1,6 +1,7 @@
 """The motion of a slider in a stretch of a run: its rows, which are uniform in time, and where it sticks."""
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -111,6 +112,24 @@ class Motion:
     def stick_slip(self) -> StickSlip:
         """Return the sticks and slips of a two-way slider, of a very long stretch those of its beginning."""
         return StickSlip.of(self.file, self.begin, self.end, MOST_READ)
+
+
+def motions_of(stretch: Stretch, beside: Stretch | None) -> list[Motion]:
+    """Return the motion in a stretch, and in that of a run that is laid over it; raises Refused for runs without."""
+    first = Motion.of(stretch)
+    if beside is None:
+        return [first]
+    with naming(f"--with {beside.file.path}"):
+        return [first, Motion.of(beside)]
+
+
+@contextmanager
+def naming(what: str) -> Iterator[None]:
+    """Begin what is refused with what it is about."""
+    try:
+        yield
+    except Refused as refusal:
+        raise type(refusal)(f"{what}: {refusal}") from refusal
 
 
 def shade_sticks(axes: "Axes", motion: Motion) -> None:

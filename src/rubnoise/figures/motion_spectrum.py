@@ -12,7 +12,7 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import NEAREST, entitle, legend_above
-from rubnoise.figures.motion import Motion
+from rubnoise.figures.motion import Motion, motions_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
@@ -85,7 +85,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
 
     Raises Refused for runs without a slider, for too short a stretch, and where nothing but rounding varies.
     """
-    motions = [Motion.of(each) for each in (stretch, beside) if each is not None]
+    motions = motions_of(stretch, beside)
     found = [spectrum_of(motion, heard) for motion in motions]
     for motion, seen in zip(motions, found, strict=True):
         if seen is None:

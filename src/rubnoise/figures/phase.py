@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.figures.marks import entitle
-from rubnoise.figures.motion import Motion
+from rubnoise.figures.motion import Motion, motions_of
 from rubnoise.figures.motion_spectrum import looks
 from rubnoise.figures.slider import shown_together
 from rubnoise.figures.stretch import Stretch
@@ -46,7 +46,7 @@ def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     exact standard deviations is drawn. Another run is laid over the first at the same times, and no density is drawn.
     Raises Refused for a run without a slider.
     """
-    whole = [Motion.of(each) for each in (stretch, beside) if each is not None]
+    whole = motions_of(stretch, beside)
     shown = shown_together(stretch, whole)
     first, more = shown[0], whole[0].last - whole[0].first
     path, density = more <= MOST_ON_A_PATH or not stretch.chosen, len(whole) == 1 and first.last < whole[0].last

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from rubnoise.figures.marks import entitle, exact_band, legend_above, not_too_near
-from rubnoise.figures.motion import Motion, shade_sticks
+from rubnoise.figures.motion import Motion, motions_of, naming, shade_sticks
 from rubnoise.figures.motion_spectrum import draw_spectra, looks, spectrum_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import new_figure
@@ -24,7 +24,7 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     What is exact is known of one-way coupling alone; where a two-way slider sticks is shaded. Another run is laid over
     the first at the same times. Raises Refused for a run without a slider.
     """
-    whole = [Motion.of(each) for each in (stretch, beside) if each is not None]
+    whole = motions_of(stretch, beside)
     shown = shown_together(stretch, whole)
     seen = [(motion, spectrum) for motion in whole if (spectrum := spectrum_of(motion, "displacement")) is not None]
     figure = new_figure(7.2, 6.6 if seen else 4.2)
@@ -51,7 +51,11 @@ def shown_together(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
     Raises Refused where one of them is over before another begins.
     """
     first = motions[0] if stretch.chosen else motions[0].beginning()
-    return [first, *(other.between(first.begin, first.end) for other in motions[1:])]
+    shown = [first]
+    for other in motions[1:]:
+        with naming(f"--with {other.file.path}"):
+            shown.append(other.between(first.begin, first.end))
+    return shown
 
 
 def _draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: float) -> None:
