@@ -337,7 +337,7 @@ def test_one_run_is_laid_over_another_at_the_same_times(one_way: Stretch, two_wa
         assert np.array_equal(_line(plane, label)[0], values)
     assert _shaded(force) == _shaded(place) != []
     labels = {str(line.get_label()) for line in spectrum.lines}
-    assert {"one-way", "two-way", "exact"} <= labels
+    assert {"one-way coupling", "two-way coupling", "exact"} <= labels
     assert {str(line.get_label()) for line in heard.lines} == labels
 
 

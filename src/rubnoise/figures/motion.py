@@ -1,6 +1,6 @@
 """The motion of a slider in a stretch of a run: its rows, which are uniform in time, and where it sticks."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.stick_slip import StickSlip, first_landmark
 from rubnoise.errors import Refused
+from rubnoise.figures.marks import printed
 from rubnoise.figures.stretch import MOST_READ, PANEL_ROWS, Stretch, thinned
-from rubnoise.figures.style import STUCK
+from rubnoise.figures.style import STUCK, shortened
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Reader
 
@@ -73,11 +74,6 @@ class Motion:
         """Time of the last row in s."""
         return self.apart * (self.last - 1)
 
-    @property
-    def coupling(self) -> str:
-        """How the slider is coupled, in words."""
-        return f"{self.slider.coupling} coupling"
-
     def beginning(self) -> Self:
         """Return the first natural periods, and of a two-way slider the first sticks too, or all if there are fewer."""
         duration = PERIODS / self.slider.natural_frequency
@@ -121,6 +117,14 @@ def motions_of(stretch: Stretch, beside: Stretch | None) -> list[Motion]:
         return [first]
     with naming(f"--with {beside.file.path}"):
         return [first, Motion.of(beside)]
+
+
+def names_of(motions: Sequence[Motion]) -> list[str]:
+    """Return what tells motions apart: how they are coupled, or else their files' names."""
+    couplings = [f"{motion.slider.coupling} coupling" for motion in motions]
+    if len(set(couplings)) == len(couplings):
+        return couplings
+    return [shortened(printed(motion.file.path.name)) for motion in motions]
 
 
 @contextmanager

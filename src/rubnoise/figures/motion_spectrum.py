@@ -12,7 +12,7 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import NEAREST, entitle, legend_above
-from rubnoise.figures.motion import Motion, motions_of
+from rubnoise.figures.motion import Motion, motions_of, names_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
@@ -133,11 +133,13 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
     lowest = min(float(seen.wavenumber[1]) for _, seen in found) / (2.0 * pi)
     fastest = max(float(seen.wavenumber[-1]) for _, seen in found) / (2.0 * pi)
     highest = min(fastest, max(FARTHEST * natural, 10.0 * lowest))
-    for (motion, seen), look in zip(found, looks(len(found)), strict=True):
+    labels = [f"simulated ({found[0][1].segments} segments)"]
+    if len(found) > 1:
+        labels = names_of([motion for motion, _ in found])
+    for (_, seen), label, look in zip(found, labels, looks(len(found)), strict=True):
         frequency = seen.wavenumber[1:] / (2.0 * pi)
         shown = frequency <= highest
         density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[1:] / (2.0 * pi)
-        label = f"{motion.slider.coupling}" if len(found) > 1 else f"simulated ({seen.segments} segments)"
         axes.plot(frequency[shown], density[shown], label=label, **look)
     axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label="natural frequency")
     _draw_exact(axes, [motion for motion, _ in found], quantity, lowest, highest)

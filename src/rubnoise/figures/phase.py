@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.figures.marks import entitle
-from rubnoise.figures.motion import Motion, motions_of
+from rubnoise.figures.motion import Motion, motions_of, names_of
 from rubnoise.figures.motion_spectrum import looks
 from rubnoise.figures.slider import shown_together
 from rubnoise.figures.stretch import Stretch
@@ -69,9 +69,10 @@ def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
 
 
 def _draw_path(axes: "Axes", motions: Sequence[Motion]) -> None:
-    for motion, look in zip(motions, looks(len(motions)), strict=True):
+    labels = ["simulated"] if len(motions) == 1 else names_of(motions)
+    for motion, label, look in zip(motions, labels, looks(len(motions)), strict=True):
         place, speed = (motion.file.column("slider", name, motion.first, motion.last) for name in COLUMNS)
-        axes.plot(place, MILLI * speed, label="simulated" if len(motions) == 1 else motion.coupling, **look)
+        axes.plot(place, MILLI * speed, label=label, **look)
     coarse = max(motions, key=lambda motion: motion.apart)
     note = f", a row every {coarse.apart:.3g} s" if coarse.apart * coarse.slider.natural_frequency > COARSE else ""
     axes.set_title(f"the path, {_times(motions[0])}{note}", fontsize=8.5)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 from rubnoise.figures.marks import entitle, exact_band, legend_above, not_too_near
-from rubnoise.figures.motion import Motion, motions_of, naming, shade_sticks
+from rubnoise.figures.motion import Motion, motions_of, names_of, naming, shade_sticks
 from rubnoise.figures.motion_spectrum import draw_spectra, looks, spectrum_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import new_figure
@@ -63,9 +63,10 @@ def _draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: flo
     if alone and not first.model.is_two_way:
         mean, std = _exact(first, name)
         exact_band(axes, scale * mean, scale * std)
-    for motion, look in zip(motions, looks(len(motions)), strict=True):
+    labels = ["simulated"] if alone else names_of(motions)
+    for motion, label, look in zip(motions, labels, looks(len(motions)), strict=True):
         time, values = motion.curve(name)
-        axes.plot(time, scale * values, label="simulated" if alone else motion.coupling, **look)
+        axes.plot(time, scale * values, label=label, **look)
     shade_sticks(axes, next((motion for motion in motions if motion.model.is_two_way), first))
     axes.set_xlim(first.begin, first.end)
     not_too_near(axes)
