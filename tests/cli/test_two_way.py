@@ -1,6 +1,7 @@
 """A scenario whose slider pushes back, from `check` to `verify`: run, stopped, resumed, opened and looked at."""
 
 import json
+import wave
 from pathlib import Path
 
 import h5py
@@ -192,13 +193,36 @@ def test_junctions_and_tables_are_told(ran: Path) -> None:
 
 
 def test_what_is_not_there_yet_is_refused(ran: Path) -> None:
-    refused = call("plot", ran, "slider", "-o", "x.png")
-    assert refused.code == 2
-    assert "rubnoise.open give /slider" in refused.err
-    assert call("plot", ran, "-o", "trace.png").code == 0
     lesson = call("teach", ran, "-o", "page.html")
     assert lesson.code == 2
     assert 'slider.coupling = "one-way"' in lesson.err
+
+
+def test_it_is_drawn_and_laid_over_the_one_way_run(ran: Path, here: Path) -> None:
+    for what in ("trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase", "landmarks"):
+        assert call("plot", ran, what).out == f"x_{what}.png\n"
+    assert call("run", SLIDER, "-o", "one.h5", "-q", *SHORT).code == 0
+    for words in (("slider",), ("phase",), ("psd", "--of", "velocity")):
+        alone, both = (call("plot", "one.h5", *words, "-o", f"{name}.png", "--force") for name in ("alone", "both"))
+        assert (alone.code, both.code) == (0, 0)
+        assert call("plot", "one.h5", *words, "--with", ran, "-o", "both.png", "--force").code == 0
+        assert (here / "alone.png").read_bytes() != (here / "both.png").read_bytes()
+
+
+def test_it_is_filmed_and_heard(ran: Path, here: Path) -> None:
+    film = call("animate", ran, "-o", "x.gif", "--seconds", "0.5", "--fps", "10")
+    assert film.code == 0
+    assert "5 frames" in film.out
+    assert call("listen", ran, "-o", "x.wav", "--speed-up", "10").code == 0
+    with h5py.File(ran) as file, wave.open(str(here / "x.wav")) as sound:
+        rows, tick = file["slider/velocity"].size, float(file["slider/time"][1])
+        assert sound.getnframes() == pytest.approx(rows * tick / 10.0 * sound.getframerate(), rel=1e-3, abs=2)
+        samples = np.frombuffer(sound.readframes(-1), "u1").reshape(-1, 3).astype(np.int64) @ [1, 256, 65536]
+        heard = np.where(samples < 1 << 23, samples, samples - (1 << 24)) / (1 << 23)
+        velocity = file["slider/velocity"][:]
+    at = np.arange(heard.size) / sound.getframerate() * 10.0 / tick
+    shown = np.interp(at, np.arange(rows), velocity)
+    assert np.corrcoef(heard, shown)[0, 1] > 0.98
 
 
 def test_in_memory_it_is_the_same(ran: Path) -> None:
