@@ -124,9 +124,9 @@
       const { speed, push, pull, rate, own } = this;
       let t = speed > 0 ? distance / speed : Infinity;
       const start = push - 2 * rate * speed;
-      if (start > 0) t = Math.min(t, Math.sqrt((2 * distance) / start));
+      if (start > 0) t = Math.min(t, Math.sqrt((2 * distance) / start) + (2 * rate * distance) / push);
       if (start < 0) t = Math.max(t, Math.min(2 * t, (-1.2 * speed) / start));
-      if (pull > 0) t = Math.min(Math.max(t, 0), Math.cbrt((6 * distance) / pull) * (start < 0 ? 3 : 1));
+      if (pull > 0) t = Math.min(Math.max(t, 0), (Math.cbrt((6 * distance) / pull) + Math.sqrt((4 * rate * distance) / pull)) * (start < 0 ? 3 : 1));
       const square = own - rate * rate;
       if (square > 0) t = Math.min(t, 3 / Math.sqrt(square));
       if (own < 0) t = Math.min(t, (3 * (rate + Math.sqrt(-square))) / -own);
@@ -158,7 +158,9 @@
     constructor({ mass, stiffness, damping, speed }, field, start) {
       Object.assign(this, { mass, stiffness, damping, drive: speed, field, start });
       Object.assign(this, { time: 0, x: start, u: speed, way: 1, cell: 0, offset: 0, phase: SLIP });
-      Object.assign(this, { isOver: false, reached: 0, pieces: 0, total: Object.fromEntries(SUMS.map((name) => [name, 0])) });
+      Object.assign(this, { isOver: false, reached: 0, pieces: 0, total: {} });
+      for (const name of SUMS) this.total[name] = 0;
+      this.range = { displacement: [start, start], velocity: [0, 0], force: [0, 0] };
       this.columns = Object.fromEntries(COLUMNS.map((name) => [name, new rub.Numbers()]));
       this.sums = Object.fromEntries(SUMS.map((name) => [name, new rub.Numbers()]));
       this.landmarks = [];
@@ -281,13 +283,33 @@
     sample() {
       const { columns, sums, total } = this;
       const bears = this.bearing().force;
+      const held = this.stiffness * this.x + this.damping * this.drive;
       columns.time.push(this.time);
-      columns.displacement.push(this.x);
-      columns.velocity.push(this.drive - this.way * this.u);
-      columns.force.push(this.phase === STICK ? this.stiffness * this.x + this.damping * this.drive : this.way * bears);
+      this.keep('displacement', this.x);
+      this.keep('velocity', this.drive - this.way * this.u);
+      this.keep('force', this.phase === STICK ? held : this.way * bears);
       columns.farthest.push(this.reached);
       columns.phase.push(this.phase);
       SUMS.forEach((name) => sums[name].push(total[name]));
+    }
+
+    keep(name, value) {
+      const range = this.range[name];
+      if (value < range[0]) range[0] = value;
+      if (value > range[1]) range[1] = value;
+      this.columns[name].push(value);
+    }
+
+    /** Return the stretches of time stuck, [from, to] in s, that lie between two times. */
+    stuck(from, to) {
+      const found = [];
+      for (let i = this.landmarks.length - 1; i >= 0; i -= 1) {
+        const { time, kind } = this.landmarks[i];
+        const until = this.landmarks[i + 1]?.time ?? this.time;
+        if (until < from) break;
+        if (kind === 0 && time < to) found.push([Math.max(time, from), Math.min(until, to)]);
+      }
+      return found;
     }
 
     /** Return a column at a time that has been computed, by a straight line between samples. */
