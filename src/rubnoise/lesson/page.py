@@ -21,6 +21,7 @@ _FIRST: Final = (
     "world.js",
     "slider.js",
     "field.js",
+    "piece.js",
     "motion.js",
     "trace.js",
     "run.js",

@@ -87,11 +87,11 @@
    */
   class Field {
     /** source hands out junctions, rows are those that it has handed out, and end is where the last node lies. */
-    constructor(world, source, rows, end) {
+    constructor(world, source, rows, end, cellsPerLife = CELLS_PER_LIFE) {
       Object.assign(this, { source, rows, end, oldest: 0, work: 0 });
       const contact = rub.model.contact(world);
       this.pulse = contact.pulse;
-      this.width = contact.meanLife / CELLS_PER_LIFE;
+      this.width = contact.meanLife / cellsPerLife;
       this.longest = 2 * contact.sizes.high;
       source.until(0, rows);
       this.past = new Past(world, contact, rows, source);

@@ -18,8 +18,9 @@
     if (step < STEPS.run) return [part('further', further.title, NOT_YET)];
     const said = known.step >= STEPS.predicted ? '' : UNSAID;
     const run = known.step >= STEPS.run ? '' : UNRUN;
+    const question = make('p', { class: 'lesson-question', html: further.question });
     return [
-      part('further', further.title, '', make('p', { class: 'lesson-question', html: further.question }), predict(further, known)),
+      part('further', further.title, '', question, predict(further, known)),
       part('further-experiment', 'The switch', said, ...(said ? [] : experiment(further, known))),
       part('further-law', 'What happens', run, make('p', { html: comparison(further, known) }), law()),
       part('further-check', 'Check', run, ...further.checks.map(checkForm)),
@@ -38,8 +39,8 @@
       const buttons = [make('button', { type: 'submit', text: 'Predict' }), make('button', skip)];
       form.append(make('div', { class: 'lesson-buttons' }, ...buttons));
     }
-    const noted = known.said === 'skipped' ? 'Skipped.' : 'Noted.';
-    form.append(make('p', { class: 'lesson-verdict', role: 'status', text: done ? `${noted} The switch is open.` : '' }));
+    const noted = done ? `${known.said === 'skipped' ? 'Skipped.' : 'Noted.'} The switch is open.` : '';
+    form.append(make('p', { class: 'lesson-verdict', role: 'status', text: noted }));
     return form;
   }
 

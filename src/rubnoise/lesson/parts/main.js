@@ -84,7 +84,7 @@
     const calm = matchMedia('(prefers-reduced-motion: reduce)');
     rub.stage.calm = calm.matches;
     rub.stage.begin(find('stage'));
-    rub.traces.begin({ area: find('area'), count: find('count'), force: find('force'), slider: find('slider'), velocity: find('velocity') });
+    rub.traces.begin(['area', 'count', 'force', 'slider', 'velocity']);
     rub.mass.begin(find('mass'));
     rub.histogram.begin(find('histogram'));
     rub.card.begin(find('card'), find('card-hint'), find('status'));

@@ -7,7 +7,7 @@
   const MOST_LIVES = 2000;
   const MOST_ROWS = 100000;
   /* Work of a slider that pushes back, in units of some microseconds: in one frame, and at one jump. */
-  const FRAME_WORK = 8000;
+  const FRAME_WORK = 6000;
   const JUMP_WORK = 400000;
 
   const run = {
@@ -18,7 +18,7 @@
     /** Where the slider is on the surface, and the farthest it has come: the two differ where it has run back. */
     distance: 0,
     reached: 0,
-    /** Seconds since the start, and the motion of a slider that pushes back: null where its drive's speed is constant. */
+    /** Seconds since the start, and a slider that pushes back: null where the drive's speed is constant. */
     time: 0,
     motion: null,
     goal: -1,

@@ -7,7 +7,7 @@
   const rub = (globalThis.rub ??= {});
   const { ink, pen, line, leftAxis, lowerAxis, heading } = rub.plot;
   const LEFT = 46;
-  const PERIODS = 6; // of the slider's own motion, in a picture over time, but within these numbers of lives
+  const PERIODS = 12; // of the slider's own motion, in a picture over time, but within these numbers of lives
   const LIVES = [4, 40];
   const MOST_POINTS = 2500;
   const traces = { pens: {} };
@@ -230,9 +230,9 @@
     drawVelocity();
   };
 
-  /** Take over the canvases. */
-  traces.begin = (canvases) => {
-    for (const [name, canvas] of Object.entries(canvases)) traces.pens[name] = pen(canvas);
+  /** Take over the canvases of these names. */
+  traces.begin = (names) => {
+    for (const name of names) traces.pens[name] = pen(document.getElementById(name));
   };
 
   traces.fit = () => {
