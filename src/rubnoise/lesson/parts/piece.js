@@ -133,12 +133,30 @@
 
     /** Return how long the piece lasts and how it ends: at the distance ("cell"), at u = 0 ("rest"), or before both. */
     end(distance) {
+      if (this.creeps()) return [this.crossing(distance, (1.05 * distance * this.own) / this.pull), 'cell'];
       const t = this.guess(distance);
       const rest = this.rest(t);
       const last = rest ?? t;
       if (this.length(last) < distance) return rest === null ? [t, 'on'] : [rest, 'rest'];
-      const crossing = (time) => this.length(time) - distance;
-      return [rootOf(crossing, this.pace, 0, last, distance / Math.max(this.speed, this.pace(last))), 'cell'];
+      return [this.crossing(distance, last), 'cell'];
+    }
+
+    /** Return when a distance is passed where u stays above 0; late: a time that is late enough, or nearly so. */
+    crossing(distance, late) {
+      let last = late;
+      while (this.length(last) < distance) last *= 2;
+      const ahead = (time) => this.length(time) - distance;
+      return rootOf(ahead, this.pace, 0, last, distance / Math.max(this.speed, this.pace(last)));
+    }
+
+    /* Carried up a flank of the force: u swings about Q/b by less than that, and never comes to 0 again. */
+    creeps() {
+      const { speed, push, pull, rate, own } = this;
+      const square = own - rate * rate;
+      if (!(square > 0 && pull > 0)) return false;
+      const drift = pull / own;
+      const [even, odd] = [speed - drift, (push - rate * speed - rate * drift) / Math.sqrt(square)];
+      return Math.hypot(even, odd) <= drift;
     }
 
     /** Return the first time up to t at which u falls to 0, or null. */
