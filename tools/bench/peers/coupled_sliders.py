@@ -35,6 +35,9 @@ class Stretch:
 LONGEST = 0.01
 """Time in s after which solve_ivp begins anew though nothing has happened, so that it is asked for few rows at once."""
 
+AT_ONCE = 1e-9
+"""Time in s from a breakaway, where w' = 0, to where w' is looked at."""
+
 STANDSTILL, BORDER, TURN = range(3)
 """Of solve_ivp's events."""
 
@@ -109,11 +112,16 @@ def _solve(stretch: Stretch, tolerance: float, force: Forces) -> Doubles:
             rtol=tolerance,
             atol=tolerance * np.array([1.0, speed]),
         )
-        which = next((n for n, times_of in enumerate(step.t_events) if len(times_of)), None)
-        if which == TURN and way * (speed - step.y_events[TURN][0][1]) < 0.0:
+        missed = [
+            time
+            for time, (_, speed_there) in zip(step.t_events[TURN], step.y_events[TURN], strict=True)
+            if time > t + AT_ONCE and way * (speed - speed_there) < 0.0
+        ]
+        if missed and not len(step.t_events[STANDSTILL]):
             # It has stood still and gone on, both within one step: so far and no further.
-            until = float(step.t_events[TURN][0])
+            until = float(missed[0])
             continue
+        which = next((n for n in (STANDSTILL, BORDER) if len(step.t_events[n])), None)
         if count := min(len(step.t), asked.size):
             found[told : told + count] = step.y[0][:count]
             told += count
@@ -177,7 +185,7 @@ class _Events:
 
         standstill.terminal, standstill.direction = True, -self.way  # type: ignore[attr-defined]
         border.terminal = True  # type: ignore[attr-defined]
-        turn.terminal, turn.direction = True, self.way  # type: ignore[attr-defined]
+        turn.direction = self.way  # type: ignore[attr-defined]
         return standstill, border, turn
 
 
