@@ -13,7 +13,7 @@ def command(
     file: Annotated[
         Path,
         typer.Argument(
-            help="A result file, the part of one, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
+            help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
         ),
     ],
     *,
@@ -105,4 +105,4 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
         for name, group in answer["groups"].items()
     ]
     lines += ["", "from its scenario", *derivation.described(run.scenario, answer["derived"])]
-    return [*lines, "", "measured over the whole run, beside exact", *agreement_table(run.summary)]
+    return [*lines, "", "measured over the whole run, with exact values", *agreement_table(run.summary)]

@@ -19,7 +19,7 @@ def command(
     picture: Annotated[
         Path | None,
         typer.Argument(
-            help="Where --plot writes its png; else a name made of RUN and N.", metavar="FILE.png", show_default=False
+            help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png", show_default=False
         ),
     ] = None,
     *,

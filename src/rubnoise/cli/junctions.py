@@ -15,7 +15,7 @@ def command(
     where: Annotated[
         str | None,
         typer.Option(
-            help="Only rows for which this holds: columns, numbers (with units), < <= > >= == !=, and, or, not,"
+            help="Only rows that meet this condition: columns, numbers (with units), < <= > >= == !=, and, or, not,"
             " parentheses, and the states complete, alive_at_start, alive_at_end, ended_early.",
             metavar="CONDITION",
         ),
@@ -23,9 +23,9 @@ def command(
     sort: Annotated[
         str | None, typer.Option(help="Smallest first; -COLUMN: largest first.", metavar="COLUMN", show_default=False)
     ] = None,
-    reverse: Annotated[bool, typer.Option("--reverse", help="The other way round.")] = False,
+    reverse: Annotated[bool, typer.Option("--reverse", help="Reverse the order.")] = False,
     head: Annotated[
-        int | None, typer.Option(help="At most so many rows; 20 as text, else all.", metavar="N", min=0)
+        int | None, typer.Option(help="Largest number of rows; default: 20 as text, otherwise all.", metavar="N", min=0)
     ] = None,
     columns: Annotated[str | None, typer.Option(help="The columns to print.", metavar="A,B,...")] = None,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, units in its heading.")] = False,

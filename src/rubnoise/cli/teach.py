@@ -13,7 +13,7 @@ def command(
     file: Annotated[
         Path | None,
         typer.Argument(
-            help="A scenario file, or a result to replay; the paper's Figure 5 when left out.",
+            help="A scenario file, or a result to replay; default: the paper's Figure 5.",
             metavar="SCENARIO|RUN.h5",
             show_default=False,
         ),

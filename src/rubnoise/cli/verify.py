@@ -112,7 +112,7 @@ def described(found: "Verification", file: Path) -> Iterator[str]:
     yield ""
     failing = len(found.different)
     holding = f"{len(found.checks) - failing} of {len(found.checks)} checks hold"
-    yield remark(f"{holding}; {grouped(found.values)} values were looked at")
+    yield remark(f"{holding}; {grouped(found.values)} values checked")
 
 
 def _fields(check: "Check") -> dict[str, Any]:

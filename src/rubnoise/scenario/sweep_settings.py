@@ -95,11 +95,11 @@ def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]
     if values["precision"] is None:
         for key in _ONLY_WITH_PRECISION:
             if key in table:
-                yield _problem(layers, key, "there is no precision that it could be about", "add precision = 0.01")
+                yield _problem(layers, key, "needs a precision", "add precision = 0.01")
         return
     if "replicates" in table and values["replicates"] < FEWEST:
         hint = f"replicates = {FEWEST}, or leave it out"
-        yield _problem(layers, "replicates", "too few for their scatter to say how precise they are", hint)
+        yield _problem(layers, "replicates", "too few to estimate the precision", hint)
     if values["replicates"] > values["most_replicates"]:
         hint = f"most_replicates = {values['replicates']} or more"
         yield _problem(layers, "most_replicates", "fewer than the replicates to begin with", hint)
