@@ -27,7 +27,7 @@ def command(
     rate: Annotated[int, typer.Option("--fps", help="Frames a second.", metavar="N", min=1, max=50)] = 20,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Draw a run as a film: its junctions sliding over each other, and the real contact area growing under them.
+    """Draw a run as a film: its junctions sliding over each other, and the growing real contact area below.
 
     Example: rubnoise animate fig5.h5 -o contact.gif --to 60
     """

@@ -19,7 +19,7 @@ def command(
     *,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Say what is in a result file, and how its figures compare with the exact ones; or how far a run or a sweep is.
+    """Show a result file, with measured and exact figures, or the progress of a run or a sweep.
 
     Example: rubnoise info fig5.h5
     """

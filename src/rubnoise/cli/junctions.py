@@ -31,7 +31,7 @@ def command(
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, units in its heading.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Find junctions: those for which a condition holds, in order of birth or of a column.
+    """List the junctions that meet a condition, in order of birth or of a column.
 
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """

@@ -42,7 +42,7 @@ def command(
     rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write what a slider does as sound: band-limited, mean removed, peak at -3 dB, its physical scale in the file.
+    """Write the slider's motion as sound: band-limited, without mean, peak at -3 dB, physical scale in the file.
 
     Example: rubnoise listen fig5.h5 -o noise.wav --speed-up 10
     """

@@ -48,10 +48,10 @@ def command(
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
 ) -> None:
-    """Tell what is exact about a scenario: moments, spectrum, autocovariance, distribution, the slider's response.
+    """Print the exact values of a scenario: moments, spectrum, autocovariance, distribution, slider response.
 
-    Also how often the slider passes a level, how a contact grows from an empty start, and what an estimate of the
-    spectrum shows.
+    Options add the rate at which the slider passes a level, the growth from an empty start, and the expected estimate
+    of the spectrum.
 
     Example: rubnoise theory scenarios/paper/fig5.toml --at-wavenumber 0,0.1,1
     """

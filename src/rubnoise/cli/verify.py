@@ -43,9 +43,9 @@ def command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Check every value of a result against hashes, rows and scenario; the exit code is 3 where something differs.
+    """Check every value of a result against hashes, rows and scenario; the exit code is 3 if something differs.
 
-    Of the folder of a sweep its journals, names and index are checked, too, and every run.
+    For the folder of a sweep, check its journals, names and index too, and every run.
 
     Example: rubnoise verify fig5.h5 --regenerate
     """
