@@ -33,13 +33,13 @@ PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.D
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
 ROWS = {
-    "junctions": "one a junction",
-    "ticks": "one a tick",
-    "slider": "one a tick, with two-way coupling one in the time of a tick",
-    "landmarks": "one a landmark",
-    "balance": "one, of the end of the run",
-    "blocks": "one a block",
-    "curve": "one a point of the curve",
+    "junctions": "one per junction",
+    "ticks": "one per tick",
+    "slider": "one per tick; with two-way coupling, one per time of a tick",
+    "landmarks": "one per landmark",
+    "balance": "one, for the end of the run",
+    "blocks": "one per block",
+    "curve": "one per point of the curve",
 }
 NEEDS: dict[Feature | None, str] = {
     None: "always",
@@ -204,13 +204,13 @@ def in_digits(value: float, error: float) -> str:
 
 def _need(table: FieldInfo) -> str:
     if table.is_required():
-        return "This table is needed."
-    return "Without this table there is none." if table.default is None else "Without this table its defaults hold."
+        return "This table is required."
+    return "This table is optional." if table.default is None else "This table is optional; its keys have defaults."
 
 
 def _keys(fields: dict[str, FieldInfo]) -> Iterator[str]:
     rows = ((f"`{key}`", _values(about), _default(about), about.description or "") for key, about in fields.items())
-    yield from _table(("key", "value", "without it", "meaning"), rows)
+    yield from _table(("key", "value", "default", "meaning"), rows)
     yield ""
 
 
@@ -236,7 +236,7 @@ def _values(about: FieldInfo) -> str:
 
 def _default(about: FieldInfo) -> str:
     if about.default is PydanticUndefined:
-        return "refused"
+        return "required"
     return "-" if about.default in (None, "") else f"`{json.dumps(about.default)}`"
 
 

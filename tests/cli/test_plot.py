@@ -160,7 +160,7 @@ def test_an_unfinished_result_is_refused(here: Path) -> None:
     description = describe()
     write_run("x.h5", description, random_rows(description), meanwhile=look)
     assert said[0].code == 2
-    assert said[0].err == "x.h5.part: unfinished; rubnoise resume x.h5.part goes on with it\n"
+    assert said[0].err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
 
 
 def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
@@ -168,7 +168,7 @@ def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
     write_run("odd.h5", description, random_rows(description))
     answer = call("plot", "odd.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "odd.h5: the scenario in the file is none that can be run, so theory is silent\n"
+    assert answer.err == "odd.h5: the scenario in the file is not valid, so there are no exact values\n"
     assert names(here) == ["odd.h5"]
 
 

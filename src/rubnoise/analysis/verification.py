@@ -101,11 +101,11 @@ def _made_again(
     from rubnoise.analysis.verifying.regenerating import regeneration_check
 
     if model.is_two_way:
-        left_out.append(LeftOut(name="regenerated", reason="a two-way slider is not in /blocks, to go on from there"))
+        left_out.append(LeftOut(name="regenerated", reason="/blocks does not store a two-way slider"))
         return []
     wrong = [check.name for check in needed if not check.holds]
     if wrong:
-        left_out.append(LeftOut(name="regenerated", reason=f"what it goes on from differs: {', '.join(wrong)}"))
+        left_out.append(LeftOut(name="regenerated", reason=f"its starting values differ: {', '.join(wrong)}"))
         return []
     check, partly = regeneration_check(model, run, int(run.provenance["seed"]), count)
     left_out += partly

@@ -43,7 +43,7 @@ SHORTER = {
 
 def described(found: Comparison, file: Path) -> Iterator[str]:
     """Yield a table a part, what holds to rounding, what was left out, and the verdict."""
-    yield f"{printable(str(file))}: beside the theory of its scenario"
+    yield f"{printable(str(file))}: compared with the theory of its scenario"
     for part in found.parts:
         if part.figures:
             heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading
