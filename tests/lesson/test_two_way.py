@@ -89,7 +89,7 @@ def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
     model = scenario_of(world, distance=distance).model()
     run = coupled(model, 5, tolerance=1e-11)
     rows = lived(model, 5, -200.0, distance)
-    fine = on_the_page(world, rows, start=run.start, end=distance, cells=3200)
+    fine = on_the_page(world, rows, start=run.start, end=distance, cells=1600)
     late, off = apart(fine, run, 10)
     assert off < most_off
     assert late * world["speed"] < most_off
