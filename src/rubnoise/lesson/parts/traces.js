@@ -1,6 +1,5 @@
 'use strict';
-/*
- * The traces under the stage, drawn as they grow: real contact area, count, force, displacement, velocity. Those of a
+/* The traces under the stage, drawn as they grow: real contact area, count, force, displacement, velocity. Those of a
  * slider that pushes back are drawn over time, since it may stand still on the surface.
  */
 (() => {
