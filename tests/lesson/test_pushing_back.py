@@ -104,7 +104,7 @@ def test_the_switch_changes_the_coupling_and_not_the_contact(walk: Walk) -> None
     assert seen["velocityStd"] < 0.5 * swings["velocityStd"]
     assert walk.page.locator("#one-way-warning").is_hidden()
     walk.page.locator("#knob-coupling").select_option("one-way")
-    assert walk.article.get_by_label("The drive’s speed is constant").is_checked()
+    assert walk.article.get_by_label("The drive\u2019s speed is constant").is_checked()
     assert walk.page.evaluate(SEEN) == swings
 
 
@@ -138,7 +138,7 @@ def test_other_experiments_turn_the_switch_back(walk: Walk) -> None:
     walk.article.locator('[data-further="run"]').click()
     walk.run(1)
     assert walk.page.evaluate("[rub.world.coupling, rub.world.damping]") == ["one-way", 0.5]
-    assert walk.article.get_by_label("The drive’s speed is constant").is_checked()
+    assert walk.article.get_by_label("The drive\u2019s speed is constant").is_checked()
 
 
 def test_a_two_way_scenario_opens_with_the_switch_turned(page: Any) -> None:
@@ -164,7 +164,7 @@ def test_sticks_are_shaded_and_the_velocity_is_clipped(page: Any) -> None:
     assert page.evaluate("rub.run.motion.range.velocity[1]") == page.evaluate("rub.world.speed")
     assert page.locator("#key-stuck").is_visible()
     assert page.locator("#number-stuck td").nth(1).inner_text() != ""
-    assert page.locator("#number-displacement-std td").first.inner_text() == "–"
+    assert page.locator("#number-displacement-std td").first.inner_text() == "\u2013"
 
 
 def test_back_and_forth_the_same_is_seen(page: Any) -> None:

@@ -65,7 +65,7 @@ LARGEST_ERROR = 1e-4  # of the displacement, over one slip, as the page promises
 
 
 def apart(page: dict[str, Any], run: CoupledRun, most: int) -> tuple[float, float]:
-    """Return by how much the first landmarks differ, in time (s) and displacement (um); their kinds must be the same."""
+    """Return by how much the first landmarks, all of the same kinds, differ in time (s) and displacement (um)."""
     marks = page["landmarks"][:most]
     assert [mark["kind"] for mark in marks] == run.landmarks["kind"][:most].tolist()
     assert len(marks) == most
@@ -85,7 +85,7 @@ PATHS = {
 
 @pytest.mark.parametrize("name", PATHS)
 def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
-    """Errors grow by up to fifty from one slip to the next, so that for ten the field is drawn finer than on the page."""
+    """Errors grow by up to fifty from slip to slip, so that for ten landmarks the field is finer than on the page."""
     changes, distance = PATHS[name]
     world = world_with(**changes)
     model = scenario_of(world, distance=distance).model()
