@@ -62,14 +62,17 @@ def test_a_run_tells_what_it_measured_and_its_laws_but_no_exact_motion_beside_it
     assert 0.3 < summary["stick_fraction"]["observed"] < 1.0
 
 
-def test_a_run_of_one_row_has_no_rates(here: Path) -> None:
+def test_a_run_of_one_row_has_a_time_and_rates_all_the_same(here: Path) -> None:
     """A slider that is thrown back at once comes to the end of a tick of distance before a tick of time has passed."""
     short = ["--set", "sliding.distance=0.05 um", "--set", "output.tick=0.05 um", "--set", "slider.coupling=two-way"]
     assert call("run", SLIDER, "-o", "one.h5", "-q", "--seed", "1", *short).code == 0
     with h5py.File("one.h5") as file:
         assert file["slider/time"].size == 1
         assert file["summary"].attrs["stick_fraction"] == 0.0
-        assert not [name for name in file["summary"].attrs if name.endswith("_per_s")]
+        assert 0.0 < file["balance/time"][0] < 5e-5
+        rates = [value for name, value in file["summary"].attrs.items() if name.endswith("_per_s")]
+        assert rates == [0.0, 0.0, 0.0]
+        assert abs(file["summary"].attrs["energy_residual"]) < 1e-9
     assert call("verify", "one.h5").code == 0
 
 
