@@ -46,6 +46,7 @@ def test_a_run_tells_what_it_measured_and_its_laws_but_no_exact_motion_beside_it
         assert seen["stick_fraction"] == balance["time_stuck"] / time
         assert seen["sticks_per_s"] == pytest.approx((kind == 0).sum() / time, rel=1e-12)
         assert seen["reversals_per_s"] == pytest.approx((kind == 2).sum() / time, rel=1e-12)
+        assert not (kind > 1).any()
         slips = np.diff(where)[kind[:-1] == 1]
         diameter = file["provenance"].attrs["calibrated_diameter"]
         assert 0 < (slips > diameter).sum() < slips.size

@@ -89,9 +89,10 @@ def landmarks(kinds: list[int], places: list[float]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("cuts", [[], [1], [2, 3], [1, 2, 3, 4, 5, 6]])
-def test_slips_are_measured_from_breakaway_to_the_next_landmark(cuts: list[int]) -> None:
-    """Of slips of 3, 0.5, 2 and 2.5 um those longer than 2 um are counted, however the rows are cut."""
-    told = landmarks([0, 1, 0, 1, 0, 1, 2, 3, 0, 1, 0, 1], [5.0, 5.0, 8.0, 8.0, 8.5, 8.5, 10.5, 9.0, 12, 12, 14.5, 14.5])
+def test_slips_are_measured_along_their_path_from_a_breakaway_to_the_next_stick(cuts: list[int]) -> None:
+    """Of slips of 3, 0.5, 2 and, with a reversal in it, 0.5 + 1 + 0.75 um two are longer than 2 um."""
+    kinds = [0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 0, 1]
+    told = landmarks(kinds, [5.0, 5.0, 8.0, 8.0, 8.5, 8.5, 10.5, 10.5, 11.0, 10.0, 10.75, 10.75])
     tally = Tally(slips=Slips(longer_than=2.0))
     edges = [0, *cuts, 12]
     for first, end in pairwise(edges):
