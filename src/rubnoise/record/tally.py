@@ -40,7 +40,9 @@ SLIPS = {"landmarks": ("kind", "distance")}
 """Columns that tell how long slips are, by group."""
 
 TALLIED = {
-    group: dict.fromkeys((*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ())))
+    group: dict.fromkeys(
+        (*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ()))
+    )
     for group in {**WATCHED, **COUNTED, **KEPT}
 }
 """All columns from which a tally is made."""

@@ -20,7 +20,6 @@ from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.room import disk_room, memory_in_use, memory_room
 from rubnoise.theory.campbell import force_cumulants
 
-
 LARGEST_FORCE: Final = 10.0
 """Standard deviations above its mean beyond which no run has the friction force."""
 

@@ -106,7 +106,10 @@ def two_way_identities(model: Model, path: Path) -> list[Finding]:
         Identity(name="mean_force_law", deviation=abs(force), allowed=(step + field) * seen.scale / over, units="uN"),
     ]
     if path.reverse_work is None:
-        return [*found, LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows")]
+        return [
+            *found,
+            LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows"),
+        ]
     return [*found, _work("reverse_work", seen.reverse_work - path.reverse_work, field * seen.scale)]
 
 
