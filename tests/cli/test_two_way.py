@@ -97,6 +97,11 @@ def test_info_and_check_name_what_is_there(ran: Path) -> None:
     checked = call("check", SLIDER, *TWO_WAY)
     assert checked.code == 0
     assert "the slider pushes back" in " ".join(checked.out.split())
+    assert "rows of the slider" in checked.out
+    (answer,) = json.loads(call("check", SLIDER, *TWO_WAY, "--json").out)["scenarios"].values()
+    with h5py.File(ran) as file:
+        assert file["slider/time"].size <= answer["cost"]["slider_rows_at_most"] < 2 * file["slider/time"].size
+    assert "slider_rows_at_most" not in call("check", SLIDER, *SHORT, "--json").out
     assert "warning" not in checked.out + checked.err
 
 
@@ -286,9 +291,16 @@ def test_a_sweep_of_both_couplings_keeps_what_each_has(here: Path) -> None:
     assert call("sweep", "s.toml", "-o", "d", "-q", "--jobs", "1").code == 0
     with rubnoise.open_sweep("d") as found:
         sticks = np.asarray(found.runs["stick_fraction"][:])
+        excess = np.asarray(found.runs["mean_force_excess"][:])
         spreads, seeds = np.asarray(found.runs["displacement_std"][:]), found.runs["seed"][:]
     assert np.isnan(sticks[:2]).all()
     assert (sticks[2:] > 0.2).all()
+    assert np.isfinite(excess[2:]).all()
+    with h5py.File("d/index.h5") as index:
+        units = {name: column.attrs["units"] for name, column in index["runs"].items()}
+    assert units["stick_fraction"] == units["energy_residual"] == b"1"
+    assert units["sticks_per_s"] == units["slips_longer_than_d_per_s"] == units["reversals_per_s"] == b"1/s"
+    assert units["mean_force_excess"] == units["mean_force_excess_exact"] == b"uN"
     assert seeds[:2].tolist() == seeds[2:].tolist()
     assert call("verify", "d").code == 0
     assert call("plot", "d", "displacement_std", "-o", "d.png").code == 0

@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from math import sqrt
+from math import isnan, sqrt
 from typing import Any
 
 import numpy as np
@@ -14,10 +14,12 @@ from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparing.findings import Comparison, Identity, LeftOut
 from rubnoise.analysis.comparing.two_way import Path, two_way_identities
 from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.expected_figures import expected_figure
 from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
+from rubnoise.storage.budget import slider_rows_at_most
 from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.response import response
@@ -257,6 +259,32 @@ def test_the_weak_motion_is_the_one_way_motion_with_more_energy() -> None:
     assert weak.velocity_std / one_way.velocity_std == pytest.approx(coupling(WEAK).expected_change, rel=1e-14)
     share = WEAK.slider.damping * weak.velocity_std**2 / WEAK.sliding_speed / WEAK.slider.stiffness
     assert weak.mean_displacement - one_way.mean_displacement == pytest.approx(share, rel=1e-9)
+
+
+def test_a_single_figure_of_a_weakly_coupled_slider_is_that_of_the_law() -> None:
+    weak = weak_motion(WEAK)
+    for name in ("displacement_std", "velocity_std"):
+        assert expected_figure(WEAK, name) == getattr(weak, name)
+    assert expected_figure(WEAK, "displacement_mean") == pytest.approx(weak.mean_displacement, rel=1e-12)
+    assert expected_figure(WEAK, "displacement_mean") > response(WEAK).mean_displacement
+    strong = two_way(RUNS["figure 5"])
+    for run, name in ((WEAK, "one_way_validity"), (strong, "displacement_std"), (strong, "displacement_mean")):
+        assert isnan(expected_figure(run, name))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_rows_of_the_slider_are_no_more_than_was_said(name: str) -> None:
+    """As many as fit into the distance and the way that the force can carry the slider ahead."""
+    run, rows = ran(name)
+    most = slider_rows_at_most(run)
+    assert most is not None
+    assert rows.rows("slider") <= most
+    assert run.slider is not None
+    assert run.sliding_speed is not None
+    deflection = 250.0 * run.stationary_mean_area / run.slider.stiffness
+    ahead = (most - run.tick_count) * run.tick
+    assert ahead < 20.0 * deflection + run.sliding_speed / run.slider.natural_angular_frequency
+    assert slider_rows_at_most(RUNS[name]) is None
 
 
 @dataclass(frozen=True, kw_only=True)
