@@ -4,9 +4,9 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, floor
 from pathlib import Path
-from typing import cast
+from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
@@ -18,6 +18,10 @@ from rubnoise.simulation.run import Engine, extent
 from rubnoise.simulation.yardstick import pace
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.room import disk_room, memory_in_use, memory_room
+from rubnoise.theory.campbell import force_cumulants
+
+LARGEST_FORCE: Final = 10.0
+"""Standard deviations above its mean beyond which no run has the friction force."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,6 +177,20 @@ def _when_grown(model: Model, rows: Extent) -> Extent:
     moments = rows.ticks + ceil(2.0 * deflection / model.tick)
     periods = moments * (model.tick_duration or 0.0) * model.slider.natural_frequency
     return replace(rows, slider=moments, landmarks=ceil(2.0 * periods))
+
+
+def slider_rows_at_most(model: Model) -> int | None:
+    """Return a bound for the rows of /slider of a two-way run; None where their number is known.
+
+    A run lasts (s + x - x_0)/V. While w > 0, x' < V: the force stops the slider at F/k + V/omega_0 at most, F the
+    largest force, taken for its mean and ten standard deviations, and a reversal only costs energy.
+    """
+    if not model.is_two_way or model.slider is None:
+        return None
+    force = force_cumulants(model)
+    largest = (force.mean + LARGEST_FORCE * force.std) / model.slider.stiffness
+    ahead = largest + (model.sliding_speed or 0.0) / model.slider.natural_angular_frequency
+    return floor((model.distance + ahead - model.equilibrium_displacement) / model.tick) + 1
 
 
 def _smaller_result(scenario: Scenario, budget: Budget, room: int) -> str:
