@@ -19,16 +19,16 @@ PICTURES = DOCS / "pictures" / "paper"
 HEAD = """\
 # The paper, claim by claim
 
-*Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran its model
-once and described what it saw. Here is what it claims or implies, what runs from fixed seeds give, what the exact
-theory gives, and the verdict that follows from the numbers. `rubnoise claims` makes all of it anew in a minute or so,
-`rubnoise figures all -o DIR` the pictures; `tools/generate_paper.py` wrote this page from both.
+The paper *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran
+its model once and described the results. This page lists its explicit and implied claims. For each claim it gives runs
+from fixed seeds, the exact theory, and the verdict. `rubnoise claims` repeats the runs in less than a minute, and `rubnoise
+figures all -o DIR` draws the pictures. `tools/generate_paper.py` wrote this page from both.
 
-Each simulated number is the mean of independent runs, or follows from such means, with the 95 % interval of their
-scatter, which owes nothing to the theory. Exact numbers follow from the model alone ([model.md](model.md)); of a
-slider that pushes back ([two-way.md](two-way.md)) there are none, and the verdict follows from runs with their
-intervals. Where the two disagree by more than four standard errors the verdict is *unsettled*, and this page is not
-written. The claims stand here in other words, their numbers as printed.
+Each simulated number is the mean of independent runs, or follows from such means. The 95 % interval comes from their
+scatter, without theory. Exact numbers follow from the model alone ([model.md](model.md)). Two-way coupling
+([two-way.md](two-way.md)) has none; there the verdict follows from runs and their intervals. If simulation and theory
+disagree by more than four standard errors, the verdict is *unsettled*, and the tool does not write this page. The claims
+are in our own words, with the printed numbers.
 """
 
 LIMITS = """
@@ -36,21 +36,21 @@ LIMITS = """
 
 Section 4 of the paper states three limits of its model. rubnoise computes the same model and has the same limits:
 
-- **Constant separation.** The model may be thought of as sliding at a constant distance of the surfaces. The normal
-  load stands behind A_rm alone: nothing in a run raises or lowers the slider, or changes the load.
-- **Parallel flats.** Junctions form between flats parallel to the plane of sliding. All forces lie in that plane; there
+- **Constant separation.** The surfaces slide at a constant distance. The normal load appears only in A_rm. Nothing in a
+  run raises or lowers the slider, or changes the load.
+- **Parallel flats.** Junctions form between flats parallel to the plane of sliding. All forces lie in that plane. There
   is no vibration normal to it, no loss of contact and no impact.
-- **No measured surfaces.** A_rm and N_jm are put in. They do not follow from a measured profile and a load.
+- **No measured surfaces.** A_rm and N_jm are inputs. They do not follow from a measured profile and a load.
 
-Two more follow from its equations:
+Two more limits follow from its equations:
 
 - **Passes through both centres.** Eq. (2) is the overlap of two circles of one diameter whose centres move along one
-  line. Where centres pass each other at distances spread evenly from 0 to d, std over mean is 1.356/sqrt(N_jm) for
-  equal sizes and not 1.230/sqrt(N_jm), and the tail of the spectrum is k^-5 and not k^-4: a centred pass has a kink at
-  mid-life, the others have none.
-- **A slider that does not act back.** The area depends on the distance slid, and that grows evenly, however the slider
-  moves: see [constant_speed](#constant_speed). rubnoise has this limit with `slider.coupling = "one-way"`, the
-  default, and not with `"two-way"`.
+  line. Suppose instead that centres pass at distances spread evenly from 0 to d. For equal sizes, std over mean is then
+  1.356/sqrt(N_jm) and not 1.230/sqrt(N_jm). The tail of the spectrum is k^-5 and not k^-4, because only a centred pass
+  has a kink at mid-life.
+- **A slider that does not act back.** The area depends on the sliding distance. This grows evenly, however the slider
+  moves: see [constant_speed](#constant_speed). rubnoise has this limit with `slider.coupling = "one-way"`, the default,
+  and not with `"two-way"`.
 """
 
 

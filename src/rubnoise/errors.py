@@ -64,7 +64,7 @@ class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no
 
 def resume_hint(part: str) -> str:
     """Return how to go on with a part file, in words that can be pasted into a shell."""
-    return f"rubnoise resume {quote(part)} goes on"
+    return f"rubnoise resume {quote(part)} continues it"
 
 
 @contextmanager

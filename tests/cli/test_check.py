@@ -39,7 +39,7 @@ def test_figure_5_says_what_follows_from_it(here: Path) -> None:
     flat = " ".join(answer.out.split())
     assert "warning: the velocity of the slider spreads by 47.2 times the sliding speed" in flat
     assert 'two-way coupling (slider.coupling = "two-way") is needed above 0.1' in flat
-    assert "+2.3% off the 200 um^2 asked for" in answer.out
+    assert "differs by +2.3% from the specified 200 um^2" in answer.out
     assert names(here) == []
 
 
@@ -83,13 +83,13 @@ def test_redrawn_diameters_are_noted(here: Path) -> None:
     answer = call("check", SLIDER, "--set", "diameter.spread=5.530012636 um")
     assert answer.code == 0
     flat = " ".join(answer.out.split())
-    assert "the mean diameter of the law normal puts the mean count +28.8% off the 20 asked for" in flat
+    assert "the mean diameter of the law normal changes the mean count by +28.8% from the specified 20" in flat
 
 
 def test_redrawn_strengths_are_noted(here: Path) -> None:
     law = ("--set", "strength.law=normal", "--set")
     wide = " ".join(call("check", SLIDER, *law, 'strength.spread="100 %"').out.split())
-    assert "the law normal puts the mean strength +28.8% off the 250 MPa asked for" in wide
+    assert "the law normal changes the mean strength by +28.8% from 250 MPa" in wide
     assert "strengths" not in call("check", SLIDER, *law, 'strength.spread="20 %"').out
 
 

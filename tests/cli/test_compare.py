@@ -37,7 +37,7 @@ def test_a_right_run_agrees(result: Path) -> None:
     answer = call("compare", "x.h5")
     assert (answer.code, answer.err) == (0, "")
     lines = answer.out.splitlines()
-    assert lines[0] == "x.h5: beside the theory of its scenario"
+    assert lines[0] == "x.h5: compared with the theory of its scenario"
     for heading in ("births ", "junctions ", "contact ", "exact but for rounding ", "left out"):
         assert sum(line.startswith(heading) for line in lines) == 1
     assert any(line.startswith("  area mean (um^2)  ") for line in lines)
@@ -159,7 +159,7 @@ def test_a_file_without_a_scenario_is_refused(result: Path) -> None:
     rewrite(result, lambda resolved: resolved.clear())
     answer = call("compare", "x.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "x.h5: the scenario in the file is none that can be run, so theory is silent\n"
+    assert answer.err == "x.h5: the scenario in the file is not valid, so there are no exact values\n"
 
 
 @pytest.mark.parametrize(

@@ -170,7 +170,7 @@ def test_csv_on_standard_output_is_what_a_file_holds(here: Path, rows: Any, grou
         (("--to", "parquet", "--group", "trace"), "only CSV goes to standard output; parquet is binary"),
         (("--to", "netcdf"), "only CSV goes to standard output; netcdf is binary"),
         (("--to", "csv"), "-: one csv file holds one group; say which with --group junctions|trace|slider"),
-        (("--to", "csv", "--group", "trace", "--force"), "--force replaces files; standard output is none"),
+        (("--to", "csv", "--group", "trace", "--force"), "--force replaces files; standard output is not a file"),
     ],
 )
 def test_what_standard_output_does_not_take_is_refused(

@@ -185,7 +185,7 @@ def file_for_a_folder(path: Path) -> None:
     path.parent.touch()
 
 
-NOT_REPLACED = "exists already, and is left as it is; choose another name"
+NOT_REPLACED = "exists already; choose another name"
 """What `new`, which replaces nothing, says in place of the first and of those about what is no file."""
 
 PLACES: dict[Callable[[Path], None], str] = {

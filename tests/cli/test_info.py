@@ -28,7 +28,7 @@ def test_a_result_tells_what_is_in_it(result: Path) -> None:
     assert f"  {'seed':<30}4" in lines
     assert any(line.startswith(f"  {'/trace':<30}3,001 rows: distance, real_contact_area") for line in lines)
     assert "38.98484 Hz" in answer.out
-    assert "measured over the whole run, beside exact" in lines
+    assert "measured over the whole run, with exact values" in lines
     assert "too short for standard errors of the slider's motion" in " ".join(answer.out.split())
     assert sum(line.startswith("  friction force mean (uN) ") for line in lines) == 1
 

@@ -191,4 +191,4 @@ def test_an_unfinished_file_gets_one_line(here: Path) -> None:
     write_run("x.h5", description, random_rows(description), meanwhile=look)
     for answer in said:
         assert (answer.code, answer.out) == (2, "")
-        assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part goes on with it\n"
+        assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"

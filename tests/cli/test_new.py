@@ -76,7 +76,7 @@ def test_an_existing_file_is_left_alone(here: Path) -> None:
     (here / "mine.toml").write_text("precious", encoding="utf-8")
     answer = call("new", "mine.toml")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "mine.toml: exists already, and is left as it is; choose another name\n"
+    assert answer.err == "mine.toml: exists already; choose another name\n"
     assert (here / "mine.toml").read_text(encoding="utf-8") == "precious"
 
 

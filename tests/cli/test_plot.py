@@ -38,10 +38,28 @@ def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> N
     assert names(here) == ["x.h5", "x_trace.png"]
 
 
-@pytest.mark.parametrize("what", ["lives", "histogram", "psd", "acf", "count", "slider"])
+@pytest.mark.parametrize("what", ["lives", "histogram", "psd", "acf", "count", "slider", "phase"])
 def test_every_picture_has_a_name_of_its_own(result: Path, here: Path, what: str) -> None:
     assert call("plot", "x.h5", what).out == f"x_{what}.png\n"
     assert names(here) == ["x.h5", f"x_{what}.png"]
+
+
+@pytest.mark.parametrize("of", ["force", "displacement", "velocity"])
+def test_a_spectrum_is_called_after_what_it_is_of(result: Path, here: Path, of: str) -> None:
+    assert call("plot", "x.h5", "psd", "--of", of).out == f"x_psd_{of}.png\n"
+    assert call("plot", "x.h5", "psd", "--of", "area").out == "x_psd.png\n"
+    assert (here / "x_psd.png").read_bytes() != (here / f"x_psd_{of}.png").read_bytes()
+
+
+def test_a_run_without_a_slider_is_not_laid_over_one(result: Path, bare: Path, here: Path) -> None:
+    for words, named in (
+        (("x.h5", "slider", "--with", "bare.h5"), "--with bare.h5"),
+        (("bare.h5", "slider", "--with", "x.h5"), "bare.h5"),
+    ):
+        answer = call("plot", *words)
+        said = f"{named}: the run has no slider to draw; [slider] in its scenario would give it one\n"
+        assert (answer.code, answer.out, answer.err) == (2, "", said)
+    assert names(here) == ["bare.h5", "x.h5"]
 
 
 @pytest.mark.parametrize("kind", BEGINNINGS)
@@ -77,7 +95,13 @@ def test_a_file_is_replaced_only_by_force(result: Path, here: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("fft",), "'fft' is not one of 'trace', 'lives', 'histogram', 'psd', 'acf', 'count', 'slider'"),
+        (("fft",), "'fft' is not one of 'trace', 'lives', 'histogram', 'psd', 'acf', 'count', 'slider', 'phase',"),
+        (("landmarks",), 'only with slider.coupling = "two-way" does it stick and slip'),
+        (("psd", "--of", "fft"), "'fft' is not one of"),
+        (("slider", "--of", "velocity"), "--of is for psd, not for slider"),
+        (("trace", "--with", "x.h5"), "--with is for slider, phase, and psd --of force, displacement or velocity"),
+        (("psd", "--with", "x.h5"), "--with is for slider, phase, and psd --of force, displacement or velocity"),
+        (("slider", "--with", "y.h5"), "y.h5: no such file or directory"),
         (("-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
         (("-o", "none/x.png"), "no such folder"),
         (("--from", "x"), "--from: x: not a number and a unit"),
@@ -96,9 +120,10 @@ def test_what_cannot_be_drawn_is_refused(result: Path, here: Path, arguments: tu
 
 
 def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
-    answer = call("plot", "bare.h5", "slider")
-    said = "bare.h5: the run has no slider to draw; [slider] in its scenario would give it one\n"
-    assert (answer.code, answer.out, answer.err) == (2, "", said)
+    said = "the run has no slider to draw; [slider] in its scenario would give it one\n"
+    for what in ("slider", "phase"):
+        answer = call("plot", "bare.h5", what)
+        assert (answer.code, answer.out, answer.err) == (2, "", f"bare.h5: {said}")
     for what in ("trace", "lives", "histogram", "psd", "acf", "count"):
         assert call("plot", "bare.h5", what).code == 0
 
@@ -135,7 +160,7 @@ def test_an_unfinished_result_is_refused(here: Path) -> None:
     description = describe()
     write_run("x.h5", description, random_rows(description), meanwhile=look)
     assert said[0].code == 2
-    assert said[0].err == "x.h5.part: unfinished; rubnoise resume x.h5.part goes on with it\n"
+    assert said[0].err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
 
 
 def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
@@ -143,7 +168,7 @@ def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
     write_run("odd.h5", description, random_rows(description))
     answer = call("plot", "odd.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "odd.h5: the scenario in the file is none that can be run, so theory is silent\n"
+    assert answer.err == "odd.h5: the scenario in the file is not valid, so there are no exact values\n"
     assert names(here) == ["odd.h5"]
 
 

@@ -52,7 +52,7 @@ def part(here: Path) -> Path:
     """Return the part of a run that was stopped half-way."""
     done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", *SHORT)
     assert (done.code, done.out) == (143, "")
-    assert done.err == "stopped by a signal; rubnoise resume x.h5.part goes on\n"
+    assert done.err == "stopped by a signal; rubnoise resume x.h5.part continues it\n"
     return here / "x.h5.part"
 
 
@@ -104,7 +104,7 @@ def test_run_goes_on_by_itself_and_says_so(here: Path, part: Path, whole: dict[s
     share = call("info", part.name, "--json").json()["share"]
     answer = call("run", SLIDER, "-o", "x.h5", *SHORT, "--engine", "batch", "--json")
     assert answer.code == 0
-    assert answer.err == f"x.h5.part: this run was begun before; it goes on from {share:.0%}\n"
+    assert answer.err == f"x.h5.part: resumes an unfinished run at {share:.0%}\n"
     assert answer.json()["output"] == "x.h5"
     assert columns(here / "x.h5") == whole
 
@@ -118,8 +118,8 @@ def test_another_run_is_refused_and_force_starts_over(here: Path, part: Path) ->
     answer = call("run", SLIDER, "-o", "x.h5", *SHORT, "--seed", "9")
     assert (answer.code, answer.out) == (2, "")
     assert answer.err == (
-        "x.h5.part: of another run: run.seed is 1 there and 9 here"
-        " (--force starts over; rubnoise resume x.h5.part goes on with the one that is there)\n"
+        "x.h5.part: belongs to another run: run.seed is 1 there and 9 here"
+        " (--force starts over; rubnoise resume x.h5.part continues it)\n"
     )
     assert names(here) == ["x.h5.part", "x.h5.part.journal"]
     assert call("run", SLIDER, "-o", "x.h5", *SHORT, "--seed", "9", "--force", "-q").err == ""
@@ -142,7 +142,7 @@ def test_info_says_how_far_it_is(here: Path, part: Path) -> None:
     assert answer.out.startswith("x.h5.part: ")
     assert f"{told['done']['junctions']:,} of {told['whole']['junctions']:,} junctions" in answer.out
     assert f"last commit                   {told['committed']}" in answer.out
-    assert "rubnoise resume x.h5.part goes on" in answer.out
+    assert "rubnoise resume x.h5.part continues it" in answer.out
 
 
 def test_info_looks_at_a_run_under_way_without_harm(
@@ -172,14 +172,14 @@ def test_a_run_that_ends_while_it_is_looked_at_is_told_as_ended(
 def test_other_commands_want_the_whole_result(here: Path, part: Path, words: tuple[str, ...]) -> None:
     answer = call(words[0], part.name, *words[1:])
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part goes on with it\n"
+    assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
     assert names(here) == ["x.h5.part", "x.h5.part.journal"]
 
 
 def test_what_is_no_part_is_told_in_a_line(here: Path) -> None:
     (here / "x.h5").write_bytes(b"whole")
     for name, said in (
-        ("x.h5", "x.h5: is no run that did not finish: their names end in .part\n"),
+        ("x.h5", "x.h5: is not an unfinished run: their names end in .part\n"),
         ("x.h5.part", "x.h5.part: no such file; x.h5 is there\n"),
         ("y.h5.part", "y.h5.part: no such file\n"),
     ):

@@ -195,7 +195,7 @@ def test_a_run_too_short_for_its_slider_says_what_it_needs(here: Path) -> None:
         (b'title = "\xff"\n', "bad.toml:1: error: not UTF-8 text"),
         (
             CONTACT.encode() + b"[sweep]\nreplicates = 4\n",
-            "bad.toml:10: error: sweep: a sweep is many runs, and one scenario is wanted here",
+            "bad.toml:10: error: sweep: a sweep is many runs, but this command needs one scenario",
         ),
         (CONTACT.encode().replace(b"300 um", b"300 um^2"), "bad.toml:9: error: sliding.distance: "),
     ],

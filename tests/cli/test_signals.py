@@ -31,7 +31,7 @@ def test_a_signal_stops_a_run_and_an_older_result_stays(here: Path, number: sign
     run = begin("run", SLIDER, "-o", "x.h5", "--force", *LONG, part=here / "x.h5.part.journal")
     answer = stop(run, number)
     assert (answer.code, answer.out) == (code, "")
-    assert answer.err == "stopped by a signal; rubnoise resume x.h5.part goes on\n"
+    assert answer.err == "stopped by a signal; rubnoise resume x.h5.part continues it\n"
     assert (here / "x.h5").read_bytes() == b"precious"
     assert names(here) == ["short.h5", "x.h5", "x.h5.part", "x.h5.part.journal"]
 

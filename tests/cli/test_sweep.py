@@ -229,7 +229,7 @@ def test_a_signal_stops_a_sweep_that_can_be_gone_on_with(file: Path, number: sig
     begun.send_signal(number)
     out, err = begun.communicate(timeout=60)
     assert (begun.returncode, out) == (code, "")
-    assert err == "stopped by a signal; what is done is kept, and the same command goes on from here\n"
+    assert err == "stopped by a signal; finished runs are kept, and the same command resumes the sweep\n"
     done = set(Path("d/runs").glob("*.h5"))
     assert len(done) < 8
     assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"

@@ -81,7 +81,7 @@ def test_a_sweep_whose_scheduler_is_killed_is_gone_on_with(file: Path, scheduler
     boss.kill()
     out, err = begun.communicate(timeout=300)
     assert (begun.returncode, out) == (1, "")
-    assert "the same command goes on from here" in err
+    assert "the same command resumes the sweep" in err
     for worker in workers:  # one that is still at a run keeps its file to itself, as long as the run takes
         worker.kill()
         worker.wait()

@@ -1,6 +1,7 @@
 """A scenario whose slider pushes back, from `check` to `verify`: run, stopped, resumed, opened and looked at."""
 
 import json
+import wave
 from pathlib import Path
 
 import h5py
@@ -41,6 +42,17 @@ def test_a_run_tells_what_it_measured_and_no_exact_motion_beside_it(ran: Path) -
         assert file["slider/phase"].attrs["flag_meanings"] == b"slip stick reversal"
         assert file["landmarks/kind"].attrs["flag_values"].tolist() == [0, 1, 2, 3]
     assert 0.3 < summary["stick_fraction"]["observed"] < 1.0
+
+
+def test_a_run_of_one_row_has_no_rates(here: Path) -> None:
+    """A slider that is thrown back at once comes to the end of a tick of distance before a tick of time has passed."""
+    short = ["--set", "sliding.distance=0.05 um", "--set", "output.tick=0.05 um", "--set", "slider.coupling=two-way"]
+    assert call("run", SLIDER, "-o", "one.h5", "-q", "--seed", "1", *short).code == 0
+    with h5py.File("one.h5") as file:
+        assert file["slider/time"].size == 1
+        assert file["summary"].attrs["stick_fraction"] == 0.0
+        assert not [name for name in file["summary"].attrs if name.endswith("_per_s")]
+    assert call("verify", "one.h5").code == 0
 
 
 def test_engines_give_equal_bits_and_the_contact_of_one_way(ran: Path) -> None:
@@ -181,13 +193,36 @@ def test_junctions_and_tables_are_told(ran: Path) -> None:
 
 
 def test_what_is_not_there_yet_is_refused(ran: Path) -> None:
-    refused = call("plot", ran, "slider", "-o", "x.png")
-    assert refused.code == 2
-    assert "rubnoise.open give /slider" in refused.err
-    assert call("plot", ran, "-o", "trace.png").code == 0
     lesson = call("teach", ran, "-o", "page.html")
     assert lesson.code == 2
     assert 'slider.coupling = "one-way"' in lesson.err
+
+
+def test_it_is_drawn_and_laid_over_the_one_way_run(ran: Path, here: Path) -> None:
+    for what in ("trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase", "landmarks"):
+        assert call("plot", ran, what).out == f"x_{what}.png\n"
+    assert call("run", SLIDER, "-o", "one.h5", "-q", *SHORT).code == 0
+    for words in (("slider",), ("phase",), ("psd", "--of", "velocity")):
+        alone, both = (call("plot", "one.h5", *words, "-o", f"{name}.png", "--force") for name in ("alone", "both"))
+        assert (alone.code, both.code) == (0, 0)
+        assert call("plot", "one.h5", *words, "--with", ran, "-o", "both.png", "--force").code == 0
+        assert (here / "alone.png").read_bytes() != (here / "both.png").read_bytes()
+
+
+def test_it_is_filmed_and_heard(ran: Path, here: Path) -> None:
+    film = call("animate", ran, "-o", "x.gif", "--seconds", "0.5", "--fps", "10")
+    assert film.code == 0
+    assert "5 frames" in film.out
+    assert call("listen", ran, "-o", "x.wav", "--speed-up", "10").code == 0
+    with h5py.File(ran) as file, wave.open(str(here / "x.wav")) as sound:
+        rows, tick = file["slider/velocity"].size, float(file["slider/time"][1])
+        assert sound.getnframes() == pytest.approx(rows * tick / 10.0 * sound.getframerate(), rel=1e-3, abs=2)
+        samples = np.frombuffer(sound.readframes(-1), "u1").reshape(-1, 3).astype(np.int64) @ [1, 256, 65536]
+        heard = np.where(samples < 1 << 23, samples, samples - (1 << 24)) / (1 << 23)
+        velocity = file["slider/velocity"][:]
+    at = np.arange(heard.size) / sound.getframerate() * 10.0 / tick
+    shown = np.interp(at, np.arange(rows), velocity)
+    assert np.corrcoef(heard, shown)[0, 1] > 0.98
 
 
 def test_in_memory_it_is_the_same(ran: Path) -> None:

@@ -46,7 +46,7 @@ def test_a_newer_version_is_refused_with_the_version_needed(path: Path) -> None:
 def test_a_version_that_never_was_is_refused(path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file.attrs.modify("format_version", 0)
-    with pytest.raises(RunFileRefused, match="has format version 0, which never was"):
+    with pytest.raises(RunFileRefused, match="has format version 0, which does not exist"):
         open_run(path)
 
 

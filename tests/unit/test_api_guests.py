@@ -265,7 +265,7 @@ def test_a_run_begun_without_an_intervention_takes_none(
     monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
     with pytest.raises(Sheared):
         rubnoise.run(scenario, tmp_path / "x.h5", observe=raising_after(1500))
-    with pytest.raises(Refused, match="begun without an intervention, and goes on without one"):
+    with pytest.raises(Refused, match="began without an intervention; resume it without one"):
         rubnoise.resume(tmp_path / "x.h5.part", intervene=largest_goes)
     rubnoise.resume(tmp_path / "x.h5.part").close()
 

@@ -319,7 +319,7 @@ def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, v
 def test_a_sweep_is_refused_where_one_run_is_wanted() -> None:
     report = refusal(WHOLE + "[sweep]\nreplicates = 4\n")
     assert report == shown(
-        "run.toml:30: error: sweep: a sweep is many runs, and one scenario is wanted here",
+        "run.toml:30: error: sweep: a sweep is many runs, but this command needs one scenario",
         "[sweep]",
         "sweep",
         "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run",

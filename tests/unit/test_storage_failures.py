@@ -84,7 +84,7 @@ def test_after_a_kill_the_part_is_readable_and_force_starts_over(tmp_path: Path)
     assert names(tmp_path) == [".run.h5.lock", "run.h5.part"]
     with open_run(tmp_path / "run.h5.part") as part:
         assert part.provenance["finished"] == ""
-    with pytest.raises(OutputRefused, match="goes on or was stopped"):
+    with pytest.raises(OutputRefused, match="running or stopped run"):
         attempt(tmp_path / "run.h5")
     attempt(tmp_path / "run.h5", force=True)
     assert names(tmp_path) == ["run.h5"]

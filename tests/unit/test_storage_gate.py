@@ -128,7 +128,7 @@ def test_what_the_disk_has_changed_is_not_published(
     part = tmp_path / "run.h5.part"
     with (
         damaging(part, what, monkeypatch),
-        pytest.raises(RubnoiseError, match=rf"run\.h5: writing failed: {said} is on the disk not what was written$"),
+        pytest.raises(RubnoiseError, match=rf"run\.h5: writing failed: {said} on disk differs from what was written$"),
     ):
         attempt(tmp_path / "run.h5")
     assert names(tmp_path) == []
@@ -151,7 +151,7 @@ def test_a_damaged_copy_in_chunks_is_not_published(tmp_path: Path, monkeypatch: 
 
         with monkeypatch.context() as patch:
             patch.setattr(disk, "sync", damage)
-            with pytest.raises(RubnoiseError, match="its compressed copy is on the disk not what was written"):
+            with pytest.raises(RubnoiseError, match="its compressed copy on disk differs from what was written"):
                 attempt(tmp_path / "run.h5", compression="gzip")
         assert names(tmp_path) == [], what
 

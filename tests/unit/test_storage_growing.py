@@ -176,7 +176,7 @@ def test_a_run_without_a_row_that_grows_is_whole(tmp_path: Path) -> None:
 
 def test_before_the_end_the_rows_lie_beside_the_part(tmp_path: Path) -> None:
     said = stopped_after(tmp_path / "x.h5", 3)
-    assert said == f"stopped by a signal; rubnoise resume {tmp_path}/x.h5.part goes on"
+    assert said == f"stopped by a signal; rubnoise resume {tmp_path}/x.h5.part continues it"
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
     assert (tmp_path / "x.h5.part.rows").stat().st_size % growing.STEP_BYTES == 0
     found = look(tmp_path / "x.h5.part")
@@ -294,7 +294,7 @@ def test_a_disk_that_fills_up_in_the_middle_leaves_something_to_go_on_with(
 ) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(disk, call, failing(call, after))
-        with pytest.raises(RubnoiseError, match=r"x\.h5: .*No space left on device; when that is mended, rubno"):
+        with pytest.raises(RubnoiseError, match=r"x\.h5: .*No space left on device; after you fix this, rubno"):
             make(tmp_path / "x.h5", described())
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
     gone_on(tmp_path, described())
@@ -309,7 +309,7 @@ def test_a_disk_that_fills_up_while_rows_are_copied_in_leaves_all_of_them(
     with RunWriter(path, described()) as file, monkeypatch.context() as patch:
         play(file, START, file.commit)
         patch.setattr(disk, call, failing(call, 0 if call == "allocate" else 3, suffix=".h5.part"))
-        with pytest.raises(RubnoiseError, match=r"No space left on device; when that is mended, rubno"):
+        with pytest.raises(RubnoiseError, match=r"No space left on device; after you fix this, rubno"):
             file.publish({})
         with pytest.raises(RunFileRefused, match="no space left on device"):
             settle(OutputPaths.of(path), lambda _: None, force=False)
@@ -330,7 +330,7 @@ def test_a_run_that_fails_before_its_first_commit_leaves_nothing(
 
 def test_force_starts_over_and_removes_the_rows_of_before(tmp_path: Path) -> None:
     stopped_after(tmp_path / "x.h5", 5)
-    with pytest.raises(OutputRefused, match="goes on or was stopped"):
+    with pytest.raises(OutputRefused, match="running or stopped run"):
         make(tmp_path / "x.h5", described())
     fixed = describe(2, 3)
     with RunWriter(tmp_path / "x.h5", fixed, force=True) as file:

@@ -99,7 +99,7 @@ def test_a_run_stopped_in_any_block_goes_on_by_either_engine(
 ) -> None:
     path = tmp_path / "x.h5"
     said = stop_after(path, scenario(**LONG, run={"engine": begun}), blocks)
-    assert said == f"stopped by a signal; rubnoise resume {path}.part goes on"
+    assert said == f"stopped by a signal; rubnoise resume {path}.part continues it"
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
     assert 0.02 * blocks < look(f"{path}.part").share < 1.0
     rubnoise.run(scenario(**LONG, run={"engine": gone_on}), path).close()
@@ -147,7 +147,7 @@ def test_a_run_is_stopped_while_it_is_compressed_and_goes_on(
             raise RunStopped(2)
 
     path = tmp_path / "x.h5"
-    with pytest.raises(RunStopped, match="goes on"):
+    with pytest.raises(RunStopped, match="continues it"):
         rubnoise.run(GZIP, path, watch=watch)
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
     rubnoise.run(GZIP, path).close()
@@ -294,7 +294,7 @@ def test_other_random_numbers_are_refused(tmp_path: Path, monkeypatch: pytest.Mo
     stop_after(tmp_path / "x.h5", WHOLE, 2)
     monkeypatch.setattr("rubnoise.api.resuming.STREAM_VERSION", 2)
     for go_on in (lambda: rubnoise.resume(tmp_path / "x.h5.part"), lambda: rubnoise.run(WHOLE, tmp_path / "x.h5")):
-        with pytest.raises(Refused, match=r"stream version 1, and here they are of 2; rubnoise \S+ goes on with it"):
+        with pytest.raises(Refused, match=r"stream version 1, and here they are of 2; rubnoise \S+ can resume it"):
             go_on()
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
 
@@ -361,7 +361,7 @@ def test_a_disk_that_fails_after_a_commit_leaves_something_to_go_on_with(
 ) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(disk, call, failing(call, after))
-        with pytest.raises(RubnoiseError, match=r"x\.h5: .*No space left on device; when that is mended, rubno"):
+        with pytest.raises(RubnoiseError, match=r"x\.h5: .*No space left on device; after you fix this, rubno"):
             rubnoise.run(BARE, tmp_path / "x.h5")
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
     rubnoise.run(BARE, tmp_path / "x.h5").close()

@@ -168,7 +168,7 @@ class Deserted(Here):
 
 
 def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...]) -> None:
-    with pytest.raises(WorkLost, match="the same command goes on from here"):
+    with pytest.raises(WorkLost, match="the same command resumes the sweep"):
         list(Course(points, errands.fail_some, Deserted()).outcomes())
 
 

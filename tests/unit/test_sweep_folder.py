@@ -122,7 +122,7 @@ def test_a_folder_of_other_things_is_refused_and_one_that_was_only_begun_is_not(
     (root / "journal").mkdir()
     SweepFolder(root).check()
     (root / "thesis.tex").touch()
-    with pytest.raises(OutputRefused, match="holds other things; a sweep needs a folder of its own"):
+    with pytest.raises(OutputRefused, match="is not a sweep folder, and not empty; name another folder"):
         SweepFolder(root).check()
     with pytest.raises(OutputRefused, match=r"thesis.tex: is no folder"):
         SweepFolder(root / "thesis.tex" / "deep").check()
@@ -132,7 +132,7 @@ def test_one_writer_or_several_shards(folder: SweepFolder) -> None:
     first, second = Shard.of("1/2"), Shard.of("2/2")
     with folder.writing(first), folder.writing(second):
         for other in (None, second):
-            with pytest.raises(OutputRefused, match="another process is at work on this sweep"):
+            with pytest.raises(OutputRefused, match="another process is running this sweep"):
                 folder.writing(other).__enter__()
     with folder.writing(None), pytest.raises(OutputRefused, match="another process"):
         folder.writing(first).__enter__()

@@ -122,7 +122,7 @@ def test_zipped_lists_are_of_one_length(tmp_path: Path) -> None:
     table = '[sweep.zip]\ninterface.mean_junction_count = [10, 20]\nsliding.distance = ["1 mm", "2 mm", "3 mm"]\n'
     lines = sweep_refusal(tmp_path, table).splitlines()
     assert lines[0].endswith("sweep.zip.sliding.distance: 3 values beside the 2 of interface.mean_junction_count")
-    assert lines[3] == "    values of [sweep.zip] go side by side: as many of each"
+    assert lines[3] == "    lists of [sweep.zip] go in parallel and need equal length"
 
 
 def test_a_key_is_swept_once(tmp_path: Path) -> None:

@@ -1,12 +1,15 @@
 """An observer is told of every birth, mid-life and death once, where and in the order in which they happen."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation import draws
+from rubnoise.simulation import draws, starts
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import extent, simulate
 from tests.models import bare, contents, model, recorded
@@ -89,3 +92,100 @@ def test_who_asks_for_deaths_alone_hears_of_nothing_else():
     run, deaths = RUNS["figure 5"], {}
     record = recorded(run, 3, observe=Observer(death=deaths.__setitem__))
     assert deaths == expected(run, record["junctions"])["death"]
+
+
+def two_way(run):
+    return replace(run, slider=replace(run.slider, coupling="two-way"))
+
+
+MOTION = ("stick", "slip", "reversal", "forward")
+TWO_WAY = {
+    "figure 5": two_way(model(distance=1500.0, tick=0.5)),
+    "few, with reversals": two_way(model(distance=12_000.0, count=2.0, tick=0.5)),
+    "without a contact at the start": two_way(model(distance=300.0, tick=0.5, start="empty")),
+}
+
+
+class Log:
+    """Writes down in one list whatever happens, a birth or death under its time in the rows."""
+
+    def __init__(self, *names):
+        self.entries = []
+        told = {name: self.noting(name) for name in names or (*MOTION, "birth", "mid_life", "death")}
+        self.observer = Observer(**told)
+
+    def noting(self, what):
+        return lambda *told: self.entries.append((what, *told))
+
+    def landmarks(self):
+        return [(MOTION.index(what), *told) for what, *told in self.entries if what in MOTION]
+
+
+def rows_of(landmarks):
+    return list(zip(*(landmarks[name].tolist() for name in ("kind", "time", "distance", "velocity")), strict=True))
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+@pytest.mark.parametrize("name", TWO_WAY)
+def test_landmarks_are_told_as_they_are_written(name, engine):
+    run, log = TWO_WAY[name], Log(*MOTION)
+    record = recorded(run, 3, engine=engine, observe=log.observer)
+    assert log.landmarks() == rows_of(record["landmarks"])
+    assert len(log.entries) > 5
+    assert contents(record) == contents(recorded(run, 3, engine="batch"))
+
+
+@pytest.mark.parametrize("name", TWO_WAY)
+def test_lives_and_landmarks_come_in_order_of_time(name):
+    run, log = TWO_WAY[name], Log()
+    record = recorded(run, 3, observe=log.observer)
+    rows = record["junctions"]
+    for what, places in expected(run, rows).items():
+        called = {"middle": "mid_life"}.get(what, what)
+        assert {told[0]: told[1] for name, *told in log.entries if name == called} == places
+    assert log.landmarks() == rows_of(record["landmarks"])
+    times = {"birth": rows["birth_time"], "death": rows["death_time"]}
+    clock = [told[0] if what in MOTION else times[what][told[0]] for what, *told in log.entries if what != "mid_life"]
+    assert np.diff(clock).min() >= -1e-9
+    # Were the contact told before the slider goes through it, landmarks would come late.
+    assert len({what in MOTION for what, *_ in log.entries[: len(log.entries) // 4]}) == 2
+
+
+def test_a_two_way_run_that_goes_on_tells_the_rest(monkeypatch):
+    for each in (draws, starts):
+        monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
+    run, whole, states = TWO_WAY["few, with reversals"], Log(), []
+    simulate(run, 3, MemoryRecord(extent(run, 3)), observe=whole.observer, commit=states.append, alone=True)
+    assert len(states) > 5
+    for state in states[:-1]:
+        rest = Log()
+        simulate(run, 3, MemoryRecord(extent(run, 3)), observe=rest.observer, state=state)
+        assert 100 < len(rest.entries) < len(whole.entries)
+        assert rest.entries == whole.entries[-len(rest.entries) :]
+        births = [told[0] for what, *told in whole.entries[: -len(rest.entries)] if what == "birth"]
+        # All that the slider had not passed is told, also what lay before the next block.
+        assert births[-1] < rest_births(rest)[0] == births[-1] + 1
+
+
+def rest_births(log):
+    return [told[0] for what, *told in log.entries if what == "birth"]
+
+
+def test_landmarks_of_a_slider_that_does_not_push_back_are_refused():
+    for name in MOTION:
+        with pytest.raises(
+            Refused, match=f'observe: {name}: only a slider .* slider.coupling = "two-way" makes it one'
+        ):
+            recorded(model(distance=20.0), observe=Log(name).observer)
+    with pytest.raises(Refused, match='births, mid-lives and deaths are events: it needs the engine "events"'):
+        recorded(TWO_WAY["figure 5"], engine="batch", observe=Log("stick", "birth").observer)
+    with pytest.raises(Refused, match="Observer: slip: 3 is no function of a time, a distance and a velocity"):
+        Observer(slip=3)
+
+
+def test_an_observer_that_fails_is_not_taken_for_the_motion():
+    def fails(*_told):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        recorded(TWO_WAY["figure 5"], observe=Observer(slip=fails))

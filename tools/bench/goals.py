@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bench import kernel, motion, startup
+from bench import kernel, motion, startup, two_way
 from bench.clock import Timing
 from bench.entrants import CIW, NAIVE_SIMPY, OURS, SUPERPOSED, SUPERPOSED_AREA
 from bench.results import Results
@@ -47,6 +47,7 @@ def goals(found: Results) -> Iterator[Goal]:
         1e5,
     )
     yield Goal("slider: CPU of lsim over ours", _ratio(found.motion.timings, "lsim", motion.OURS), 5.0)
+    yield from _two_way(found)
     yield from _waits(found)
 
 
@@ -67,6 +68,15 @@ def _batch(found: Results) -> Iterator[Goal]:
     births = _ratio(found.births | found.runs, CIW, name)
     yield Goal("Ciw's births and deaths over a whole run of `batch`", births, 15.0)
     yield Goal("area alone: superposed-pulses over `batch`", _ratio(found.areas, SUPERPOSED_AREA, name), 35.0)
+
+
+def _two_way(found: Results) -> Iterator[Goal]:
+    for mean_count, bound in two_way.GOALS.items():
+        timings = found.two_way[mean_count].timings
+        what = f"two-way slider, N_jm = {mean_count:g}: {two_way.SOLVER} over `batch`"
+        yield Goal(what, _ratio(timings, two_way.SOLVER, two_way.OURS), bound)
+    each = 1e6 * found.two_way[two_way.FIGURE_5_COUNT].timings[two_way.OURS].each
+    yield Goal("two-way slider, Figure 5: CPU of a junction, whole run of `batch`", each, 3.0, " us", least=False)
 
 
 def _waits(found: Results) -> Iterator[Goal]:

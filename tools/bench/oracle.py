@@ -5,6 +5,7 @@ from pathlib import Path
 from types import ModuleType
 
 from bench.case import DAMPING, MASS, SPEED, STIFFNESS, STRENGTH, Case, Doubles
+from bench.peers.coupled_sliders import Stretch
 
 if "tests" not in sys.modules:
     # A peer's package brings a folder of this name into the environment, which would hide the project's.
@@ -13,7 +14,7 @@ if "tests" not in sys.modules:
 
 import numpy as np
 
-from tests.oracle import theta_slider
+from tests.oracle import coupled_slider, theta_slider
 from tests.oracle.oscillator import Oscillator
 from tests.oracle.slow_contact import Rows, traces
 
@@ -33,3 +34,17 @@ def displacement(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
     """Return the slider's displacement (um) at the ticks, by exact convolution."""
     slider = Oscillator(mass=MASS, stiffness=STIFFNESS, damping=DAMPING)
     return theta_slider.motion(slider, SPEED, case.ticks, rows(birth, diameter), (0.0, 0.0)).displacement
+
+
+def coupled_displacement(stretch: Stretch, tolerance: float) -> Doubles:
+    """Return the displacement (um) of a slider that pushes back, by an adaptive method with events."""
+    slider = Oscillator(mass=stretch.mass, stiffness=stretch.stiffness, damping=stretch.damping)
+    junctions = Rows(
+        birth=stretch.birth,
+        diameter=stretch.diameter,
+        strength=stretch.strength,
+        death=stretch.birth + 2.0 * stretch.diameter,
+    )
+    end = float(stretch.times[-1]) + 1e-9
+    moved = coupled_slider.motion(slider, stretch.speed, junctions, stretch.displacement, end, tolerance=tolerance)
+    return moved.at(stretch.times)[0]

@@ -3,13 +3,14 @@
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import date
 
-from bench import kernel, motion
+from bench import kernel, motion, two_way
 from bench.checks import OUR_MOTION_BOUND, SMALL, Verdict, Wrong
 from bench.clock import Timing
 from bench.entrants import OURS
 from bench.goals import Goal, goals, grouped
 from bench.results import Results
 from bench.speed import Growth
+from bench.two_way import CoupledTimings
 
 HEAD = """# Performance
 
@@ -45,6 +46,9 @@ FAIR = """## What is compared, and how
 """
 
 
+_TWO_WAY_HEAD = ("us a junction", "+-", "times ours", "s a second", "junctions", "error", "tolerance, step in s")
+
+
 def page(found: Results, today: date) -> str:
     """Return the whole page; raises Wrong, and makes none, if anything was computed wrong or never checked."""
     if faults := list(found.faults()):
@@ -61,6 +65,7 @@ def _lines(found: Results, today: date) -> Iterator[str]:
     yield from ("## Parts of it", "", *_parts(found), "")
     yield from ("## The pulse kernel", "", *_kernel(found), "")
     yield from ("## The slider", "", *_motion(found), "")
+    yield from ("## The slider that pushes back", "", *_two_way(found), "")
     yield from ("## Growth", "", *_growth(found), "")
     yield from ("## Memory", "", *_memory(found), "")
     yield from ("## Starting", "", *_starting(found), "")
@@ -187,6 +192,33 @@ def _motion(found: Results) -> Iterator[str]:
         for name, timing in sorted(found.motion.timings.items(), key=lambda item: item[1].each)
     )
     yield from table(("method", "ns a tick", "times ours", "error"), rows)
+
+
+def _two_way(found: Results) -> Iterator[str]:
+    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). Ours is a whole run, all of"
+    yield "it in a file; peers are handed the junctions and keep displacements in memory, on shorter stretches of the same"
+    yield "motion, since it is chaotic, and a second of theirs is counted from its junctions. All are right to"
+    yield f"{two_way.BOUND:.0e} of the largest displacement, beside the slow reference at a tolerance of"
+    yield f"{two_way.REFERENCE_TOLERANCE:.0e}: ours by its default, a peer at the loosest tolerance of solve_ivp's (DOP853, begun"
+    yield "anew at each birth, mid-life and death), or the longest step of a few, that is."
+    for mean_count, coupled in found.two_way.items():
+        yield ""
+        yield from table((f"N_jm = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
+
+
+def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
+    ours = coupled.timings[two_way.OURS].each
+    for name, timing in sorted(coupled.timings.items(), key=lambda item: item[1].each):
+        yield (
+            name,
+            f"{1e6 * timing.each:.3g}",
+            f"{100.0 * timing.spread:.0f} %",
+            f"{timing.each / ours:.3g}",
+            f"{coupled.seconds(name):.2g}",
+            grouped(timing.units),
+            _error(coupled.errors.get(name)),
+            f"{coupled.ways[name]:.1g}" if name in coupled.ways else "default",
+        )
 
 
 def _growth(found: Results) -> Iterator[str]:

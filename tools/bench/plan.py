@@ -12,8 +12,8 @@ from bench.entrants import NAIVE_NUMPY, NAIVE_SIMPY, SUPERPOSED, Entrant
 class Plan:
     """Repeats of everything, and the points at which growth and memory are looked at.
 
-    ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths`` and
-    ``memory`` numbers of junctions. Whole runs need ticks that are fine enough for everybody's slider.
+    ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths``,
+    ``memory`` and ``two_way`` (of our run with a slider that pushes back) numbers of junctions. Whole runs need ticks that are fine enough for everybody's slider.
     """
 
     quick: bool
@@ -24,6 +24,8 @@ class Plan:
     kernel_ticks: tuple[float, ...]
     lengths: tuple[int, ...]
     memory: tuple[int, ...]
+    two_way: int
+    two_way_repeats: int
     longest: Mapping[str, int]
 
     def junctions(self, entrant: Entrant) -> int:
@@ -50,6 +52,8 @@ FULL = Plan(
     kernel_ticks=(3.0, 10.0, 30.0, 220.0, 2200.0),
     lengths=(10_000, 100_000, 1_000_000),
     memory=(100, 100_000, 1_000_000, 10_000_000),
+    two_way=100_000,
+    two_way_repeats=7,
     longest={NAIVE_SIMPY: 10_000, NAIVE_NUMPY: 100_000, SUPERPOSED: 100_000},
 )
 QUICK = Plan(
@@ -61,5 +65,7 @@ QUICK = Plan(
     kernel_ticks=(3.0, 30.0, 220.0),
     lengths=(1_000, 10_000, 100_000),
     memory=(100_000,),
+    two_way=20_000,
+    two_way_repeats=1,
     longest={NAIVE_SIMPY: 1_000, NAIVE_NUMPY: 1_000, SUPERPOSED: 1_000},
 )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench import checks, kernel, machine, memory, motion, ours, speed, startup
+from bench import checks, kernel, machine, memory, motion, ours, speed, startup, two_way
 from bench.checks import Verdict, Wrong
 from bench.entrants import areas, births, runs
 from bench.kernel import KernelTimings
@@ -13,6 +13,7 @@ from bench.peers import c_kernel
 from bench.plan import Plan
 from bench.speed import Growth, Timings
 from bench.startup import Wait
+from bench.two_way import CoupledTimings
 
 Tell = Callable[[str], None]
 
@@ -31,6 +32,7 @@ class Results:
     kernel: KernelTimings
     kernel_over_ticks: dict[float, KernelTimings]
     motion: MotionTimings
+    two_way: dict[float, CoupledTimings]
     growth: dict[str, Growth]
     memory: dict[str, dict[int, float]]
     startup: dict[str, Wait]
@@ -45,6 +47,8 @@ class Results:
         for pulses in (self.kernel, *self.kernel_over_ticks.values()):
             yield from pulses.faults()
         yield from self.motion.faults()
+        for coupled in self.two_way.values():
+            yield from coupled.faults()
 
 
 def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
@@ -66,6 +70,8 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     tell("the pulse kernel and the slider")
     pulses, motions = kernel.measured(plan.repeats), motion.measured(fastest, plan.repeats)
     over_ticks = kernel.measured_over_ticks(plan.repeats, plan.kernel_ticks)
+    tell("the slider that pushes back")
+    coupled = two_way.measured(plan.two_way, plan.two_way_repeats, folder)
     tell("growth")
     growth = speed.growths(runs(engines), plan, path)
     path.unlink()
@@ -81,6 +87,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
         kernel=pulses,
         kernel_over_ticks=over_ticks,
         motion=motions,
+        two_way=coupled,
         growth=growth,
         memory=memory.measured(runs(engines), plan.memory, folder),
         startup=startup.measured(fastest, folder, repeats=plan.repeats),

@@ -14,6 +14,7 @@ from rubnoise.analysis.comparing.rows import panels
 from rubnoise.analysis.comparing.sizes import Marks, mark_findings
 from rubnoise.analysis.comparing.start import Start, start_findings
 from rubnoise.analysis.comparing.trace import TraceSums, read_trace
+from rubnoise.analysis.comparing.two_way import Path, mean_force_findings, two_way_identities
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
@@ -35,8 +36,9 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
         length = trace.ticks * model.tick
         raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
     births, start, marks, lives, cubes = Births(model), Start(), Marks(model), Lives(model, trace), Cubes()
+    path = Path(model, rows) if model.is_two_way else None
     for columns in panels(rows, "junctions", COLUMNS):
-        for gathered in (births, start, marks, lives, cubes):
+        for gathered in (births, start, marks, lives, cubes, *([] if path is None else [path])):
             gathered.add(columns)
     parts = (
         _part("births", birth=lambda: birth_findings(model, births), start=lambda: start_findings(model, start)),
@@ -47,15 +49,24 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
             life=lambda: life_findings(model, lives, trace),
         ),
         _trace_part(model, trace),
+        _balance_part(model, path),
         _slider_part(model, rows),
     )
     return comparison(parts, bound)
 
 
+def _balance_part(model: Model, path: Path | None) -> Findings:
+    if path is None:
+        return Findings(heading="balance", found=())
+    return _part(
+        "balance",
+        balance=lambda: two_way_identities(model, path),
+        mean_force=lambda: mean_force_findings(model, path),
+    )
+
+
 def _slider_part(model: Model, rows: Rows) -> Findings:
     part = _part("slider", displacement=lambda: motion_findings(model, rows))
-    if model.is_two_way:
-        return part
     return replace(part, begins=first_tick(model, response(model)) * model.tick) if part.figures else part
 
 

@@ -13,7 +13,7 @@ def stored_scenario(file: Reader) -> Scenario:
     try:
         return build(json.loads(str(file.provenance["scenario_resolved"])))
     except (ValueError, RecursionError, AttributeError, TypeError, Refused) as problem:
-        raise RunFileRefused("the scenario in the file is none that can be run, so theory is silent") from problem
+        raise RunFileRefused("the scenario in the file is not valid, so there are no exact values") from problem
 
 
 def stored_model(file: Reader) -> Model:

@@ -11,6 +11,7 @@ from rubnoise.analysis.moments import LARGEST_ERRORS
 from rubnoise.analysis.records import longer
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import Moments, Tally
 from rubnoise.theory.campbell import Cumulants
 from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
@@ -25,9 +26,6 @@ from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.random_births import are_at_random
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
-
-STICK, REVERSAL = 0, 2
-"""Two kinds of /landmarks."""
 
 Errors = tuple[float | None, ...]
 
@@ -181,7 +179,7 @@ def _two_way_motion(model: Model, tally: Tally, theory: Theory) -> list[Agreemen
     """
     if not tally.last:
         return []
-    seen, kinds = Balance.of(model, tally.last), tally.counts.get("kind", [0] * 4)
+    seen, kinds = Balance.of(model, tally.last), tally.counts.get("kind", [0] * len(LandmarkKind))
     known = theory.two_way
     spreads = zip(
         ("displacement_mean", "displacement_std", "velocity_std"),
@@ -193,8 +191,8 @@ def _two_way_motion(model: Model, tally: Tally, theory: Theory) -> list[Agreemen
     exact = {"mean_force_excess": seen.expected_excess(), "energy_residual": 0.0}
     figures = {
         "stick_fraction": seen.time_stuck / seen.time,
-        "sticks_per_s": kinds[STICK] / seen.time,
-        "reversals_per_s": kinds[REVERSAL] / seen.time,
+        "sticks_per_s": kinds[LandmarkKind.STICK] / seen.time,
+        "reversals_per_s": kinds[LandmarkKind.REVERSAL] / seen.time,
         "slips_longer_than_d_per_s": tally.slips.count / seen.time,
         "mean_force_excess": seen.excess_over(seen.friction_along),
         "energy_residual": seen.energy_residual,

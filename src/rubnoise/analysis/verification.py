@@ -5,6 +5,7 @@ from typing import Final, Protocol
 
 from rubnoise.analysis.stored_model import stored_scenario
 from rubnoise.analysis.verifying.attributes import attribute_checks
+from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.analysis.verifying.blocks import block_check
 from rubnoise.analysis.verifying.contact import contact_checks
 from rubnoise.analysis.verifying.derived import curve_check, summary_check
@@ -81,7 +82,7 @@ def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[C
     checks = contact_checks(model, run)
     if model.is_two_way:
         left_out += [LeftOut(name=name, reason=reason) for name, reason in _TWO_WAY.items()]
-        checks += two_way_checks(model, run)
+        checks += [*two_way_checks(model, run), balance_check(model, run)]
     elif model.slider is not None:
         checks += slider_checks(model, run, cells_per_tick(run))
     if all(check.holds for check in checks):
@@ -100,11 +101,11 @@ def _made_again(
     from rubnoise.analysis.verifying.regenerating import regeneration_check
 
     if model.is_two_way:
-        left_out.append(LeftOut(name="regenerated", reason="a two-way slider is not in /blocks, to go on from there"))
+        left_out.append(LeftOut(name="regenerated", reason="/blocks does not store a two-way slider"))
         return []
     wrong = [check.name for check in needed if not check.holds]
     if wrong:
-        left_out.append(LeftOut(name="regenerated", reason=f"what it goes on from differs: {', '.join(wrong)}"))
+        left_out.append(LeftOut(name="regenerated", reason=f"its starting values differ: {', '.join(wrong)}"))
         return []
     check, partly = regeneration_check(model, run, int(run.provenance["seed"]), count)
     left_out += partly

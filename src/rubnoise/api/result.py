@@ -69,7 +69,7 @@ class Run(Contents):
         try:
             return build(json.loads(text))
         except (ValueError, RecursionError, AttributeError, TypeError, ScenarioRefused) as problem:
-            raise RunFileRefused(f"{self.path}: the scenario in the file is none that can be run") from problem
+            raise RunFileRefused(f"{self.path}: the scenario in the file is not valid") from problem
 
     @cached_property
     def summary(self) -> list[Agreement]:

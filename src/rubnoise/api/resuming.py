@@ -89,8 +89,8 @@ def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescript
     if different:
         more = ["..."] if len(different) > MOST_DIFFERENCES else []
         raise OutputRefused(
-            f"{part}: of another run: {'; '.join(different[:MOST_DIFFERENCES] + more)}"
-            f" (--force starts over; {resume_hint(part)} with the one that is there)"
+            f"{part}: belongs to another run: {'; '.join(different[:MOST_DIFFERENCES] + more)}"
+            f" (--force starts over; {resume_hint(part)})"
         )
     return description
 
@@ -142,10 +142,10 @@ def _check_intervention(description: RunDescription, part: str, intervene: Inter
     if begun and intervene is None:
         raise Refused(
             f"{part}: an intervention, {begun}, takes part in this run; in Python"
-            " rubnoise.resume(..., intervene=...) goes on with it, rubnoise run --force starts over without it"
+            " rubnoise.resume(..., intervene=...) resumes it, rubnoise run --force starts over without it"
         )
     if intervene is not None and not begun:
-        raise Refused(f"{part}: this run was begun without an intervention, and goes on without one")
+        raise Refused(f"{part}: this run began without an intervention; resume it without one")
 
 
 def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
@@ -158,7 +158,7 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
     scenario = _stored(description, part)
     for reason in _obstacles(scenario, description):
         made_by = description.provenance.software.get("rubnoise", "of another version")
-        raise Refused(f"{part}: {reason}; rubnoise {made_by} goes on with it, rubnoise run --force starts over")
+        raise Refused(f"{part}: {reason}; rubnoise {made_by} can resume it, rubnoise run --force starts over")
     if engine is None:
         return scenario
     return replace(scenario, run=scenario.run.model_copy(update={"engine": engine}))
@@ -169,7 +169,7 @@ def _stored(description: RunDescription, part: str) -> Scenario:
     try:
         return build(description.scenario_resolved)
     except (ScenarioRefused, AttributeError, TypeError, ValueError) as problem:
-        raise RunFileRefused(f"{part}: the scenario in the file is none that can be run") from problem
+        raise RunFileRefused(f"{part}: the scenario in the file is not valid") from problem
 
 
 def _obstacles(scenario: Scenario, description: RunDescription) -> Iterator[str]:

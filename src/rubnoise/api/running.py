@@ -38,7 +38,7 @@ def simulate(
 ) -> Record:
     """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``.
 
-    ``seed`` replaces that of the scenario; ``observe`` is called at births, mid-lives and deaths as they happen, and
+    ``seed`` replaces that of the scenario; ``observe`` is called at births, deaths, sticks ... as they happen, and
     changes nothing; ``intervene(env, live)`` is a SimPy process beside those of the junctions, begun at the start:
     ``env.now`` is the distance in um, ``live`` the LiveJunctions, of which it may end some. What either raises ends the
     run. Raises ScenarioRefused for a seed that is none, Refused where the memory of this machine does not hold the

@@ -68,14 +68,14 @@ def index_checks(folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOu
             run_ids = frozenset(map(str, index.read(RUNS, "run_id")))
             hashes = _hash_check(index)
             if sweep is None:
-                left_out.append(LeftOut(name="index", reason="sweep.json differs, from which it would be made anew"))
+                left_out.append(LeftOut(name="index", reason="sweep.json differs, and the index is made from it"))
                 return IndexFound(checks=(hashes,), run_ids=run_ids)
             return IndexFound(checks=(hashes, _index_check(folder, sweep, index, left_out)), run_ids=run_ids)
     except Unseen:
         raise  # nothing can be told of it, which is not its fault
     except (RunFileRefused, KeyError) as refusal:
         missing = "missing" if not folder.index.exists() else str(refusal).removeprefix(f"{folder.index}: ")
-        first = Difference(place=INDEX, row=None, found=missing, expected="the index, which the same sweep writes anew")
+        first = Difference(place=INDEX, row=None, found=missing, expected="the index; the same sweep writes it again")
         return IndexFound(checks=(Check(name="index", values=1, different=1, first=first),))
 
 

@@ -72,7 +72,7 @@ def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification
     if not folder.is_dir() or not (place.manifest.exists() or place.index.exists()):
         raise RunFileRefused(f"{folder}: is not a sweep folder: it has neither {MANIFEST} nor index.h5")
     if place.is_at_work():
-        raise RunFileRefused(f"{folder}: another process is at work on this sweep")
+        raise RunFileRefused(f"{folder}: another process is running this sweep")
     manifest, sweep = _manifest_check(place)
     if regenerate and sweep is not None and sweep.keep == "summary":
         raise Refused(f"{folder}: the sweep keeps no runs of which blocks could be made again")
@@ -191,9 +191,9 @@ def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
         runs = f"{count:,} runs: " if count > 1 else "a run: "
         yield LeftOut(name=name, reason=runs + reason)
     if folder.merged.exists():
-        yield LeftOut(name="merged.h5", reason="it is a copy of index and runs, which `sweep --merge` writes anew")
+        yield LeftOut(name="merged.h5", reason="it is a copy of index and runs; `sweep --merge` writes it again")
     for path in sorted((folder.root / "runs").glob("*.h5.part")):
-        yield LeftOut(name=f"runs/{path.name}", reason="unfinished; the same sweep goes on with it")
+        yield LeftOut(name=f"runs/{path.name}", reason="unfinished; the same sweep resumes it")
     for path in sorted(folder.root.iterdir()):
         if path.name not in OWN and not path.name.startswith(".") and not path.name.endswith(UNFINISHED):
             yield LeftOut(name=path.name, reason="it is no file of the sweep")

@@ -33,13 +33,14 @@ def claims(tell: Tell) -> Sequence[Claim]:
         Claim(
             name="area_spread",
             where="Section 3, Fig. 7",
-            says="The standard deviation of the real contact area falls with the number of junctions, and not in a "
-            "straight line: from 10 to 50 junctions by 22 um^2 at a mean of 100 um^2, by 110 um^2 at 500 um^2.",
+            says="The standard deviation of the real contact area falls with the number of junctions, but not in a "
+            "straight line. From 10 to 50 junctions it falls by 22 um^2 at a mean of 100 um^2, and by 110 um^2 at "
+            "500 um^2.",
             quantities=everything,
             verdict=settled(quantities=everything, verdict=verdict),
-            because="The exact drops round to the printed ones, and the law behind them is 1/sqrt(N_jm), which falls "
-            "fast at first: for equal sizes the spread is 1.2298/sqrt(N_jm) of the mean. Equal sizes would give "
-            f"{plain[0]:.2f} and {plain[1]:.2f} um^2, which the printed drops cannot tell from these.",
+            because="The exact drops round to the printed ones. They follow 1/sqrt(N_jm), which falls fast at first. "
+            "For equal sizes the spread is 1.2298/sqrt(N_jm) of the mean. Equal sizes would give "
+            f"{plain[0]:.2f} and {plain[1]:.2f} um^2; the printed digits cannot distinguish these.",
             scenario=SCENARIO,
         )
     ]

@@ -55,7 +55,7 @@ def _life_mean(paper: Found) -> Claim:
         says="The mean area of a junction during its life is about 0.327 d^2.",
         quantities=(quantity,),
         verdict=settled(quantities=(quantity,), verdict=nearness(quantity, step=0.001)),
-        because="The integral of the lens over a life is (2/3) d^3, so its mean over 2d is d^2/3; the printed number "
+        because="The integral of the lens over a life is (2/3) d^3, so its mean over 2d is d^2/3. The printed number "
         f"is {100.0 * (1.0 - 0.327 / quantity.exact):.1f} % low.",
         scenario=SCENARIO,
     )
@@ -72,11 +72,11 @@ def _mean_area(paper: Found) -> Claim:
     return Claim(
         name="mean_area",
         where="Eqs. (10) to (12)",
-        says="The diameter of Eq. (12) gives the mean real contact area that was put in, 200 um^2.",
+        says="The diameter of Eq. (12) gives the specified mean real contact area, 200 um^2.",
         quantities=(quantity,),
         verdict=settled(quantities=(quantity,), verdict=nearness(quantity, step=1.0)),
         because="0.327 makes the junctions too large, and the spread of sizes adds to the mean of d^3. The calibration "
-        "`matched` gives the area that was asked for.",
+        "`matched` gives the specified area.",
         scenario=SCENARIO,
     )
 
@@ -97,12 +97,12 @@ def _live_count(paper: Found) -> Claim:
     return Claim(
         name="live_count",
         where="Eq. (9), second Eq. (12)",
-        says="Exponential intervals of mean L_jm/N_jm keep N_jm junctions in contact on average, their number being "
+        says="Exponential intervals of mean L_jm/N_jm keep N_jm junctions in contact on average. Their number is "
         "Poisson distributed.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.CORRECTED),
-        because="Births at random with lives of any length make the number alive Poisson (M/G/infinity queue): its "
-        "variance is its mean.",
+        because="Births at random, with lives of any length, give a Poisson number of live junctions (M/G/infinity "
+        "queue). Its variance equals its mean.",
         scenario=SCENARIO,
     )
 
@@ -135,7 +135,7 @@ def _few_or_many(found: Evidence) -> Claim:
     return Claim(
         name="few_or_many",
         where="Sections 4 and 5",
-        says="A contact of many small junctions vibrates less than one of few large ones of equal real contact area.",
+        says="At equal real contact area, many small junctions vibrate less than few large ones.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
         because="The spread of the force falls as 1/sqrt(N_jm), from 10 to 50 junctions to 1/sqrt(5) = 0.447 for equal "

@@ -32,11 +32,12 @@ def claims(tell: Tell) -> Sequence[Claim]:
         Claim(
             name="rabinowicz",
             where="Section 2",
-            says="In Rabinowicz's model, of identical junctions born at regular spacing, the contact area is constant.",
+            says="In Rabinowicz's model, identical junctions are born at regular spacing. Their contact area is "
+            "constant.",
             quantities=quantities,
             verdict=settled(quantities=quantities, verdict=verdict),
-            because="So it is for triangles and an even number of junctions. An odd number leaves a ripple of "
-            "1/(sqrt(3) N_jm^2) of the mean, and the lens, which is no triangle, leaves one too.",
+            because="This is true for triangles and an even number of junctions. An odd number leaves a ripple of "
+            "1/(sqrt(3) N_jm^2) of the mean. The lens, which is not a triangle, also leaves a ripple.",
             scenario=SCENARIO,
         )
     ]

@@ -91,7 +91,7 @@ def _decay(paper: Found) -> Claim:
         )
         for name, key in (
             ("S at k L_jm = 4.5, over S at low wavenumbers", "half"),
-            ("S at one cycle a life, over the same", "corner"),
+            ("S at one cycle per life, over the same", "corner"),
         )
     )
     holds = corner.exact < 0.5 and corner.simulated.interval[1] < 0.5
@@ -102,9 +102,9 @@ def _decay(paper: Found) -> Claim:
         says="The power spectral density is high at low spatial frequencies and decays very quickly with frequency.",
         quantities=(half, corner),
         verdict=settled(quantities=(half, corner), verdict=Verdict.HOLDS if holds else Verdict.FAILS),
-        because=f"It is flat while a wave is longer than a life, {_over_zero(paper.model, 1.0):.2f} of S(0) at "
-        f"k L_jm = 1, falls to half where k L_jm = {corner_at:.2f}, which is {corner_at / (2.0 * np.pi):.2f} cycles a "
-        "life, and then as k^-4 on average.",
+        because=f"It is flat for waves longer than a life: {_over_zero(paper.model, 1.0):.2f} of S(0) at k L_jm = 1. "
+        f"It is a half at k L_jm = {corner_at:.2f}, which is {corner_at / (2.0 * np.pi):.2f} cycles per life. Then it "
+        "falls as k^-4 on average.",
         scenario=SCENARIO,
     )
 
@@ -124,10 +124,10 @@ def _floor(paper: Found) -> Claim:
         says="After its decay the spectral density stays constant, like the white noise that Kilburn observed.",
         quantities=(quantity,),
         verdict=settled(quantities=(quantity,), verdict=Verdict.HOLDS if flat else Verdict.FAILS),
-        because="The model has no floor: its tail is 4 lam E[d^2]/k^4. What looks like one is leakage and aliasing of "
-        "an estimate, or a linear axis; white noise the model is at low wavenumbers. The exponent belongs to passes "
-        "through both centres, as the paper has them: the kink at mid-life makes it. Where centres pass each other at "
-        "distances spread evenly from 0 to d, the tail is k^-5, which is no floor either.",
+        because="The model has no floor: its tail is 4 lam E[d^2]/k^4. Leakage and aliasing of an estimate, or a "
+        "linear axis, look like a floor. The model is white noise at low wavenumbers only. The exponent -4 comes "
+        "from the kink at mid-life, because each pass goes through both centres, as in the paper. For centres that "
+        "pass at distances spread evenly from 0 to d, the tail is k^-5, which is not a floor either.",
         scenario=TAIL,
     )
 
@@ -160,14 +160,14 @@ def _same(found: Evidence) -> Claim:
     return Claim(
         name="psd_same",
         where="Section 3, Fig. 9",
-        says="The number of junctions, with the size that goes with it at one mean area, has a negligible effect on "
-        "the spectral density.",
+        says="At one mean area, the number of junctions (and so their size) has a negligible effect on the spectral "
+        "density.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
-        because=f"S(0) goes with N_jm^-1.5: {density_at_zero(few.model):.0f} and {density_at_zero(many.model):.0f} "
-        "um^4 per rad/um; and the corner goes with the diameter. Only divided by variance and life, and over k L_jm, "
-        f"do the curves fall on one another: within {100.0 * _apart(few.model, many.model):.1f} % up to k L_jm = 10, "
-        "and exactly for equal sizes.",
+        because=f"S(0) is proportional to N_jm^-1.5: {density_at_zero(few.model):.0f} and "
+        f"{density_at_zero(many.model):.0f} um^4 per rad/um. The corner moves with the diameter. The curves agree "
+        "only if you divide them by variance and life and plot them over k L_jm: within "
+        f"{100.0 * _apart(few.model, many.model):.1f} % up to k L_jm = 10, and exactly for equal sizes.",
         scenario=SCENARIO,
     )
 

@@ -41,10 +41,10 @@ def _present_mean(found: Evidence) -> Claim:
         says="The mean area of the junctions present at a moment is the mean area of a junction during its life.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=nearness(paper, step=1e-9)),
-        because="It is for junctions of one size. Of unequal ones the larger live longer and are met more often, which "
-        "makes the mean over those present E[d^3]/(E[d] E[d^2]) times the mean over lives, "
-        f"{100.0 * (paper.exact - 1.0):.2f} % more with the spread of the paper. Eq. (10) needs the mean over those "
-        "present.",
+        because="This is true for junctions of one size. Larger junctions live longer, so you meet them more often. "
+        "The mean over the junctions present is E[d^3]/(E[d] E[d^2]) times the mean over lives, "
+        f"{100.0 * (paper.exact - 1.0):.2f} % more with the spread of the paper. Eq. (10) needs the mean over the "
+        "junctions present.",
         scenario=SCENARIO,
     )
 
@@ -52,7 +52,7 @@ def _present_mean(found: Evidence) -> Claim:
 def _present(point: Found, spread: str) -> Quantity:
     moment = point.model.sizes.moment
     return Quantity(
-        name=f"mean over those present, over that of lives, spread {spread}",
+        name=f"mean over junctions present, over that of lives, spread {spread}",
         unit="",
         printed=1.0,
         simulated=point.numbers["present"],
@@ -80,10 +80,9 @@ def _sizes(found: Evidence) -> Claim:
         says="The relative size of the junctions has a negligible effect on the spectral density.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
-        because="S(0) goes with E[d^6], to which the largest junctions give the most. The spread of the paper is too "
-        f"small to show it, but one of {_WIDE} multiplies S(0) by {rise[0]:.2f}, and one of {_WIDEST} by "
-        f"{rise[1]:.2f}. There the mean area grows too, to {area:.2f} times; over the square of it "
-        f"{rise[1] / area**2:.2f} times are left. The size that goes with the number of junctions is judged in "
-        "psd_same.",
+        because="S(0) is proportional to E[d^6], mostly from the largest junctions. The spread of the paper is too "
+        f"small to show it, but {_WIDE} multiplies S(0) by {rise[0]:.2f}, and {_WIDEST} by {rise[1]:.2f}. At "
+        f"{_WIDEST} the mean area also grows, by a factor of {area:.2f}; over its square, S(0) still grows by "
+        f"{rise[1] / area**2:.2f}. The claim psd_same covers the size that changes with the number of junctions.",
         scenario=SCENARIO,
     )

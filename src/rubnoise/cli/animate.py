@@ -14,20 +14,20 @@ def command(
     *,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="A gif or mp4 file; else RUN.gif, here.", metavar="FILM"),
+        typer.Option("-o", "--output", help="A gif or mp4 file; default: RUN.gif, in this folder.", metavar="FILM"),
     ] = None,
     start: Annotated[
         str | None,
-        typer.Option("--from", help="Where the stretch begins: um, or with a unit.", metavar="S", show_default=False),
+        typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S", show_default=False),
     ] = None,
     stop: Annotated[
-        str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S", show_default=False)
+        str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)
     ] = None,
-    seconds: Annotated[float, typer.Option(help="How long the film lasts.", metavar="T", min=0.1, max=600.0)] = 8.0,
+    seconds: Annotated[float, typer.Option(help="Length of the film.", metavar="T", min=0.1, max=600.0)] = 8.0,
     rate: Annotated[int, typer.Option("--fps", help="Frames a second.", metavar="N", min=1, max=50)] = 20,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Draw a run as a film: its junctions sliding over each other, and the real contact area growing under them.
+    """Draw a run as a film: its junctions sliding over each other, and the growing real contact area below.
 
     Example: rubnoise animate fig5.h5 -o contact.gif --to 60
     """

@@ -83,7 +83,7 @@ class Wishes:
 def root(
     context: typer.Context,
     *,
-    version: bool = typer.Option(False, "--version", help="Print the version and leave.", is_eager=True),
+    version: bool = typer.Option(False, "--version", help="Print the version and exit.", is_eager=True),
     debug: bool = typer.Option(False, DEBUG, help="Show where in the program something failed; also after COMMAND."),
 ) -> None:
     """Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die."""

@@ -18,7 +18,7 @@ def command(
 ) -> None:
     """Check scenarios, and print what follows from them: sizes, exact means and spreads, validity and cost.
 
-    Of a file with a table [sweep] every point is checked, and listed.
+    For a file with a table [sweep], check and list every point.
 
     Example: rubnoise check scenarios/paper/fig5.toml
     """

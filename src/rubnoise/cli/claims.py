@@ -14,11 +14,11 @@ _LABEL = 38
 def command(
     *,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing while the runs are made.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Show no progress.")] = False,
 ) -> None:
-    """Settle every claim of the paper: its words, the number simulated and exact, and the verdict.
+    """Test every claim of the paper: its words, the numbers simulated and exact, and the verdict.
 
-    All runs are made anew from fixed seeds, in a minute or so. Exit code 3 where simulation and theory disagree.
+    All runs use fixed seeds, and take less than a minute. Exit code 3 if simulation and theory disagree.
 
     Example: rubnoise claims
     """

@@ -15,14 +15,14 @@ def command(
     bound: Annotated[
         float | None,
         typer.Option(
-            help="Largest |z| of a figure that agrees; without it the family-wise bound of all figures.",
+            help="Largest |z| of a figure that agrees; default: the family-wise bound of all figures.",
             metavar="Z",
             show_default=False,
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Hold a result against exact theory, from its stored rows; the exit code is 3 where something is outside.
+    """Compare the stored rows of a result with exact theory; the exit code is 3 if a value is outside.
 
     Example: rubnoise compare fig5.h5
     """

@@ -25,6 +25,7 @@ UNITS = {
     "spectrum": "um^4",
     "displacement": "um",
     "velocity": "um/s",
+    "mean_force": "uN",
 }
 PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
 """Ends of names of figures without a unit."""
@@ -42,7 +43,7 @@ SHORTER = {
 
 def described(found: Comparison, file: Path) -> Iterator[str]:
     """Yield a table a part, what holds to rounding, what was left out, and the verdict."""
-    yield f"{printable(str(file))}: beside the theory of its scenario"
+    yield f"{printable(str(file))}: compared with the theory of its scenario"
     for part in found.parts:
         if part.figures:
             heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading

@@ -135,21 +135,21 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     notes = []
     if abs(mean / asked - 1.0) > WORTH_A_NOTE:
         notes.append(
-            f"the mean diameter of the law {scenario.diameter.law} puts the mean count"
-            f" {mean / asked - 1.0:+.1%} off the {asked:g} asked for"
+            f"the mean diameter of the law {scenario.diameter.law} changes the mean count"
+            f" by {mean / asked - 1.0:+.1%} from the specified {asked:g}"
         )
     wanted, area = model.mean_real_contact_area, answer["real_contact_area"]["mean"]
     if abs(area / wanted - 1.0) > WORTH_A_NOTE:
         notes.append(
-            f"the exact mean area is {area / wanted - 1.0:+.1%} off the {wanted:g} um^2 asked for;"
-            " calibration matched meets it"
+            f"the exact mean area differs by {area / wanted - 1.0:+.1%} from the specified {wanted:g} um^2;"
+            " calibration matched gives it"
         )
     if scenario.strength is not None and model.strengths is not None:
         given = float(scenario.strength.mean)
         off = model.strengths.mean / given - 1.0
         if abs(off) > WORTH_A_NOTE:
             law = scenario.strength.law
-            notes.append(f"the law {law} puts the mean strength {off:+.1%} off the {number(given)} MPa asked for")
+            notes.append(f"the law {law} changes the mean strength by {off:+.1%} from {number(given)} MPa")
     if model.is_two_way:
         notes.append(ONE_WAY_ALONE)
     missing = missing_for_motion(model)

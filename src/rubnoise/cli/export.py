@@ -34,7 +34,7 @@ def command(
     group: Annotated[
         Group | None,
         typer.Option(
-            help="One group of the run: junctions, trace, slider or landmarks; all when left out.", metavar="GROUP"
+            help="One group of the run: junctions, trace, slider or landmarks; default: all.", metavar="GROUP"
         ),
     ] = None,
     output: Annotated[
@@ -42,7 +42,7 @@ def command(
         typer.Option(
             "-o",
             "--output",
-            help="The file to write, - for standard output (CSV); RUN_GROUP.csv and so on, here, when left out.",
+            help="The file to write, - for standard output (CSV); default: RUN_GROUP.csv and so on, in this folder.",
             metavar="OUT",
         ),
     ] = None,
@@ -80,4 +80,4 @@ def _check_printable(kind: Kind, *, force: bool) -> None:
             f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it: name a file"
         )
     if force:
-        raise typer.BadParameter("--force replaces files; standard output is none")
+        raise typer.BadParameter("--force replaces files; standard output is not a file")

@@ -20,23 +20,23 @@ def command(
     ] = None,
     *,
     folder: Annotated[
-        Path, typer.Option("-o", "--output", help="Folder of the pictures; made where it is missing.", metavar="DIR")
+        Path, typer.Option("-o", "--output", help="Folder of the pictures; created if missing.", metavar="DIR")
     ] = Path("figures"),
     formats: Annotated[
         list[str] | None,
         typer.Option(
             "--format",
-            help="png, pdf or svg, more than once for several; all three when left out.",
+            help="png, pdf or svg; repeat it for several; default: all three.",
             metavar="FORMAT",
             autocompletion=pictures,
         ),
     ] = None,
     scenarios: Annotated[
         Path | None,
-        typer.Option(help="Folder with scenarios of these names, in place of those that come along.", metavar="DIR"),
+        typer.Option(help="Folder with scenarios of these names, instead of the installed ones.", metavar="DIR"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing pictures.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
 ) -> None:
     """Draw figures 2 to 9 of the paper: simulated by the scenarios of scenarios/paper, and by exact theory.
 

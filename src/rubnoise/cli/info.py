@@ -13,7 +13,7 @@ def command(
     file: Annotated[
         Path,
         typer.Argument(
-            help="A result file, the part of one, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
+            help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
         ),
     ],
     *,
@@ -31,7 +31,7 @@ def command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Say what is in a result file, and how its figures compare with the exact ones; or how far a run or a sweep is.
+    """Show a result file, with measured and exact figures, or the progress of a run or a sweep.
 
     Of a sweep, --figures tells numbers with their 95 % intervals, and --over ratios with theirs.
 
@@ -125,4 +125,4 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
         for name, group in answer["groups"].items()
     ]
     lines += ["", "from its scenario", *derivation.described(run.scenario, answer["derived"])]
-    return [*lines, "", "measured over the whole run, beside exact", *agreement_table(run.summary)]
+    return [*lines, "", "measured over the whole run, with exact values", *agreement_table(run.summary)]

@@ -19,7 +19,7 @@ def command(
     picture: Annotated[
         Path | None,
         typer.Argument(
-            help="Where --plot writes its png; else a name made of RUN and N.", metavar="FILE.png", show_default=False
+            help="The png file of --plot; default: a name from RUN and N.", metavar="FILE.png", show_default=False
         ),
     ] = None,
     *,
@@ -28,7 +28,7 @@ def command(
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png file.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
 ) -> None:
-    """Tell the life of one junction: birth, mid-life, death, its share of the contact, who else was alive.
+    """Show the life of one junction: birth, mid-life, death, its share of the contact, the others alive.
 
     Example: rubnoise junction fig5.h5 17 --plot
     """

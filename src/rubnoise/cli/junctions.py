@@ -15,7 +15,7 @@ def command(
     where: Annotated[
         str | None,
         typer.Option(
-            help="Only rows for which this holds: columns, numbers (with units), < <= > >= == !=, and, or, not,"
+            help="Only rows that meet this condition: columns, numbers (with units), < <= > >= == !=, and, or, not,"
             " parentheses, and the states complete, alive_at_start, alive_at_end, ended_early.",
             metavar="CONDITION",
         ),
@@ -23,15 +23,15 @@ def command(
     sort: Annotated[
         str | None, typer.Option(help="Smallest first; -COLUMN: largest first.", metavar="COLUMN", show_default=False)
     ] = None,
-    reverse: Annotated[bool, typer.Option("--reverse", help="The other way round.")] = False,
+    reverse: Annotated[bool, typer.Option("--reverse", help="Reverse the order.")] = False,
     head: Annotated[
-        int | None, typer.Option(help="At most so many rows; 20 as text, else all.", metavar="N", min=0)
+        int | None, typer.Option(help="Largest number of rows; default: 20 as text, otherwise all.", metavar="N", min=0)
     ] = None,
     columns: Annotated[str | None, typer.Option(help="The columns to print.", metavar="A,B,...")] = None,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, units in its heading.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Find junctions: those for which a condition holds, in order of birth or of a column.
+    """List the junctions that meet a condition, in order of birth or of a column.
 
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """

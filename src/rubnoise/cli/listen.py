@@ -26,20 +26,23 @@ def command(
     file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
     *,
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The file to write; else RUN_WHAT.wav, here.", metavar="WAV")
+        Path | None,
+        typer.Option("-o", "--output", help="The file to write; default: RUN_WHAT.wav, in this folder.", metavar="WAV"),
     ] = None,
     what: Annotated[
-        What, typer.Option(help="What is heard: velocity, force or displacement.", metavar="WHAT")
+        What, typer.Option(help="The sound: velocity, force or displacement.", metavar="WHAT")
     ] = What.VELOCITY,
-    speed_up: Annotated[float, typer.Option("--speed-up", help="How much faster than it happened.", metavar="X")] = 1.0,
+    speed_up: Annotated[
+        float, typer.Option("--speed-up", help="Factor by which the sound is faster than the run.", metavar="X")
+    ] = 1.0,
     seconds: Annotated[
         float | None,
-        typer.Option(help="How much of it, as heard, from the start; else all.", metavar="S", show_default=False),
+        typer.Option(help="Length of the sound, from the start; default: all.", metavar="S", show_default=False),
     ] = None,
     rate: Annotated[Rate, typer.Option(help="Samples a second: 44100 or 48000.", metavar="RATE")] = Rate.VIDEO,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write what a slider does as sound: band-limited, mean removed, peak at -3 dB, its physical scale in the file.
+    """Write the slider's motion as sound: band-limited, without mean, peak at -3 dB, physical scale in the file.
 
     Example: rubnoise listen fig5.h5 -o noise.wav --speed-up 10
     """

@@ -49,7 +49,7 @@ def _natural(sound: Sound) -> list[str]:
 
 def _heard(sound: Sound, level: Level) -> list[str]:
     if level.spectrum is None:
-        return [remark("too short to tell what of it can be heard")]
+        return [remark("too short to estimate the audible part")]
     hearing = Hearing.of(level.spectrum)
     lines = [
         line("half of the power below", f"{hearing.middle:.3g} Hz"),

@@ -22,7 +22,7 @@ def command(
     from rubnoise.storage.whole import whole_file
 
     if os.path.lexists(file):
-        raise OutputRefused(f"{file}: exists already, and is left as it is; choose another name")
+        raise OutputRefused(f"{file}: exists already; choose another name")
     with whole_file(file, force=False) as part:
         part.write_text(template(), encoding="utf-8", newline="\n")
     print(sentence(f"{file}: written; `rubnoise check {file}` says what it means, `rubnoise run {file}` runs it"))

@@ -1,13 +1,16 @@
 """`rubnoise plot`: pictures of a run or of a sweep, simulation and theory in each."""
 
+from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
 if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.figures.motion_spectrum import Heard
 
 
 class What(StrEnum):
@@ -20,6 +23,49 @@ class What(StrEnum):
     ACF = "acf"
     COUNT = "count"
     SLIDER = "slider"
+    PHASE = "phase"
+    LANDMARKS = "landmarks"
+
+
+class Spectrum(StrEnum):
+    """What a spectrum can be of."""
+
+    AREA = "area"
+    FORCE = "force"
+    DISPLACEMENT = "displacement"
+    VELOCITY = "velocity"
+
+
+OVERLAID = (What.SLIDER, What.PHASE)
+"""Pictures, beside spectra over frequency, in which a second run can be laid over the first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wish:
+    """A picture of a run that is wanted: which one, whose spectrum, of which stretch in um, with which run over it."""
+
+    what: What
+    of: Spectrum
+    start: float | None
+    stop: float | None
+    beside: Path | None
+
+    @property
+    def heard(self) -> "Heard | None":
+        """What of the slider a spectrum is of; None for the area, and for other pictures."""
+        return None if self.of is Spectrum.AREA else cast("Heard", self.of.value)
+
+    @property
+    def name(self) -> str:
+        """What the picture's file is called after."""
+        return self.what.value if self.heard is None else f"{self.what.value}_{self.heard}"
+
+    def check(self) -> None:
+        """Raise BadParameter for options that are not for this picture."""
+        if self.of is not Spectrum.AREA and self.what is not What.PSD:
+            raise typer.BadParameter(f"--of is for psd, not for {self.what.value}")
+        if self.beside is not None and self.what not in OVERLAID and self.heard is None:
+            raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
 
 
 DEFAULTS = ("displacement_std", "real_contact_area_std")
@@ -28,9 +74,9 @@ DEFAULTS = ("displacement_std", "real_contact_area_std")
 
 def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
-    from rubnoise.figures.sweep_words import QUANTITIES
+    from rubnoise.figures.sweep_words import ALL
 
-    return [name for name in (*What, *QUANTITIES) if name.startswith(incomplete)]
+    return [name for name in (*What, *ALL) if name.startswith(incomplete)]
 
 
 def command(
@@ -58,13 +104,30 @@ def command(
     stop: Annotated[
         str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S", show_default=False)
     ] = None,
+    of: Annotated[
+        Spectrum,
+        typer.Option(
+            help="Whose spectrum psd draws: area, over wavenumber; force, displacement or velocity, in Hz.",
+            metavar="COLUMN",
+        ),
+    ] = Spectrum.AREA,
+    beside: Annotated[
+        Path | None,
+        typer.Option(
+            "--with",
+            help="Another run, laid over the first: for slider, phase, and psd of force, displacement or velocity.",
+            metavar="RUN.h5",
+            show_default=False,
+        ),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Draw a run beside theory: area, single lives, distribution, spectrum, autocovariance, count, slider.
+    """Draw a run beside theory: area, single lives, distribution, spectra, autocovariance, count, and the slider.
 
-    Of a sweep a quantity is drawn against what is swept, with intervals from the replicates and the exact curve.
+    slider is its motion in time, phase its velocity over its displacement, landmarks how far it slips and how long it
+    sticks. Of a sweep a quantity is drawn against what is swept, with intervals and the exact curve.
 
-    Example: rubnoise plot fig5.h5 psd -o spectrum.pdf
+    Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
     from rubnoise.cli.lengths import distance
     from rubnoise.regular_file import is_folder
@@ -72,11 +135,13 @@ def command(
     ends = distance("--from", start), distance("--to", stop)
     _refuse_missing(file)  # which of the two it should have been says what may be drawn of it
     if is_folder(file):
-        if ends != (None, None):
-            raise typer.BadParameter("--from and --to are for the stretch of one run")
+        if ends != (None, None) or beside is not None or of != Spectrum.AREA:
+            raise typer.BadParameter("--from, --to, --of and --with are for the pictures of one run")
         _plot_sweep(file, what, output, force=force)
     else:
-        _plot_run(file, _picture(what), output, ends, force=force)
+        wish = Wish(what=_picture(what), of=of, start=ends[0], stop=ends[1], beside=beside)
+        wish.check()
+        _plot_run(file, wish, output, force=force)
 
 
 def _refuse_missing(file: Path) -> None:
@@ -97,19 +162,26 @@ def _picture(what: str | None) -> What:
         raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'") from None
 
 
-def _plot_run(
-    file: Path, what: What, output: Path | None, ends: tuple[float | None, float | None], *, force: bool
-) -> None:
+def _plot_run(file: Path, wish: Wish, output: Path | None, *, force: bool) -> None:
+    from contextlib import ExitStack
+
     from rubnoise.cli.pictures import check_picture, write_picture
-    from rubnoise.cli.results import finished_run
+    from rubnoise.cli.results import complete_run, finished_run
     from rubnoise.figures.catalogue import picture
+    from rubnoise.figures.motion import naming
     from rubnoise.figures.stretch import Stretch
 
-    path = output or Path(f"{file.stem}_{what}.png")
+    path = output or Path(f"{file.stem}_{wish.name}.png")
     check_picture(path, force=force)
-    with finished_run(file) as run:
-        stretch = Stretch.of(run, *ends)
-        write_picture(path, lambda kind: picture(what.value, stretch, kind), force=force)
+    with finished_run(file) as run, ExitStack() as opened:
+        stretch = Stretch.of(run, wish.start, wish.stop)
+        other = None
+        if wish.beside is not None:
+            file_beside = opened.enter_context(complete_run(wish.beside))
+            with naming(f"--with {wish.beside}"):
+                other = Stretch.of(file_beside)
+        draw = partial(picture, wish.what.value, stretch, heard=wish.heard, beside=other)
+        write_picture(path, draw, force=force)
 
 
 def _plot_sweep(folder: Path, what: str | None, output: Path | None, *, force: bool) -> None:

@@ -10,14 +10,21 @@ from rubnoise.storage.unfinished import refusal
 
 
 @contextmanager
+def complete_run(path: Path) -> Iterator[RunFile]:
+    """Open a result file; raises RunFileRefused for one that is unfinished or that open_run refuses."""
+    with open_run(path) as file:
+        if not file.provenance["finished"]:
+            raise refusal(path)
+        yield file
+
+
+@contextmanager
 def finished_run(path: Path) -> Iterator[RunFile]:
     """Open a result file; what is refused about it is told with its name.
 
     Raises RunFileRefused for one that is unfinished, that open_run refuses, or whose values cannot be calculated with.
     """
-    with open_run(path) as file:
-        if not file.provenance["finished"]:
-            raise refusal(path)
+    with complete_run(path) as file:
         try:
             yield file
         except OutputRefused:

@@ -12,14 +12,14 @@ from rubnoise.cli.progress import interrupted_at_once
 def command(
     part: Annotated[
         Path,
-        typer.Argument(help="The part file of a run that did not finish.", metavar="RUN.h5.part", show_default=False),
+        typer.Argument(help="The part file of an unfinished run.", metavar="RUN.h5.part", show_default=False),
     ],
     *,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
 ) -> None:
-    """Go on with a run that a signal, a kill, a full disk or a power cut has stopped, to the same bits.
+    """Resume a run after a signal, a kill, a full disk or a power cut, with the same bits.
 
     Example: rubnoise resume fig5.h5.part
     """

@@ -20,11 +20,11 @@ def command(
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="The result file; FILE's name with .h5, here, when left out.", metavar="OUT.h5"
+            "-o", "--output", help="The result file; default: FILE's name with .h5, in this folder.", metavar="OUT.h5"
         ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Seed of the random streams, in place of the file's.", metavar="N")
+        int | None, typer.Option(help="Seed of the random streams, instead of the file's.", metavar="N")
     ] = None,
     changes: Annotated[
         list[str] | None,
@@ -33,7 +33,7 @@ def command(
     engine: Annotated[
         str | None,
         typer.Option(
-            help="events or batch, in place of the file's; both give the same bits.",
+            help="events or batch, instead of the file's; both give the same bits.",
             metavar="ENGINE",
             autocompletion=engines,
         ),
@@ -41,11 +41,11 @@ def command(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Check everything, run nothing, write nothing.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
 ) -> None:
     """Run a scenario and keep everything in one HDF5 file: every junction's life, area, force and motion.
 
-    A run of the same scenario that did not finish at this output goes on.
+    It resumes an unfinished run of the same scenario at this output.
 
     Example: rubnoise run scenarios/paper/fig5.toml -o fig5.h5 --seed 7
     """
@@ -90,7 +90,7 @@ def _tell_of_going_on(scenario: "Scenario", path: Path) -> None:
 
     if interrupted(scenario, path) is not None:
         part = f"{path}{SUFFIX}"
-        print(f"{part}: this run was begun before; it goes on from {look(part).share:.0%}", file=sys.stderr)
+        print(f"{part}: resumes an unfinished run at {look(part).share:.0%}", file=sys.stderr)
 
 
 def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:

@@ -21,13 +21,17 @@ def command(
     folder: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="The folder; FILE's name without .toml, here, when left out.", metavar="DIR"
+            "-o", "--output", help="The folder; default: FILE's name without .toml, in this folder.", metavar="DIR"
         ),
     ] = None,
     jobs: Annotated[
         int | None,
         typer.Option(
-            "--jobs", "-j", help="Processes; as many as processors when left out.", metavar="N", show_default=False
+            "--jobs",
+            "-j",
+            help="Number of processes; default: the number of processors.",
+            metavar="N",
+            show_default=False,
         ),
     ] = None,
     cluster: Annotated[
@@ -38,17 +42,17 @@ def command(
     ] = None,
     authority: Annotated[
         Path | None,
-        typer.Option("--tls-ca-file", help="Speak TLS with the cluster: certificate of its authority.", metavar="PEM"),
+        typer.Option("--tls-ca-file", help="Use TLS with the cluster: certificate of its authority.", metavar="PEM"),
     ] = None,
     certificate: Annotated[
-        Path | None, typer.Option("--tls-cert", help="The certificate to show there.", metavar="PEM")
+        Path | None, typer.Option("--tls-cert", help="The certificate for the cluster.", metavar="PEM")
     ] = None,
     key: Annotated[
-        Path | None, typer.Option("--tls-key", help="Its key, where it is not in the same file.", metavar="PEM")
+        Path | None, typer.Option("--tls-key", help="Its key, if it is not in the same file.", metavar="PEM")
     ] = None,
     shard: Annotated[
         str | None,
-        typer.Option(help="Make one of several parts only, e.g. 2/8 for a task of a batch queue.", metavar="I/N"),
+        typer.Option(help="Make only one of several parts, e.g. 2/8 for a task of a batch queue.", metavar="I/N"),
     ] = None,
     changes: Annotated[
         list[str] | None,
@@ -57,19 +61,21 @@ def command(
     engine: Annotated[
         str | None,
         typer.Option(
-            help="events or batch, in place of the file's; both give the same bits.",
+            help="events or batch, instead of the file's; both give the same bits.",
             metavar="ENGINE",
             autocompletion=engines,
         ),
     ] = None,
-    merge: Annotated[bool, typer.Option("--merge", help="In the end put everything into one file, merged.h5.")] = False,
+    merge: Annotated[
+        bool, typer.Option("--merge", help="At the end, write everything into one file, merged.h5.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print nothing but what is wrong.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
 ) -> None:
     """Make every run of a sweep, each a result file in one folder, with an index of them all.
 
-    What is done is not done again: the same command goes on where an earlier one was stopped, and takes in points and
-    replicates that were added since. Exit code 1 where a run failed.
+    The same command resumes an interrupted sweep: it skips finished runs, and adds new points and replicates. Exit
+    code 1 if a run failed.
 
     Example: rubnoise sweep scenarios/paper/fig7.toml -o fig7
     """
@@ -173,7 +179,7 @@ def described(answer: dict[str, Any]) -> list[str]:
         lines.append(remark(f"everything in one file: {answer['merged']}"))
     for short in answer["imprecise"]:
         told = f"{_values(short['values'])}: relative standard error {short['reached']:.2g}"
-        lines.append(remark(f"not as precise as asked for: {told} with {grouped(short['replicates'])} replicates"))
+        lines.append(remark(f"precision not reached: {told} with {grouped(short['replicates'])} replicates"))
     return lines
 
 

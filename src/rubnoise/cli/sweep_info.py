@@ -102,7 +102,7 @@ def described(answer: Mapping[str, Any]) -> list[str]:
         line("runs", f"{grouped(answer['runs'])}: {states}"),
         line("size", size(answer["bytes"])),
         *(line("swept", key) for key in answer["grid"]),
-        *(line("swept side by side", key) for key in answer["side_by_side"]),
+        *(line("swept in parallel", key) for key in answer["side_by_side"]),
         line("figures of each run", ", ".join(answer["figures"])),
     ]
     lines += ["", *failures(answer["failures"])] if answer["failures"] else []

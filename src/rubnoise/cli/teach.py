@@ -13,7 +13,7 @@ def command(
     file: Annotated[
         Path | None,
         typer.Argument(
-            help="A scenario file, or a result to replay; the paper's Figure 5 when left out.",
+            help="A scenario file, or a result to replay; default: the paper's Figure 5.",
             metavar="SCENARIO|RUN.h5",
             show_default=False,
         ),
@@ -24,7 +24,7 @@ def command(
     ),
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write a page that shows junctions being born and dying, with knobs, exact predictions and lessons.
+    """Write a web page for a class: births and deaths of junctions, controls, exact predictions and lessons.
 
     It is one file that a browser opens from anywhere, without a network.
 

@@ -11,7 +11,9 @@ def command(
     file: Annotated[Path, typer.Argument(help="A scenario file, or a result.", metavar="FILE", show_default=False)],
     picture: Annotated[
         Path | None,
-        typer.Argument(help="Where --plot writes; else FILE_theory.png, here.", metavar="PICTURE", show_default=False),
+        typer.Argument(
+            help="The file of --plot; default: FILE_theory.png, in this folder.", metavar="PICTURE", show_default=False
+        ),
     ] = None,
     *,
     changes: Annotated[
@@ -19,37 +21,37 @@ def command(
     ] = None,
     wavenumbers: Annotated[
         list[str] | None,
-        typer.Option("--at-wavenumber", help="Where to take the spectrum, in rad/um.", metavar="K,..."),
+        typer.Option("--at-wavenumber", help="Wavenumbers of the spectrum, in rad/um.", metavar="K,..."),
     ] = None,
     lags: Annotated[
-        list[str] | None, typer.Option("--at-lag", help="Where to take the autocovariance, in um.", metavar="S,...")
+        list[str] | None, typer.Option("--at-lag", help="Lags of the autocovariance, in um.", metavar="S,...")
     ] = None,
     areas: Annotated[
-        list[str] | None, typer.Option("--at-area", help="Where to take the distribution, in um^2.", metavar="A,...")
+        list[str] | None, typer.Option("--at-area", help="Areas of the distribution, in um^2.", metavar="A,...")
     ] = None,
     levels: Annotated[
         list[str] | None,
-        typer.Option("--at-level", help="Where to count the slider's passages upwards, in um.", metavar="X,..."),
+        typer.Option("--at-level", help="Levels for the slider's upward passages, in um.", metavar="X,..."),
     ] = None,
     distances: Annotated[
         list[str] | None,
-        typer.Option("--at-distance", help="Where to take the means after an empty start, in um.", metavar="S,..."),
+        typer.Option("--at-distance", help="Distances for the means after an empty start, in um.", metavar="S,..."),
     ] = None,
     segment: Annotated[
         int | None,
         typer.Option(
-            "--segment", help="Add the spectrum that Welch's method shows with segments of so many ticks.", metavar="N"
+            "--segment", help="Add the expected result of Welch's method with segments of N ticks.", metavar="N"
         ),
     ] = None,
-    as_csv: Annotated[bool, typer.Option("--csv", help="Print a table with commas, a row a number.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV, one row per number.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Let --plot replace a file.")] = False,
 ) -> None:
-    """Tell what is exact about a scenario: moments, spectrum, autocovariance, distribution, the slider's response.
+    """Print the exact values of a scenario: moments, spectrum, autocovariance, distribution, slider response.
 
-    Also how often the slider passes a level, how a contact grows from an empty start, and what an estimate of the
-    spectrum shows.
+    Options add the rate at which the slider passes a level, the growth from an empty start, and the expected estimate
+    of the spectrum.
 
     Example: rubnoise theory scenarios/paper/fig5.toml --at-wavenumber 0,0.1,1
     """

@@ -43,9 +43,9 @@ def command(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Check every value of a result against hashes, rows and scenario; the exit code is 3 where something differs.
+    """Check every value of a result against hashes, rows and scenario; the exit code is 3 if something differs.
 
-    Of the folder of a sweep its journals, names and index are checked, too, and every run.
+    For the folder of a sweep, check its journals, names and index too, and every run.
 
     Example: rubnoise verify fig5.h5 --regenerate
     """
@@ -112,7 +112,7 @@ def described(found: "Verification", file: Path) -> Iterator[str]:
     yield ""
     failing = len(found.different)
     holding = f"{len(found.checks) - failing} of {len(found.checks)} checks hold"
-    yield remark(f"{holding}; {grouped(found.values)} values were looked at")
+    yield remark(f"{holding}; {grouped(found.values)} values checked")
 
 
 def _fields(check: "Check") -> dict[str, Any]:

@@ -32,7 +32,7 @@ def acf_figure(stretch: Stretch) -> "Figure":
     for panel in stretch.panels("trace", "real_contact_area"):
         products.add(panel)
     figure = new_figure(7.2, 3.8)
-    entitle(figure, stretch, "How far the real contact area goes with itself")
+    entitle(figure, stretch, "Autocovariance of the real contact area")
     axes = figure.subplots()
     _draw_exact(axes, stretch, float(lag[-1]))
     axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, Final
 from rubnoise.figures.acf import acf_figure
 from rubnoise.figures.count import count_figure
 from rubnoise.figures.histogram import histogram_figure
+from rubnoise.figures.landmarks import landmarks_figure
 from rubnoise.figures.lives import lives_figure
+from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
+from rubnoise.figures.phase import phase_figure
 from rubnoise.figures.psd import psd_figure
 from rubnoise.figures.slider import slider_figure
 from rubnoise.figures.stretch import Stretch
@@ -24,10 +27,25 @@ PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "acf": acf_figure,
     "count": count_figure,
     "slider": slider_figure,
+    "phase": phase_figure,
+    "landmarks": landmarks_figure,
 }
 
+OVERLAID: Final[dict[str, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}
+"""Pictures in which another run can be laid over the first."""
 
-def picture(name: str, stretch: Stretch, kind: Format) -> bytes:
-    """Return a picture of a run as the bytes of a file; raises Refused where the run has not what it shows."""
+
+def picture(
+    name: str, stretch: Stretch, kind: Format, *, heard: Heard | None = None, beside: Stretch | None = None
+) -> bytes:
+    """Return a picture of a run as the bytes of a file.
+
+    heard: whose spectrum `psd` shows, in place of the area's; beside: a run that is laid over the first. Raises Refused
+    where a run has not what is shown.
+    """
     with house_style():
-        return as_bytes(PICTURES[name](stretch), kind)
+        if heard is not None:
+            figure = motion_spectrum_figure(stretch, heard, beside)
+        else:
+            figure = PICTURES[name](stretch) if beside is None else OVERLAID[name](stretch, beside)
+        return as_bytes(figure, kind)

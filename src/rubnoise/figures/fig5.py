@@ -3,12 +3,14 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.api import simulate
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import exact_band, legend_above
 from rubnoise.figures.sources import Sources, envelope
-from rubnoise.figures.style import BLUE, INK, new_figure
+from rubnoise.figures.style import BLUE, INK, STUCK, new_figure
+from rubnoise.record.rows import Phase
 from rubnoise.theory.exact import exact
 
 if TYPE_CHECKING:
@@ -22,9 +24,13 @@ PER_MILLI: Final = 1e-3
 
 
 def draw(sources: Sources) -> "Figure":
-    """Draw force, displacement and velocity over the first second, each about its exact mean and spread."""
+    """Draw force, displacement and velocity over the first second, each about its exact mean and spread.
+
+    These are exact for one-way coupling. Of a two-way slider, in a reader's scenario, sticks are shaded instead.
+    """
     scenario = sources.scenario("fig5.toml")
-    theory = exact(scenario.model())
+    model = scenario.model()
+    theory = exact(model)
     if theory.force is None or theory.slider is None:
         raise Refused("fig5.toml: the figure needs a strength and a slider")
     motion = simulate(scenario)["slider"]
@@ -36,7 +42,10 @@ def draw(sources: Sources) -> "Figure":
         (displacement, "displacement", theory.slider.mean_displacement, theory.slider.displacement_std, 1.0),
         (velocity, "velocity", 0.0, theory.slider.velocity_std, PER_MILLI),
     ):
-        exact_band(axes, scale * mean, scale * std)
+        if model.is_two_way:
+            _shade(axes, motion["time"][shown], motion["phase"][shown] == Phase.STICK)
+        else:
+            exact_band(axes, scale * mean, scale * std)
         axes.plot(*envelope(motion["time"][shown], scale * motion[name][shown]), color=BLUE, lw=0.9, label="simulated")
     _label(force, displacement, velocity)
     velocity.axhline(PER_MILLI * theory.slider.sliding_speed, color=INK, lw=1.2, label="sliding speed", zorder=5)
@@ -44,6 +53,11 @@ def draw(sources: Sources) -> "Figure":
         legend_above(axes)
     velocity.set_xlim(0.0, motion["time"][shown][-1])
     return figure
+
+
+def _shade(axes: "Axes", time: NDArray[np.float64], stuck: NDArray[np.bool_]) -> None:
+    across = axes.get_xaxis_transform()
+    axes.fill_between(time, 0.0, 1.0, where=stuck, transform=across, color=STUCK, lw=0.0, zorder=0, label="stick")
 
 
 def _label(force: "Axes", displacement: "Axes", velocity: "Axes") -> None:

@@ -17,11 +17,15 @@ NEAREST: Final = 1e-6
 """Span of values over the values themselves below which nothing but rounding is seen."""
 
 
-def entitle(figure: "Figure", stretch: "Stretch", shown: str) -> None:
-    """Put a title over a figure: what it shows, and of which run."""
-    title, name = printed(stretch.title), printed(stretch.file.path.name)
-    whose = f"{shortened(title, LONGEST_TITLE)} ({shortened(name)})" if title else shortened(name, LONGEST_TITLE)
+def entitle(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch | None" = None) -> None:
+    """Put a title over a figure: what it shows, of which run, and which other one is laid over it."""
+    whose = _whose(stretch) if beside is None else f"{_whose(stretch)}, and over it\n{_whose(beside)}"
     figure.suptitle(f"{shown}\n{whose}", x=0.01, ha="left", fontsize=10.0)
+
+
+def _whose(stretch: "Stretch") -> str:
+    title, name = printed(stretch.title), printed(stretch.file.path.name)
+    return f"{shortened(title, LONGEST_TITLE)} ({shortened(name)})" if title else shortened(name, LONGEST_TITLE)
 
 
 def printed(text: str) -> str:

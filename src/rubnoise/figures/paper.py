@@ -28,59 +28,59 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig2": PaperFigure(
         title="Geometry of a junction",
         caption=(
-            "Two truncated cones with flat tops of one diameter d slide over each other; after a distance s since "
-            "their first touch their tops overlap in a lens (shaded), whose area is that of Eq. (2)."
+            "Two truncated cones with flat tops of diameter d slide over each other. At a distance s after their first "
+            "touch, their tops overlap in a lens (shaded), with the area of Eq. (2)."
         ),
         scenarios=("fig2.toml",),
     ),
     "fig3": PaperFigure(
         title="Life history of a junction",
         caption=(
-            "The area of a junction rises to πd²/4 at s = d and falls again until s = 2d; its mean over the life is "
-            "exactly d²/3, where the paper has 0.327 d². Rabinowicz's triangle has the same life and peak and "
-            "the mean πd²/8."
+            "The area of a junction rises to πd²/4 at s = d and falls to 0 at s = 2d. Its mean over the life is "
+            "exactly d²/3; the paper prints 0.327 d². Rabinowicz's triangle has the same life and peak, and the mean "
+            "πd²/8."
         ),
         scenarios=("fig3.toml",),
     ),
     "fig4": PaperFigure(
         title="The real contact area as a sum of junctions",
         caption=(
-            "A portion of the trace of the real contact area (above), and the areas of the single junctions whose sum "
-            "it is (below). The band is the exact standard deviation about the exact mean."
+            "Part of the trace of the real contact area (above), and the areas of its single junctions (below). The "
+            "trace is their sum. The band is the exact standard deviation about the exact mean."
         ),
         scenarios=("fig4.toml",),
     ),
     "fig5": PaperFigure(
         title="Excitation force and vibration",
         caption=(
-            "Friction force on the slider, and the displacement and velocity that it excites, each about its exact "
-            "mean and standard deviation. The velocity is far beyond the sliding speed, which the one-way coupling of "
-            "the paper takes for constant: the example breaks its own assumption."
+            "Friction force on the slider, displacement and velocity, each with its exact mean and standard "
+            "deviation. The velocity is far above the sliding speed. The paper's one-way coupling assumes a constant "
+            "speed, so the example breaks its own assumption."
         ),
         scenarios=("fig5.toml",),
     ),
     "fig6": PaperFigure(
         title="Traces for five numbers of junctions",
         caption=(
-            "The same mean area on more and smaller junctions fluctuates less. Each panel is a run with a seed of its "
-            "own. Histograms of the whole runs, with the exact densities over them."
+            "At the same mean area, more and smaller junctions fluctuate less. Each row is a run with its own seed. "
+            "The histograms show the whole runs, with the exact densities."
         ),
         scenarios=tuple(f"fig6_n{count}.toml" for count in (10, 20, 30, 40, 50)),
     ),
     "fig7": PaperFigure(
         title="Standard deviation against the number of junctions",
         caption=(
-            "Simulated standard deviations with 95 % intervals, and the exact curves. Over the mean they all follow "
-            "one law, which is 1.2298/√N for junctions of one size: the paper's non-linear decrease."
+            "Simulated standard deviations with 95 % intervals, and the exact curves. Divided by the mean, all "
+            "follow one law: 1.2298/√N for junctions of one size. This is the paper's non-linear decrease."
         ),
         scenarios=("fig7.toml",),
     ),
     "fig8": PaperFigure(
         title="Spectral density of the real contact area",
         caption=(
-            "Welch's estimate from a run and the exact density. On linear axes it seems to end in a constant; on "
-            "logarithmic ones it falls as 1/k⁴, swinging about 4λE[d²]/k⁴, since every pass goes through both centres. "
-            "A floor comes from the estimate alone: at the end the ticks' aliases lift it."
+            "Welch's estimate from a run, and the exact density. On linear axes it seems to end in a constant. On "
+            "logarithmic axes it oscillates about 4λE[d²]/k⁴, because every pass goes through both centres. The floor "
+            "at the end comes only from the estimate: aliases of the ticks."
         ),
         scenarios=("fig8.toml",),
     ),
@@ -88,7 +88,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         title="Spectral densities for five numbers of junctions",
         caption=(
             "The number of junctions changes the spectrum at low wavenumbers by an order of magnitude, and moves its "
-            "corner; divided by the variance and the mean life all come to one curve."
+            "corner. Divided by variance and mean life, all spectra follow one curve."
         ),
         scenarios=("fig9.toml",),
     ),
@@ -96,7 +96,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
 
 
 def caption(name: str) -> str:
-    """Return one to three sentences that stand below a figure."""
+    """Return the one to four sentences below a figure."""
     return FIGURES[name].caption
 
 

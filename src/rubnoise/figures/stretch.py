@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.stored_model import stored_model
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.reader import Reader
+from rubnoise.record.reader import Reader, Rows
 
 MOST_POINTS: Final = 3000
 """Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
@@ -80,8 +80,11 @@ class Stretch:
     def rows(self, group: str) -> tuple[int, int]:
         """Return the rows of /trace or /slider from the first to behind the last in the stretch.
 
-        Those of /trace are a tick apart; those of /slider as far apart as it takes to drive a tick.
+        Those of /trace are a tick apart. Those of a one-way /slider are, too; a two-way slider passes the two distances
+        when it first reaches them.
         """
+        if group == "slider" and self.model.is_two_way:
+            return self._passages()
         first = ceil(self.start / self.model.tick - SLACK)
         last = floor(self.stop / self.model.tick + SLACK) + 1
         return first, min(last, self.file.rows(group))
@@ -98,23 +101,41 @@ class Stretch:
         return self.file.column(group, name, first, min(last, first + MOST_READ)).astype(np.float64)
 
     def curve(self, group: str, name: str) -> tuple[Doubles, Doubles]:
-        """Return sliding distances in um and values of a column, of many rows only the extremes of each few.
+        """Return distances in um and values of a column of /trace; of many rows only the extremes of each few."""
+        place, value = thinned(self.file, group, name, *self.rows(group))
+        return self.model.tick * place, value
 
-        However long the stretch, a panel is held at a time.
+    def _passages(self) -> tuple[int, int]:
+        """Return the rows of a two-way /slider from its first at the start to the last before it passes the stop.
+
+        It may run back, so that its distances are in no order.
         """
-        first, last = self.rows(group)
-        step = ceil((last - first) / MOST_POINTS)
-        if step <= 2:
-            places = self.model.tick * np.arange(first, last, dtype=np.float64)
-            return places, self.file.column(group, name, first, last).astype(np.float64)
-        # The lowest and the highest of twice as many rows make as many points.
-        return self._extremes(group, name, 2 * step)
+        rows, first = self.file.rows("slider"), 0 if self.start == 0.0 else None
+        if first == 0 and self.stop >= self.model.distance:
+            return 0, rows
+        for begin in range(0, rows, PANEL_ROWS):
+            distance = self.file.column("slider", "distance", begin, min(begin + PANEL_ROWS, rows))
+            if first is None and (reached := np.flatnonzero(distance >= self.start)).size:
+                first = begin + int(reached[0])
+            if (passed := np.flatnonzero(distance > self.stop)).size:
+                return begin + int(passed[0]) if first is None else first, begin + int(passed[0])
+        return rows if first is None else first, rows
 
-    def _extremes(self, group: str, name: str, step: int) -> tuple[Doubles, Doubles]:
-        first, last = self.rows(group)
-        values = []
-        for panel in self.panels(group, name, step * max(1, PANEL_ROWS // step)):
-            starts = np.arange(0, panel.size, step)
-            values.append(np.stack([np.minimum.reduceat(panel, starts), np.maximum.reduceat(panel, starts)], axis=-1))
-        places = np.repeat(np.arange(first, last, step) + 0.5 * (step - 1), 2)
-        return self.model.tick * places, np.concatenate(values).ravel().astype(np.float64)
+
+def thinned(rows: Rows, group: str, name: str, first: int, last: int) -> tuple[Doubles, Doubles]:
+    """Return numbers of rows and a column's values in them; of many rows only the extremes of each few.
+
+    However many there are, a panel is held at a time.
+    """
+    step = ceil((last - first) / MOST_POINTS)
+    if step <= 2:
+        return np.arange(first, last, dtype=np.float64), rows.column(group, name, first, last).astype(np.float64)
+    # The lowest and the highest of twice as many rows make as many points.
+    step *= 2
+    panel_rows, values = step * max(1, PANEL_ROWS // step), []
+    for begin in range(first, last, panel_rows):
+        panel = rows.column(group, name, begin, min(begin + panel_rows, last))
+        starts = np.arange(0, panel.size, step)
+        values.append(np.stack([np.minimum.reduceat(panel, starts), np.maximum.reduceat(panel, starts)], axis=-1))
+    places = np.repeat(np.arange(first, last, step) + 0.5 * (step - 1), 2)
+    return places, np.concatenate(values).ravel().astype(np.float64)

@@ -11,12 +11,12 @@ from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.study import Study
 from rubnoise.figures.study_of import PointRuns, study_of
-from rubnoise.figures.sweep_words import QUANTITIES
+from rubnoise.figures.sweep_words import ALL
 
 
 def quantities_of(sweep: SweepResult) -> tuple[str, ...]:
     """Return the quantities of a sweep that can be drawn, in the order of a summary."""
-    return tuple(name for name in QUANTITIES if name in sweep.runs)
+    return tuple(name for name in ALL if name in sweep.runs)
 
 
 def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:

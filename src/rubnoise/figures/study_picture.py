@@ -48,6 +48,8 @@ def draw_study(study: Study) -> "Figure":
 def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *, named: bool) -> None:
     """Draw points; an interval that nothing tells is left away, and the point with it is hollow."""
     known = [spot for spot in line.spots if isfinite(spot.seen.value)]
+    if not known:
+        return
     told = [spot for spot in known if isfinite(spot.seen.reach)]
     bare = [spot for spot in known if not isfinite(spot.seen.reach)]
     axes.errorbar(
@@ -64,11 +66,18 @@ def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *
 def _draw_exact(axes: "Axes", line: Line, shift: float) -> None:
     """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
     look: dict[str, Any] = {"color": VERMILION, "lw": 1.2, "zorder": 2}
+    if not _has_exact(line):
+        return
     if line.curve is not None:
         axes.plot(*line.curve, **look)
         return
     for spot in line.spots:
         axes.errorbar([spot.place + shift], [spot.exact], marker="_", ms=14.0, mew=1.4, color=VERMILION, zorder=2)
+
+
+def _has_exact(line: Line) -> bool:
+    """Whether theory knows the quantity anywhere on a line: of a two-way slider's motion it knows nothing."""
+    return any(isfinite(spot.exact) for spot in line.spots)
 
 
 def _label(axes: "Axes", study: Study) -> None:
@@ -105,7 +114,9 @@ def _legend(axes: "Axes", study: Study) -> None:
         title = f"simulated, 95 % interval,\n{printed(', '.join(map(key_words, study.others)))}:"
     else:
         handles, labels = [points], ["simulated, 95 % interval"]
-    axes.legend([*handles, exact], [*labels, "exact"], loc="best", title=title, alignment="left")
+    if any(map(_has_exact, study.lines)):
+        handles, labels = [*handles, exact], [*labels, "exact"]
+    axes.legend(handles, labels, loc="best", title=title, alignment="left")
 
 
 def _entitle(figure: "Figure", study: Study) -> None:

@@ -20,16 +20,27 @@ QUANTITIES: Final[dict[str, tuple[str, str]]] = {
 }
 """Figures of a run as a label has them, and their units."""
 
+TWO_WAY: Final[dict[str, tuple[str, str]]] = {
+    "stick_fraction": ("share of the time in which\nthe slider sticks", ""),
+    "sticks_per_s": ("sticks of the slider in a second", "1/s"),
+    "slips_longer_than_d_per_s": ("slips longer than a mean diameter\nin a second", "1/s"),
+    "reversals_per_s": ("reversals of the slider in a second", "1/s"),
+    "mean_force_excess": ("mean friction force less\nthat over the distance", "µN"),
+}
+"""Those that runs with two-way coupling alone may have."""
+
+ALL: Final = QUANTITIES | TWO_WAY
+
 
 def quantity_label(name: str) -> str:
     """Return the label of a figure's axis."""
-    words, unit = QUANTITIES[name]
+    words, unit = ALL[name]
     return f"{words} ({unit})" if unit else words
 
 
 def quantity_words(name: str) -> str:
     """Return a figure in words, on one line."""
-    return QUANTITIES[name][0].replace("\n", " ")
+    return ALL[name][0].replace("\n", " ")
 
 
 def key_label(key: str, unit: str) -> str:

@@ -20,6 +20,9 @@ _FIRST: Final = (
     "theory_density.js",
     "world.js",
     "slider.js",
+    "field.js",
+    "piece.js",
+    "motion.js",
     "trace.js",
     "run.js",
     "seen.js",
@@ -39,7 +42,7 @@ def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -
     """
     data = {
         "title": title,
-        "world": settings.world,
+        "world": settings.world | {"coupling": settings.coupling},
         "distance": settings.distance,
         "sliderStart": settings.slider_start,
         "record": record,

@@ -19,12 +19,14 @@ LESSON_SLIDER: Final = {"mass": 0.005, "stiffness": 300.0, "damping": 0.05}
 class Settings:
     """The knobs of the page as a scenario sets them, the distance of its run in um, and where its slider starts.
 
+    ``coupling`` is "one-way" or "two-way": whether the slider pushes back.
     ``borrowed`` names the tables that the scenario lacks and that were taken from the paper's Figure 5.
     """
 
     world: dict[str, Any]
     distance: float
     slider_start: str
+    coupling: str
     borrowed: tuple[str, ...]
 
 
@@ -34,8 +36,6 @@ def settings_of(scenario: Scenario) -> Settings:
     Raises Refused for sizes that are neither equal nor normal and for strengths that differ: the page cannot draw them.
     """
     model = scenario.model()
-    if model.is_two_way:
-        raise Refused('the page moves its slider one way: slider.coupling = "one-way" makes a lesson of the scenario')
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
     slider = model.slider
     return Settings(
@@ -53,6 +53,7 @@ def settings_of(scenario: Scenario) -> Settings:
         },
         distance=model.distance,
         slider_start=slider.start if slider else "equilibrium",
+        coupling="two-way" if model.is_two_way else "one-way",
         borrowed=tuple(name for name, found in lacking.items() if found is None),
     )
 

@@ -1,6 +1,6 @@
 """One row a junction, one row a tick: the columns of a run, made from what was born, lived and summed."""
 
-from enum import IntFlag
+from enum import IntEnum, IntFlag
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,23 @@ class JunctionState(IntFlag):
     ALIVE_AT_START = 1
     ALIVE_AT_END = 2
     ENDED_EARLY = 4
+
+
+class Phase(IntEnum):
+    """What the ``phase`` of a two-way slider's row says: how it moves over the surface."""
+
+    SLIP = 0
+    STICK = 1
+    REVERSAL = 2
+
+
+class LandmarkKind(IntEnum):
+    """What the ``kind`` of a landmark says: what a two-way slider begins there. A slip is a breakaway from a stick."""
+
+    STICK = 0
+    SLIP = 1
+    REVERSAL = 2
+    FORWARD = 3
 
 
 def natural_death(birth: Doubles, diameter: Doubles) -> Doubles:

@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, field
 from math import inf, nan, sqrt
-from typing import Any, Final, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
+from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.sink import Columns
 
 WATCHED = {
@@ -16,7 +17,7 @@ WATCHED = {
 }
 """Which columns are tallied, by group, and to which power."""
 
-COUNTED = {"landmarks": {"kind": 4}}
+COUNTED = {"landmarks": {"kind": len(LandmarkKind)}}
 """Columns of few whole numbers of which each is counted, by group, and how many there are."""
 
 KEPT = {
@@ -37,9 +38,6 @@ KEPT = {
 
 SLIPS = {"landmarks": ("kind", "distance")}
 """Columns that tell how long slips are, by group."""
-
-BREAKAWAY: Final = 1
-"""The kind of a landmark at which a slip begins."""
 
 TALLIED = {
     group: dict.fromkeys((*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ())))
@@ -127,7 +125,7 @@ class Slips:
         """Take in rows of /landmarks."""
         if not kind.size:
             return
-        begins = np.concatenate([[self._begin], np.where(kind == BREAKAWAY, distance, nan)])
+        begins = np.concatenate([[self._begin], np.where(kind == LandmarkKind.SLIP, distance, nan)])
         lengths = distance - begins[:-1]
         self.count += int(np.count_nonzero(lengths > self.longer_than))
         self._begin = float(begins[-1])

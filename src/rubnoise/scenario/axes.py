@@ -155,7 +155,7 @@ def _lengths(layers: Layers, table: Table) -> Iterator[Problem]:
         first = table.side_by_side[0]
         if len(axis.values) != len(first.values):
             message = f"{len(axis.values)} values beside the {len(first.values)} of {first.key}"
-            yield _at(layers, axis.swept_path, message, "values of [sweep.zip] go side by side: as many of each")
+            yield _at(layers, axis.swept_path, message, "lists of [sweep.zip] go in parallel and need equal length")
 
 
 def _doubles(layers: Layers, table: Table) -> Iterator[Problem]:

@@ -23,7 +23,7 @@ class Section(BaseModel):
 
 
 class Interface(Section):
-    """The contact: how large the real contact area is on average, and of how many junctions."""
+    """The contact: mean real contact area and mean number of junctions."""
 
     mean_real_contact_area: Annotated[
         Quantity,
@@ -33,7 +33,7 @@ class Interface(Section):
     mean_junction_count: Annotated[
         float,
         Number(Range(1e-6, limits.LIVE_JUNCTIONS)),
-        About(description="Mean number of junctions N_jm; need not be whole."),
+        About(description="Mean number of junctions N_jm; need not be a whole number."),
     ]
     calibration: Annotated[
         str,
@@ -63,7 +63,7 @@ def _with_parameters(table: type[Section], centre: str) -> Any:
 
 
 class Diameter(Section):
-    """The law of junction diameters about the calibrated diameter d_m."""
+    """The distribution of junction diameters about the calibrated diameter d_m."""
 
     law: Annotated[
         str,
@@ -78,17 +78,17 @@ class Diameter(Section):
 
 
 class Birth(Section):
-    """When junctions are born."""
+    """The positions of births along the sliding distance."""
 
     law: Annotated[
         str,
         Choice(("poisson", "regular"), later=("jittered", "gamma", "clustered")),
-        About(description="poisson: independent exponential gaps of sliding distance; regular: one spacing."),
+        About(description="poisson: independent exponential gaps of sliding distance; regular: equal gaps."),
     ] = "poisson"
 
 
 class Pulse(Section):
-    """How the area of a junction rises and falls over its life."""
+    """The area of a junction over its life."""
 
     shape: Annotated[
         str,
@@ -108,7 +108,7 @@ class Strength(Section):
     mean: Annotated[
         Quantity,
         Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-3, 1e6)),
-        About(description="Mean shear strength psi; of normal before redrawing, of power the unit of its ends."),
+        About(description="Mean shear strength psi; for normal before redrawing, for power the unit of its ends."),
     ]
     spread: Annotated[
         Quantity | None,
@@ -126,7 +126,7 @@ if not TYPE_CHECKING:  # the keys that a law brings along are known to the regis
 
 
 class Sliding(Section):
-    """How far and how fast."""
+    """Sliding distance and speed."""
 
     distance: Annotated[
         Quantity,
@@ -136,17 +136,17 @@ class Sliding(Section):
     speed: Annotated[
         Quantity | None,
         Measure((SPEED,), possible=Range(1e-9, 1e15), plausible=Range(1e-3, 1e9)),
-        About(description="Sliding speed; without it no times are written."),
+        About(description="Sliding speed; without it, no times are written."),
     ] = None
     start: Annotated[
         str,
         Choice(("stationary", "empty")),
-        About(description="stationary: junctions of all ages are there at the start; empty: none is."),
+        About(description="stationary: junctions of all ages are alive at the start; empty: there are none."),
     ] = "stationary"
 
 
 class Slider(Section):
-    """The oscillator that the friction force excites; exactly one of damping and damping_ratio."""
+    """The oscillator that the friction force excites; give either damping or damping_ratio."""
 
     mass: Annotated[
         Quantity,
@@ -170,14 +170,14 @@ class Slider(Section):
         str,
         Choice(("one-way", "two-way")),
         About(
-            description="one-way: the motion of the slider does not change the sliding distance; two-way: it does, and "
-            "the slider may stick and turn round."
+            description="one-way: the motion of the slider does not change the sliding distance; two-way: it does, "
+            "and the slider may stick and turn round."
         ),
     ] = "one-way"
     tolerance: Annotated[
         float | None,
         Number(Range(1e-12, 1e-4)),
-        About(description="Error of each step of a two-way motion, relative to its deflection; without it 1e-9."),
+        About(description="Error of each step of a two-way motion, relative to its deflection; default 1e-9."),
     ] = None
     start: Annotated[
         str,
@@ -187,15 +187,15 @@ class Slider(Section):
 
 
 class Output(Section):
-    """What is written."""
+    """The ticks of the traces, and compression."""
 
     tick: Annotated[
         Quantity | None,
         Measure((LENGTH,), possible=Range(1e-9, 1e12), plausible=Range(1e-6, 1e6)),
-        About(description="Distance between samples of the traces; without it a two-hundredth of the mean life."),
+        About(description="Distance between samples of the traces; default: mean life / 200."),
     ] = None
     compression: Annotated[
-        str, Choice(("none", "gzip")), About(description="gzip makes smaller files, more slowly.")
+        str, Choice(("none", "gzip")), About(description="gzip: smaller files, but slower.")
     ] = "none"
 
 
@@ -206,7 +206,7 @@ class SampledOutput(Output):
 
 
 class Run(Section):
-    """How the run is made."""
+    """Seed and engine."""
 
     seed: Annotated[
         int, Number(Range(0, SEED_LIMIT - 1), whole=True), About(description="Seed of all random numbers.")
@@ -222,7 +222,7 @@ class Document(Section):
     """A rubnoise scenario."""
 
     format: Annotated[int, Number(Range(FORMAT, FORMAT), whole=True), About(description="Version of this format: 1.")]
-    title: Annotated[str, Line(), About(description="One line that says what the run is about.")] = ""
+    title: Annotated[str, Line(), About(description="One line that describes the run.")] = ""
     interface: Interface
     diameter: Diameter = Diameter()
     birth: Birth = Birth()

@@ -49,7 +49,7 @@ def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
 
 def _many(given: Layers) -> Problem:
     hint = "rubnoise sweep runs all of it, rubnoise check lists its points; without this table the file is one run"
-    message = "a sweep is many runs, and one scenario is wanted here"
+    message = "a sweep is many runs, but this command needs one scenario"
     return Problem(path=(keys.SWEEP,), message=message, place=given.key_place((keys.SWEEP,)), hint=hint)
 
 

@@ -36,10 +36,10 @@ def json_schema() -> dict[str, Any]:
 def _sweep() -> dict[str, Any]:
     described = {
         **Sweeping.model_json_schema()["properties"],
-        "grid": _lists() | {"description": "Lists of values; each value of one key with each of the others."},
-        "zip": _lists() | {"description": "Lists of values side by side, as many of each."},
+        "grid": _lists() | {"description": "Lists of values; every combination is a point."},
+        "zip": _lists() | {"description": "Lists of equal length, in parallel."},
     }
-    return _table(described) | {"description": "Many runs from one file: what varies between them."}
+    return _table(described) | {"description": "Many runs from one file: the values that vary."}
 
 
 def _lists() -> dict[str, Any]:

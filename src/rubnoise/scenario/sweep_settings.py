@@ -18,32 +18,33 @@ Keep = Literal["runs", "summary"]
 
 
 class Sweeping(Section):
-    """Many runs from one file; what varies between them stands in `[sweep.grid]` and `[sweep.zip]`."""
+    """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary."""
 
     replicates: Annotated[
         int,
         Number(Range(1, limits.SWEEP_RUNS), whole=True),
         About(
-            description=f"Runs of each point, each with a seed; with a precision the first so many, {FEWEST} or more."
+            description=f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or "
+            "more."
         ),
     ] = 1
     keep: Annotated[
         str,
         Choice(("runs", "summary")),
-        About(description="runs: a result file of each run; summary: its figures and curves, without traces."),
+        About(description="runs: a result file for each run; summary: only its figures and curves, without traces."),
     ] = "runs"
     precision: Annotated[
         float | None,
         Number(Range(1e-6, 1.0)),
-        About(description="Relative standard error of the quantity's mean to which runs are added to each point."),
+        About(description="Target for the relative standard error of the quantity's mean; runs are added to meet it."),
     ] = None
     quantity: Annotated[
-        str, Choice(tuple(QUANTITIES)), About(description="The figure of a run that shall be so precise.")
+        str, Choice(tuple(QUANTITIES)), About(description="The figure of a run that must reach this precision.")
     ] = "real_contact_area_std"
     most_replicates: Annotated[
         int,
         Number(Range(FEWEST, limits.SWEEP_RUNS), whole=True),
-        About(description="Runs of a point at most, also where the precision is not met."),
+        About(description="Most runs of a point, even if it does not reach the precision."),
     ] = 1000
 
 
@@ -94,11 +95,11 @@ def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]
     if values["precision"] is None:
         for key in _ONLY_WITH_PRECISION:
             if key in table:
-                yield _problem(layers, key, "there is no precision that it could be about", "add precision = 0.01")
+                yield _problem(layers, key, "needs a precision", "add precision = 0.01")
         return
     if "replicates" in table and values["replicates"] < FEWEST:
         hint = f"replicates = {FEWEST}, or leave it out"
-        yield _problem(layers, "replicates", "too few for their scatter to say how precise they are", hint)
+        yield _problem(layers, "replicates", "too few to estimate the precision", hint)
     if values["replicates"] > values["most_replicates"]:
         hint = f"most_replicates = {values['replicates']} or more"
         yield _problem(layers, "most_replicates", "fewer than the replicates to begin with", hint)

@@ -16,10 +16,10 @@ from rubnoise.scenario.sweep_settings import Sweeping
 
 WIDTH: Final = 100
 HEADING: Final = """\
-# A rubnoise scenario: TOML. Values with a unit are texts, numbers without one are numbers.
-# A line that begins with # does nothing; take the # away to set an optional key. Every value that is
-# set and not called needed is the default, and its line may go."""
-EXTENDS: Final = "A scenario file to build on, relative to this one; what is set here is set on top."
+# A rubnoise scenario in TOML. Write a quantity as a text with its unit, and a plain number as a number.
+# A line that begins with # is a comment; remove the # to set an optional key. A key marked "Needed." is
+# required. All other values are defaults, and you may delete their lines."""
+EXTENDS: Final = "A scenario file to extend, relative to this one; keys in this file replace its keys."
 
 SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("interface", "mean_real_contact_area"): "200 um^2",
@@ -40,11 +40,11 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
 }
 """A sensible value for every key that has no default: the contact of the paper's Figure 5."""
 
-VARIED: Final = "Each value of a key goes with each one of the others; lists of [sweep.zip] go side by side."
+VARIED: Final = "Each value of a key is combined with each value of the others; lists of [sweep.zip] go in parallel."
 
 REMARKS: Final[dict[tuple[str, str], str]] = {
-    ("slider", "damping_ratio"): "In place of damping.",
-    ("slider", "tolerance"): "For two-way coupling alone.",
+    ("slider", "damping_ratio"): "Instead of damping.",
+    ("slider", "tolerance"): "Only for two-way coupling.",
 }
 
 
@@ -62,7 +62,7 @@ def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
     """Yield a table; one that may be left out is a comment as a whole."""
     optional = Document.model_fields[name].default is None
     text = " ".join((section.__doc__ or "").split())
-    yield from _comment(f"{text} Optional, as a whole." if optional else text)
+    yield from _comment(f"{text} This table is optional." if optional else text)
     yield f"{'#' if optional else ''}[{name}]"
     for key, about in section.model_fields.items():
         value = _value(name, key, about)
@@ -71,7 +71,7 @@ def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
 
 def _sweep() -> Iterator[str]:
     """Yield the table that makes the file stand for many runs, as a comment with an example of what varies."""
-    yield from _comment(f"{Sweeping.__doc__} Optional, as a whole; `rubnoise sweep` makes the runs.")
+    yield from _comment(f"{Sweeping.__doc__} This table is optional; `rubnoise sweep` makes the runs.")
     yield f"#[{SWEEP}]"
     for key, about in Sweeping.model_fields.items():
         yield from _key(key, _value(SWEEP, key, about), about, off=True)

@@ -13,6 +13,7 @@ from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.draws import BlockBirths, blocks_together, draw_blocks
 from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.panels import LARGEST_PANEL, Panel, panels
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
@@ -63,6 +64,7 @@ class Run:
     play: Play
     together: bool
     watch: Watch | None = None
+    telling: Telling | None = None
     room: Room = field(default_factory=partial(Room, ROOM))
 
 
@@ -125,7 +127,7 @@ def _motion(run: Run, state: State, constants: Propagator) -> SliderMotion:
 def _two_way(run: Run, state: State) -> "TwoWayMotion":
     from rubnoise.simulation.two_way import TwoWayMotion  # which few runs need, and which takes long to load
 
-    return TwoWayMotion(run.model, run.seed, run.sink, run.room, state)
+    return TwoWayMotion(run.model, run.seed, run.sink, run.room, state, run.telling)
 
 
 def _moving(

@@ -67,12 +67,13 @@ def simulate(
     The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
     between two blocks. ``state``: go on from here instead of from the start; ``intervene``: a SimPy process of the
     caller's beside those of the contact, begun where the run begins or goes on; ``observe``: is told of births,
-    mid-lives, deaths; ``watch``: is told after each panel; ``commit``: is handed the state after each block, or after
-    some that are played together, from which the run could go on; ``alone``: none are played together. Raises Refused
-    as `check_guests` does.
+    mid-lives, deaths and landmarks; ``watch``: is told after each panel; ``commit``: is handed the state after each
+    block, or after some that are played together, from which the run could go on; ``alone``: none are played together.
+    Raises Refused as `check_guests` does.
     """
     check_guests(model, engine, observe, intervene)
-    play = _play(model, engine, observe, intervene)
+    telling = None if observe is None else Telling(observe, two_way=model.is_two_way)
+    play = _play(model, engine, telling if observe is not None and observe.of_lives else None, intervene)
     run = Run(
         model=model,
         seed=seed,
@@ -81,6 +82,7 @@ def simulate(
         play=play,
         together=not alone,
         watch=watch,
+        telling=telling,
     )
     state = start(model, seed) if state is None else state
     with _collecting_by_blocks() as collect:
@@ -110,8 +112,8 @@ def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
 def check_guests(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
     """Refuse an observer or an intervention that is none, and either of them where there are no events.
 
-    An intervention is refused in a two-way run, too: where a life is cut short the force jumps, and what a slider that
-    stands there does next is not decided.
+    Landmarks, which only a two-way slider has, are told with either engine. An intervention is refused in a two-way
+    run, too: where a life is cut short the force jumps, and what a slider that stands there does next is not decided.
     """
     if observe is not None and not isinstance(observe, Observer):
         raise Refused(f"observe: {observe!r} is no Observer; rubnoise.Observer(birth=...) makes one of functions")
@@ -122,19 +124,26 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
             "intervene: where an intervention ends a life the force jumps, and the motion of a two-way slider is not"
             ' decided there; slider.coupling = "one-way" takes interventions'
         )
+    motion = () if observe is None else observe.of_motion
+    if motion and not model.is_two_way:
+        raise Refused(
+            f"observe: {motion[0]}: only a slider that pushes back sticks, breaks away and turns round;"
+            ' slider.coupling = "two-way" makes it one'
+        )
+    hears_of_lives = observe is not None and (observe.of_lives or not motion)
     for asked, what in (
-        (intervene, "intervene: an intervention is a process among events"),
-        (observe, "observe: an observer hears of events"),
+        (intervene is not None, "intervene: an intervention is a process among events"),
+        (hears_of_lives, "observe: births, mid-lives and deaths are events"),
     ):
-        if asked is not None and engine != "events":
+        if asked and engine != "events":
             raise Refused(f'{what}: it needs the engine "events", not "{engine}"')
 
 
-def _play(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> Play:
+def _play(model: Model, engine: Engine, telling: Telling | None, intervene: Intervention | None) -> Play:
     if engine == "batch":
         return play_at_once
     return partial(
         play_block,
         intervening=None if intervene is None else Intervening(intervene, model.pulse),
-        telling=None if observe is None else Telling(observe),
+        telling=telling,
     )

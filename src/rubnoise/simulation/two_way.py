@@ -5,8 +5,10 @@ that come after it wait, too. Those that wait are carried from block to block.
 """
 
 import struct
+from collections.abc import Iterator
 from dataclasses import fields, replace
 from functools import partial
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -21,6 +23,7 @@ from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.state import Doubles, LiveRows, State
 
 _HEADER: Final = struct.Struct("<qqq")
@@ -29,14 +32,19 @@ _HEADER: Final = struct.Struct("<qqq")
 class TwoWayMotion:
     """A two-way slider on its way through a block, and the rows of /junctions that wait for it."""
 
-    def __init__(self, model: Model, seed: int, sink: Sink, room: Room, state: State) -> None:
-        """Go on from a state; ``room`` is for the moments of the field."""
-        self._model, self._sink = model, sink
-        numbers = self._constants = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
+    def __init__(
+        self, model: Model, seed: int, sink: Sink, room: Room, state: State, telling: Telling | None = None
+    ) -> None:
+        """Go on from a state; ``room`` is for the moments of the field, ``telling`` for whom there is an observer."""
+        self._model, self._sink, self._telling = model, sink, telling
+        numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
         landmarks, self._written, self._waiting, self._times, motion = _unpacked(state.two_way)
         if motion is None:
             motion = CoupledState.start(model, numbers, start(model, seed).live)
             self._write_junctions(LiveRows.none(), self._times)
+        self._constants = numbers
+        if telling is not None:
+            telling.resume_motion(self._waiting, self._times, motion.distance(numbers), state.begin)
         self._motion = CoupledMotion(model, numbers, motion, room, partial(lived, model, seed))
         self._slider = Appender(sink, "slider", state.slider_rows)
         self._landmarks = Appender(sink, "landmarks", landmarks)
@@ -56,15 +64,14 @@ class TwoWayMotion:
         born = replace(born, departure=np.full(len(born), np.inf))
         self._waiting = self._waiting.then(born)
         self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
-        try:
-            before = self._motion.finished
-            for told in self._motion.through(born, known):
-                self._write(told)
-            if self._motion.finished and not before:
-                self._sink.write("balance", 0, self._balance())
-        except ArithmeticError as problem:
-            raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
+        before = self._motion.finished
+        for told in self._moved(born, known):
+            self._write(told)
+        if self._motion.finished and not before:
+            self._sink.write("balance", 0, self._balance())
         self._write_known()
+        if self._telling is not None:
+            self._telling.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
 
     def pack(self) -> bytes:
         """Return as bytes what the next block goes on from."""
@@ -73,6 +80,12 @@ class TwoWayMotion:
         header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting))
         return header + waiting + self._motion.state.pack()
 
+    def _moved(self, born: LiveRows, known: float) -> Iterator[Told]:
+        try:
+            yield from self._motion.through(born, known)
+        except ArithmeticError as problem:
+            raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
+
     def _write(self, told: Told) -> None:
         self._slider.append(told.slider)
         count = told.landmarks["time"].size
@@ -80,6 +93,8 @@ class TwoWayMotion:
         self._landmarks.append({"landmark": number, **told.landmarks})
         for times, (junction, time) in zip(self._times, (told.births, told.deaths), strict=True):
             times[junction - self._written] = time
+        if self._telling is not None:
+            self._telling.landmarks(told.landmarks)
 
     def _balance(self) -> dict[str, Doubles]:
         """Return the row of /balance: the end of the run, and what has been summed up from its start to there."""

@@ -21,7 +21,7 @@ class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
 
     def __str__(self) -> str:
         """Say so."""
-        return f"{super().__str__()} is on the disk not what was written"
+        return f"{super().__str__()} on disk differs from what was written"
 
 
 def create(path: Path) -> int:

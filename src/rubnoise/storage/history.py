@@ -72,7 +72,7 @@ class History:
         if frame.kind == "run":
             told = json.loads(frame.content)
             if told["version"] != VERSION:
-                raise RunFileRefused(f"{path}: of version {told['version']}; this one goes on from version {VERSION}")
+                raise RunFileRefused(f"{path}: has version {told['version']}; this rubnoise resumes version {VERSION}")
             self.run, self.columns, self.begun = told["run"], tuple(map(tuple, told["columns"])), frame.end
         elif frame.kind == "rows":
             self.commits.append(_unpacked(frame, self.columns))

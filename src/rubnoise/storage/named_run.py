@@ -30,4 +30,4 @@ def name_of(file: Reader) -> str:
     try:
         return run_id(build(json.loads(str(file.provenance["scenario_resolved"]))))
     except (ValueError, RecursionError, AttributeError, TypeError, Refused) as problem:
-        raise RunFileRefused(f"{file.path}: the scenario in the file is none that can be run") from problem
+        raise RunFileRefused(f"{file.path}: the scenario in the file is not valid") from problem

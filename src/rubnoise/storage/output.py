@@ -190,7 +190,7 @@ def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
     if _mode(paths.final) is not None:
         raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
     if not unfinished and _mode(paths.part) is not None:
-        raise OutputRefused(f"{paths.part}: of a run that goes on or was stopped (--force replaces a stopped one)")
+        raise OutputRefused(f"{paths.part}: belongs to a running or stopped run (--force replaces a stopped one)")
 
 
 def _reason(problem: Exception) -> str:

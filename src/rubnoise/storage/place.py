@@ -57,7 +57,7 @@ def between(columns: Iterable[Place], size: int) -> tuple[range, ...]:
     found, start = [], 0
     for column in sorted((column for column in columns if column.rows), key=lambda column: column.offset):
         if not start <= column.offset <= column.end <= size:
-            raise RunFileRefused("has columns that lie over one another")
+            raise RunFileRefused("has overlapping columns")
         found.append(range(start, column.offset))
         start = column.end
     return tuple(place for place in [*found, range(start, size)] if place)

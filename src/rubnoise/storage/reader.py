@@ -280,7 +280,7 @@ def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[s
     try:
         found: dict[str, Any] = json.loads(_answer(descriptor, look, own=own))
     except (ValueError, RecursionError) as problem:
-        raise RunFileRefused(f"damaged: its structure cannot be told; {REMEDY}") from problem
+        raise RunFileRefused(f"damaged: its structure cannot be read; {REMEDY}") from problem
     if "refused" in found:
         raise (Unseen if found.get("unseen") else RunFileRefused)(found["refused"])
     return found

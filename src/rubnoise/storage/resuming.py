@@ -112,7 +112,7 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
     except RunFileRefused:
         of_another = False
     if of_another:
-        raise RunFileRefused(f"{paths.journal}: is of another run than the part file beside it (--force starts over)")
+        raise RunFileRefused(f"{paths.journal}: belongs to another run than the part file (--force starts over)")
     with refusing(paths.part), ExitStack() as opened:
         part = disk.reopen(paths.part)
         opened.callback(disk.close, part)

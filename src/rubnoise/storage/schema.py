@@ -1,9 +1,11 @@
 """Every dataset of a result file, written once: name, type, unit and meaning. Data only."""
 
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Final, Literal
 
 from rubnoise.contact.pulses import PULSES
+from rubnoise.record.rows import LandmarkKind, Phase
 
 Feature = Literal["speed", "strength", "slider", "two-way"]
 """What a scenario may add to the bare contact: times, forces, the motion of a slider, and that it pushes back."""
@@ -64,6 +66,10 @@ class Group:
     needs: Feature | None = None
     grows: bool = False
     added: bool = False
+
+
+def _values(numbers: type[IntEnum]) -> tuple[tuple[int, str], ...]:
+    return tuple((number.value, number.name.lower()) for number in numbers)
 
 
 JUNCTIONS: Final = Group(
@@ -131,7 +137,7 @@ SLIDER: Final = Group(
             symbol="phase",
             long_name="how the slider moves over the surface",
             needs="two-way",
-            values=((0, "slip"), (1, "stick"), (2, "reversal")),
+            values=_values(Phase),
         ),
     ),
 )
@@ -153,7 +159,7 @@ LANDMARKS: Final = Group(
             units="1",
             symbol="kind",
             long_name="what the slider begins",
-            values=((0, "stick"), (1, "slip"), (2, "reversal"), (3, "forward")),
+            values=_values(LandmarkKind),
         ),
         Column(name="displacement", units="um", symbol="x", long_name="displacement of the slider"),
         Column(name="velocity", units="um/s", symbol="x'", long_name="velocity of the slider"),

@@ -72,7 +72,7 @@ def _version(file: h5py.File) -> int:
         raise RunFileRefused("is an HDF5 file, but not one of rubnoise")
     version = read_integer(file, "format_version")
     if version < 1:
-        raise RunFileRefused(f"has format version {version}, which never was")
+        raise RunFileRefused(f"has format version {version}, which does not exist")
     return version
 
 

@@ -44,7 +44,7 @@ def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
     """Return the names that go with a part file; raises RunFileRefused for one that is named otherwise or missing."""
     path = Path(part)
     if path.suffix != SUFFIX or not path.stem:
-        raise RunFileRefused(f"{part}: is no run that did not finish: their names end in {SUFFIX}")
+        raise RunFileRefused(f"{part}: is not an unfinished run: their names end in {SUFFIX}")
     try:
         path.lstat()
     except OSError as problem:
@@ -87,5 +87,5 @@ def _history(journal: Path) -> History:
 
 def refusal(path: str | os.PathLike[str]) -> Refused:
     """Return what to raise where a whole result is wanted and the run did not finish."""
-    hint = f"; {resume_hint(str(path))} with it" if Path(path).suffix == SUFFIX else ""
+    hint = f"; {resume_hint(str(path))}" if Path(path).suffix == SUFFIX else ""
     return RunFileRefused(f"{path}: unfinished{hint}")

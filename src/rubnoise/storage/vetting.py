@@ -118,7 +118,7 @@ def _outcome(child: int, receiving: int, deadline: float) -> bytes:
     if answer is None:
         return _refusal("reading its structure takes more time or memory than that of any run", unseen=True)
     if os.WIFSIGNALED(status) and os.WTERMSIG(status) in FROM_OUTSIDE:
-        return _refusal("whoever read its structure was killed; try again", unseen=True)
+        return _refusal("the process that read its structure was killed; try again", unseen=True)
     return answer if status == 0 else _refusal(f"damaged: HDF5 {_end(status)} on its structure; {REMEDY}")
 
 

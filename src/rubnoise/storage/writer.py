@@ -227,7 +227,7 @@ class RunWriter:
     def _failed(self, reason: str) -> str:
         text = f"{self._paths.final}: writing failed: {reason}"
         if self._keep_part:
-            text += f"; when that is mended, {resume_hint(f'{self._path}{SUFFIX}')}"
+            text += f"; after you fix this, {resume_hint(f'{self._path}{SUFFIX}')}"
         return text
 
 

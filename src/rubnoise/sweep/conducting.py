@@ -24,7 +24,7 @@ class SweepStopped(RunStopped):
 
     def __str__(self) -> str:
         """Say that it can be gone on with."""
-        return "stopped by a signal; what is done is kept, and the same command goes on from here"
+        return "stopped by a signal; finished runs are kept, and the same command resumes the sweep"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -163,7 +163,7 @@ class Course(Generic[Result]):
         try:
             attempt = future.result()
         except CancelledError as problem:
-            raise WorkLost("the scheduler is gone; the same command goes on from here") from problem
+            raise WorkLost("the scheduler is gone; the same command resumes the sweep") from problem
         except Exception as problem:  # noqa: BLE001  (whatever it says, the worker did not come back)
             yield from self._lost(points, problem)
             return

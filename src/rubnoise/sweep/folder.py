@@ -141,7 +141,7 @@ class SweepFolder:
         except (ValueError, RecursionError) as problem:
             raise OutputRefused(f"{self.manifest}: cannot be read: {problem}") from problem
         if not isinstance(kept, dict) or kept.get("format") != FORMAT:
-            raise OutputRefused(f"{self.manifest}: is none of rubnoise")
+            raise OutputRefused(f"{self.manifest}: is not a file of rubnoise")
         if kept.get("format_version") != FORMAT_VERSION:
             raise OutputRefused(f"{self.manifest}: is of format version {kept.get('format_version')}, not 1")
         return dict(kept)
@@ -163,7 +163,7 @@ class SweepFolder:
         if above == self.root and not os.access(above, os.R_OK):
             raise OutputRefused(f"{above}: the folder is not readable")
         if above == self.root and not self.manifest.exists() and any(self._strangers()):
-            raise OutputRefused(f"{self.root}: holds other things; a sweep needs a folder of its own")
+            raise OutputRefused(f"{self.root}: is not a sweep folder, and not empty; name another folder")
 
     def _strangers(self) -> Iterator[Path]:
         """Yield what was not left by a sweep that was stopped before it had said what it is."""
@@ -191,7 +191,7 @@ class SweepFolder:
                     with _locked(self.root / f".shard-{shard.number}-of-{shard.count}.lock"):
                         yield
         except lock.Held as busy:
-            raise OutputRefused(f"{self.root}: another process is at work on this sweep") from busy
+            raise OutputRefused(f"{self.root}: another process is running this sweep") from busy
 
 
 @contextmanager

@@ -81,7 +81,7 @@ def weak_motion(model: Model) -> Response:
     """
     found = coupling(model)
     if found.unknown is not None:
-        raise Refused(f"the motion of a two-way slider is known for weak coupling alone: {found.unknown}")
+        raise Refused(f"no theory has the motion here, since this slider pushes back: {found.unknown}")
     drive, one_way = drive_of(model), response(model)
     velocity = one_way.velocity_std * found.expected_change
     excess = drive.slider.damping * velocity * velocity / drive.speed

@@ -61,7 +61,7 @@ class Distribution:
         """
         p = np.asarray(probability, dtype=np.float64)
         if not np.all((p >= 0.0) & (p <= 1.0)):
-            raise Refused("a quantile is asked for at probabilities from 0 to 1")
+            raise Refused("a quantile needs probabilities from 0 to 1")
         low, high = np.zeros_like(p), np.full_like(p, self.windows[-1].end)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)

@@ -66,7 +66,7 @@ def panels_of_half_a_life(drive: Drive, diameter: float) -> int:
     """Return how many panels follow a slider up to a junction's mid-life; raises Refused where they are too many."""
     count = ceil(0.5 * pi * free_motion(drive.slider).fastest * diameter / drive.speed / _PHASE)
     if count > _MOST:
-        raise Refused("the slider swings too often within one junction's life for its level crossings to be worked out")
+        raise Refused("the slider swings too often within one junction's life to compute its level crossings")
     return max(_FEWEST, count)
 
 

@@ -102,15 +102,15 @@ def zero_share(model: Model) -> ZeroShare:
     lags, weights = lag_rule(model)
     empty = exp(-alive)
     excess = np.exp(_lives_left(model, lags) - alive) - empty
-    variance = empty * float(weights @ excess)
-    if variance <= 0.0:
+    per_empty = float(weights @ excess)
+    if empty * per_empty <= 0.0:
         return ZeroShare(expected=empty, standard_error=0.0, skewness=0.0)
     pairs = 0.5 * (ticks * float(weights @ excess) - 1.0)
     first = 0.5 * ticks * float(weights @ (excess * lags)) / model.tick
-    third = 6.0 * empty * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
-    return ZeroShare(
-        expected=empty, standard_error=sqrt(variance), skewness=third / (ticks**2 * variance * sqrt(variance))
-    )
+    # Both the third cumulant and the variance over p: of a dense contact p^1.5 is below the smallest number.
+    third = 6.0 * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
+    error = sqrt(empty * per_empty)
+    return ZeroShare(expected=empty, standard_error=error, skewness=third / (ticks**2 * per_empty * error))
 
 
 def _lives_left(model: Model, lag: Doubles) -> Doubles:

@@ -61,7 +61,7 @@ class Findings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """A run beside the theory of its scenario, part by part.
+    """A run compared with the theory of its scenario, part by part.
 
     ``bound`` is the largest |z| that a right run may have; ``by_family`` says that it is the one which all figures keep
     together, and not one that was asked for.

@@ -1,4 +1,4 @@
-"""The slider's motion beside its exact response, from where its start is forgotten."""
+"""The slider's motion beside its exact response, or the law of weak coupling, from where its start is forgotten."""
 
 from dataclasses import replace
 from math import hypot, inf, log
@@ -14,6 +14,7 @@ from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
+from rubnoise.theory.coupling import weak_motion, weak_motion_errors
 from rubnoise.theory.drive import drive_of
 from rubnoise.theory.motion_errors import motion_errors
 from rubnoise.theory.random_births import need_random_births
@@ -38,15 +39,13 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
     """Return mean and std of displacement and std of velocity; nothing without a slider.
 
     The record begins where the start has fallen to a thousandth of the spread, and the contact is stationary.
-    Raises Refused where theory has no response for the model, or no errors.
+    Of a slider that pushes back it is known while coupling is weak. Raises Refused where theory has no motion for the
+    model, or no errors.
     """
     if model.slider is None:
         return []
-    if model.is_two_way:
-        reason = "the exact motion is that of one-way coupling, and this slider pushes back"
-        return [LeftOut(name="displacement", reason=reason)]
     need_random_births(model, "the standard error of a slider's motion")
-    speed, exact = drive_of(model).speed, response(model)
+    speed, exact = drive_of(model).speed, weak_motion(model) if model.is_two_way else response(model)
     if model.slider.damping == 0.0:
         return [LeftOut(name="displacement", reason="a slider without damping never forgets its start")]
     first = first_tick(model, exact)
@@ -85,7 +84,8 @@ def _read(rows: Rows, begin: float) -> tuple[Moments, Moments]:
 
 def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> list[Finding]:
     length = place.count * model.tick
-    errors = motion_errors(replace(model, start="stationary", distance=length), length)
+    stretch = replace(model, start="stationary", distance=length)
+    errors = (weak_motion_errors if model.is_two_way else motion_errors)(stretch, length)
     # A junction pushes with psi d^3, and leaves the energy of as much motion.
     push, energy = tail_of(model, length, 3, 1), tail_of(model, length, 6, 2)
     return [

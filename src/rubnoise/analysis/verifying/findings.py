@@ -58,5 +58,5 @@ class Verification:
 
     @property
     def values(self) -> int:
-        """How many values were looked at in all checks together."""
+        """How many values checked in all checks together."""
         return sum(check.values for check in self.checks)

@@ -1,4 +1,4 @@
-"""Taking notes while columns pass by: how many values were looked at, how many differ, and where the first one is."""
+"""Taking notes while columns pass by: how many values checked, how many differ, and where the first one is."""
 
 from typing import Any
 

@@ -10,18 +10,13 @@ from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import panels
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
-
-SLIP, STUCK, REVERSED = 0, 1, 2
-"""Phases in /slider."""
-
-STICK, BREAKAWAY, REVERSAL, FORWARD = 0, 1, 2, 3
-"""Kinds in /landmarks."""
+from rubnoise.record.rows import LandmarkKind, Phase
 
 FOLLOWS: Final = {
-    STICK: (BREAKAWAY,),
-    BREAKAWAY: (STICK, REVERSAL),
-    REVERSAL: (STICK, FORWARD),
-    FORWARD: (STICK, REVERSAL),
+    LandmarkKind.STICK: (LandmarkKind.SLIP,),
+    LandmarkKind.SLIP: (LandmarkKind.STICK, LandmarkKind.REVERSAL),
+    LandmarkKind.REVERSAL: (LandmarkKind.STICK, LandmarkKind.FORWARD),
+    LandmarkKind.FORWARD: (LandmarkKind.STICK, LandmarkKind.REVERSAL),
 }
 """What may come after a landmark: a stick ends in a breakaway alone, and a reversal in a stick or forward."""
 
@@ -45,14 +40,15 @@ def _rows_check(model: Model, slider: Slider, speed: float, rows: Rows) -> Check
         travelled = speed * time - (place - model.equilibrium_displacement)
         allowed = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
         notes.near("/slider/distance", panel.first, panel["distance"], travelled, allowed)
-        notes.holds("/slider/phase", panel.first, phase, phase <= REVERSED, "0, 1 or 2")
-        stuck, off = phase == STUCK, SHARE * max(_largest(velocity), speed) + loose
-        right = np.select([stuck, phase == SLIP], [velocity == speed, velocity <= speed + off], velocity >= speed - off)
+        notes.holds("/slider/phase", panel.first, phase, phase <= Phase.REVERSAL, "0, 1 or 2")
+        stuck, off = phase == Phase.STICK, SHARE * max(_largest(velocity), speed) + loose
+        of_phase = [velocity == speed, velocity <= speed + off]
+        right = np.select([stuck, phase == Phase.SLIP], of_phase, velocity >= speed - off)
         notes.holds("/slider/velocity", panel.first, velocity, right, "what the phase says beside the drive's speed")
         force = panel["friction_force"]
         held = np.where(stuck, slider.stiffness * place + slider.damping * speed, force)
         notes.near("/slider/friction_force", panel.first, force, held, SHARE * _largest(force))
-        signs = stuck | np.where(phase == REVERSED, force <= 0.0, force >= 0.0)
+        signs = stuck | np.where(phase == Phase.REVERSAL, force <= 0.0, force >= 0.0)
         notes.holds("/slider/friction_force", panel.first, force, signs, "against the motion over the surface")
     return notes.check()
 
@@ -73,15 +69,15 @@ def _landmarks_check(slider: Slider, speed: float, rows: Rows) -> Check:
         for each, after in FOLLOWS.items():
             turns |= (what == each) & np.isin(kind, after)
         if before is None:
-            turns[:1] = np.isin(kind[:1], (STICK, REVERSAL))
+            turns[:1] = np.isin(kind[:1], FOLLOWS[LandmarkKind.SLIP])
         notes.holds("/landmarks/kind", panel.first, panel["kind"], turns, "a kind that may follow the one before it")
-        ends = kind == BREAKAWAY
+        ends = kind == LandmarkKind.SLIP
         notes.near("/landmarks/distance", panel.first, distance, np.where(ends, there, distance), 0.0)
         ridden = np.where(ends, begin + speed * (time - since), place)
         rounded = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
         notes.near("/landmarks/displacement", panel.first, place, ridden, rounded)
         force = panel["force_after"]
-        held = np.where((kind == STICK) | ends, slider.stiffness * place + slider.damping * speed, force)
+        held = np.where((kind == LandmarkKind.STICK) | ends, slider.stiffness * place + slider.damping * speed, force)
         # Where w and w' are 0 at once, which of two equal forces acts is decided within the tolerance.
         allowed = max(SHARE, 10.0 * slider.tolerance) * _largest(force)
         notes.near("/landmarks/force_after", panel.first, force, held, allowed)

@@ -95,7 +95,7 @@ def _scale_and_exponent(mean: float, std: float) -> tuple[float, float]:
 
 ENTRY = Entry(
     name="weibull",
-    about="as the weakest of many has it",
+    about="the weakest of many parts",
     make=lambda centre, std, _own: Weibull(mean=centre, std=std),
     moment=lambda centre, std, _own, n: weibull_moment(centre, std, n),
 )

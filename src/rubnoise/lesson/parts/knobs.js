@@ -17,7 +17,9 @@
   const CHOICES = [
     ['births', 'births', { poisson: 'at random (Poisson)', regular: 'regular' }],
     ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)' }],
+    ['coupling', 'coupling', { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' }],
   ];
+  const OF_CONTACT = 2; // choices that stand among the knobs of the contact
   const knobs = { inputs: {} };
 
   /* Sliders run over the logarithm, but for one that begins at 0. */
@@ -75,11 +77,14 @@
   /** Make the knobs. */
   knobs.begin = (place) => {
     place.innerHTML =
-      KNOBS.slice(0, 3).map(markup).join('') + CHOICES.map(choiceMarkup).join('') + KNOBS.slice(3).map(markup).join('');
+      KNOBS.slice(0, 3).map(markup).join('') +
+      CHOICES.slice(0, OF_CONTACT).map(choiceMarkup).join('') +
+      KNOBS.slice(3).map(markup).join('') +
+      CHOICES.slice(OF_CONTACT).map(choiceMarkup).join('');
     KNOBS.forEach(connect);
     for (const [key] of CHOICES) {
       const choice = document.getElementById(`knob-${key}`);
-      choice.addEventListener('change', () => rub.set({ [key]: choice.value }));
+      choice.addEventListener('change', () => rub.set({ [key]: choice.value }, { restart: key !== 'coupling' }));
     }
     const seed = document.getElementById('knob-seed');
     seed.addEventListener('change', () => rub.set({ seed: Math.floor(Number(seed.value)) }) || knobs.show());

@@ -5,7 +5,7 @@
 
   /** How far a lesson has been taken. */
   const STEPS = { asked: 0, predicted: 1, run: 2, passed: 3 };
-  const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', '': '' };
+  const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', s: 's', '': '' };
 
   /** Return a number as it is said: four digits, no more. */
   function say(value) {
@@ -37,6 +37,7 @@
     births: 'poisson',
     pulse: 'lens',
     calibration: 'matched',
+    coupling: 'one-way',
     ...values,
   });
 
@@ -57,24 +58,36 @@
 
   /** Return what is known of a lesson that nobody has begun: no prediction, no stake, no check answered. */
   function fresh() {
-    return { step: STEPS.asked, said: '', stake: 0, right: {} };
+    return { step: STEPS.asked, said: '', stake: 0, right: {}, further: { step: STEPS.asked, said: '' } };
   }
 
-  /** Return the prediction of a lesson that was chosen, or undefined where none was or the teacher skipped it. */
-  function saidOption(index) {
-    return list[index].prediction.options.find((option) => option.id === state.lessons[index].said);
-  }
+  /** Return the option of a prediction that was chosen, or undefined where none was or the teacher skipped it. */
+  const chosen = ({ prediction }, { said }) => prediction.options.find((option) => option.id === said);
 
-  /** Return progress as text: for each lesson its step, its prediction as a letter (z: skipped) and its stake. */
+  /**
+   * Return progress as text: for each lesson its step, its prediction as a letter (z: skipped) and its stake; then, of
+   * a lesson that goes further, that prediction as a capital letter, and r where its experiment has been run.
+   */
   function written() {
-    return state.lessons.map((each, i) => `${each.step}${letterOf(i)}${each.stake || ''}`).join('.');
+    return state.lessons.map((each, i) => `${stepOf(each, list[i])}${furtherOf(each, list[i])}`).join('.');
   }
 
-  function letterOf(index) {
-    const { said } = state.lessons[index];
+  const stepOf = (known, lesson) => `${known.step}${letterOf(lesson, known)}${known.stake || ''}`;
+
+  function furtherOf({ further: known }, { further }) {
+    if (!further) return '';
+    return `${letterOf(further, known).toUpperCase()}${known.step >= STEPS.run ? 'r' : ''}`;
+  }
+
+  function letterOf({ prediction }, { said }) {
     if (said === 'skipped') return 'z';
-    const place = list[index].prediction.options.findIndex((option) => option.id === said);
+    const place = prediction.options.findIndex((option) => option.id === said);
     return place < 0 ? '' : String.fromCharCode(97 + place);
+  }
+
+  /** Return the prediction that a letter stands for. */
+  function saidBy({ prediction }, letter) {
+    return letter === 'z' ? 'skipped' : (prediction.options[letter ? letter.charCodeAt(0) - 97 : -1]?.id ?? '');
   }
 
   /** Take progress from text; what does not fit is left as it was. */
@@ -83,21 +96,30 @@
       .split('.')
       .slice(0, list.length)
       .forEach((part, i) => {
-        const found = /^([0-3])([a-z]?)(\d{0,2})$/.exec(part);
+        const found = /^([0-3])([a-z]?)(\d{0,2})([A-Z]?)(r?)$/.exec(part);
         if (!found) return;
-        const [, step, letter, stake] = found;
-        const option = list[i].prediction.options[letter ? letter.charCodeAt(0) - 97 : -1];
-        const said = letter === 'z' ? 'skipped' : (option?.id ?? '');
+        const [, step, letter, stake, capital, ran] = found;
+        const said = saidBy(list[i], letter);
         state.lessons[i] = { ...fresh(), step: said ? Number(step) : 0, said, stake: Math.min(10, Number(stake)) };
+        if (list[i].further) takeFurther(state.lessons[i].further, saidBy(list[i].further, capital.toLowerCase()), ran);
       });
+  }
+
+  function takeFurther(known, said, ran) {
+    Object.assign(known, { said, step: said ? (ran ? STEPS.run : STEPS.predicted) : STEPS.asked });
   }
 
   /** Read the open lesson and the progress from the page's address; return whether it names a lesson. */
   function recall() {
     const open = list.findIndex((lesson) => lesson.id === rub.fragment('lesson'));
-    state.open = Math.max(0, open);
+    state.open = open >= 0 ? open : first();
     take(rub.fragment('progress') ?? '');
     return open >= 0;
+  }
+
+  /* A scenario whose slider pushes back is about the lesson that has this. */
+  function first() {
+    return rub.given.coupling === 'two-way' ? list.findIndex((lesson) => lesson.further) : 0;
   }
 
   /** Write the open lesson and the progress to the page's address, beside the settings. No storage is used. */
@@ -125,7 +147,7 @@
     words,
     add,
     fresh,
-    saidOption,
+    chosen,
     written,
     recall,
     remember,

@@ -140,13 +140,14 @@
       make('summary', { text: 'Show the law' }),
       make('div', { id: 'lesson-law-text' }),
     );
-    return part('law', 'The law', locked, make('p', { id: 'lesson-said', html: comparison(index) }), details);
+    const said = comparison(lesson, state.lessons[index]);
+    return part('law', 'The law', locked, make('p', { id: 'lesson-said', html: said }), details);
   }
 
   /** Return the prediction beside what is right. */
-  function comparison(index) {
-    const option = lessons.saidOption(index);
-    const truth = list[index].prediction.options.find((each) => each.right);
+  function comparison(lesson, known) {
+    const option = lessons.chosen(lesson, known);
+    const truth = lesson.prediction.options.find((each) => each.right);
     if (!option) return `What is right: <em>${truth.text}</em>.`;
     if (option.right) return `You expected: <em>${option.text}</em>. So it is.`;
     return `You expected: <em>${option.text}</em>. What is right: <em>${truth.text}</em>.`;
@@ -249,10 +250,11 @@
       experiment(lesson, index),
       law(lesson, index),
       checks(lesson, index),
+      ...lessons.further(lesson, index),
       make('p', { class: 'lesson-verdict', id: 'lesson-end', role: 'status' }),
       footer(index),
     );
   }
 
-  lessons.page = { make, contents, article, seenTable };
+  lessons.page = { make, part, radio, comparison, checkForm, contents, article, seenTable };
 })();

@@ -29,7 +29,8 @@
     const lesson = list[state.open];
     const exact = rub.exact();
     fill('#lesson-law-text', () => lesson.law(exact, rub.world));
-    lesson.checks.forEach((check) => {
+    if (lesson.further) fill('#further-law-text', () => lesson.further.law(exact, rub.world));
+    checksOf(lesson).forEach((check) => {
       ask(check, check.prompt(exact, rub.world));
       check.options?.forEach((each) =>
         fill(`label[for="check-${check.id}-${each.id}"]`, () => each.text(exact, rub.world)),
@@ -37,6 +38,8 @@
     });
     tellSeen(exact);
   }
+
+  const checksOf = (lesson) => [...lesson.checks, ...(lesson.further?.checks ?? [])];
 
   /** Write what a check asks; an answer to other numbers is no answer any more. */
   function ask(check, text) {
@@ -63,6 +66,7 @@
       fill(`[data-seen="${i}"]`, () => (begun ? words.say(row.seen(seen, exact, rub.world)) : '–'));
       fill(`[data-exact="${i}"]`, () => words.say(row.exact(exact, rub.world)));
     });
+    if (list[state.open].further) lessons.tellFurther(root, list[state.open].further, seen, exact);
   }
 
   /** Open a lesson. */
@@ -125,7 +129,7 @@
 
   function check(form) {
     const lesson = list[state.open];
-    const asked = lesson.checks.find((each) => each.id === form.dataset.check);
+    const asked = checksOf(lesson).find((each) => each.id === form.dataset.check);
     const field = form.querySelector('input[type="text"], input:checked');
     const verdict = lessons.judge(lesson, asked, field ? field.value : '');
     const line = form.querySelector('.lesson-verdict');
@@ -149,18 +153,37 @@
   function clicked(event) {
     const button = event.target.closest('button');
     if (!button) return;
-    const { open: index, run: chosen, act } = button.dataset;
+    const { open: index, run: chosen, act, further } = button.dataset;
     if (index !== undefined) open(Number(index));
     else if (chosen !== undefined) run(Number(chosen));
     else if (act === 'skip') skip();
     else if (act === 'ahead') ahead();
     else if (act === 'restart') restart();
+    else if (further) goFurther(further);
   }
 
   function submitted(event) {
     event.preventDefault();
     if (event.target.id === 'lesson-predict') predict();
+    else if (event.target.id === 'further-predict') goFurther('predict');
     else check(event.target);
+  }
+
+  /** Take a step of the second half of a lesson that goes further. */
+  function goFurther(act) {
+    const problem = lessons.takeFurther[act](list[state.open].further, current().further, root);
+    if (problem) fill('#further-predict .lesson-verdict', () => problem);
+    else show(act === 'run' ? '[data-further="run"]' : '#further-switch input:checked');
+  }
+
+  /* The switch of the lesson is the knob once more. */
+  function switched(event) {
+    if (event.target.name !== 'coupling') return;
+    rub.set({ coupling: event.target.value }, { restart: false });
+    if (event.target.value === 'two-way' && current().further.step < STEPS.run) {
+      current().further.step = STEPS.run;
+      show('#further-switch input:checked');
+    }
   }
 
   function ticked() {
@@ -183,6 +206,7 @@
     const recalled = lessons.recall();
     root.addEventListener('click', clicked);
     root.addEventListener('submit', submitted);
+    root.addEventListener('change', switched);
     rub.on('tick', ticked);
     rub.on('settings', tell);
     addEventListener('hashchange', follow);

@@ -157,9 +157,9 @@
 
   /** Return what the run on the stage has shown so far. */
   function seen(exact) {
-    const { rows, distance } = rub.run;
+    const { rows, reached } = rub.run;
     if (watched !== rows) [watch, watched] = [new Watch(exact, rub.model.pulses[rub.world.pulse]), rows];
-    watch.follow(rows, distance);
+    watch.follow(rows, reached);
     return { ...watch.told(), ...rub.run.moments() };
   }
 

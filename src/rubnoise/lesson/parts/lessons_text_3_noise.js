@@ -142,7 +142,7 @@
         slider's own motion did not count. That is fair while its velocity is small beside <var>V</var>. Exactly, the
         standard deviation of the velocity is <strong>${say(f.oneWay)} times the sliding speed</strong>, so constant
         speed is ${f.oneWay < 0.1 ? 'a fair assumption here' : 'no fair assumption here'}.
-        ${f.oneWay < 0.1 ? '' : 'The junctions would feel the slider run ahead and fall back; it would stick and slip.'}
+        ${f.oneWay < 0.1 ? '' : 'What the slider does once it counts is asked at the end of this lesson.'}
         The faster the sliding, the fairer: a flat spectrum makes the ratio fall as <var>V</var><sup>−3/2</sup>.</p>`,
     checks: [
       {
@@ -171,5 +171,6 @@
             for the slider to follow?`,
       },
     ],
+    further: lessons.pushesBack(FIG5),
   });
 })();

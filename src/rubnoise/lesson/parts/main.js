@@ -19,7 +19,7 @@
     const seconds = Math.min(0.1, (now - last) / 1000);
     last = now;
     rub.run.advance(seconds);
-    if (dirty || rub.run.playing) draw(now);
+    if (dirty || rub.run.playing || rub.run.goal >= 0) draw(now);
     requestAnimationFrame(frame);
   }
 
@@ -27,6 +27,7 @@
     const seen = rub.run.moments();
     rub.stage.draw();
     rub.traces.draw(seen);
+    rub.mass.draw();
     rub.histogram.draw();
     rub.card.draw();
     if (!rub.run.playing || now - told > 200) tell(now, seen);
@@ -46,6 +47,7 @@
     rub.plot.readTheme();
     rub.stage.fit();
     rub.traces.fit();
+    rub.mass.fit();
     rub.histogram.pen.fit();
     rub.card.pen.fit();
     rub.panels.fit();
@@ -70,6 +72,7 @@
     rub.stack.forget();
     rub.card.write();
     find('replaying').hidden = !rub.replaying;
+    find('key-stuck').hidden = !rub.run.motion;
     find('sketch').hidden = rub.world.pulse !== 'triangle';
     dirty = true;
   }
@@ -81,7 +84,8 @@
     const calm = matchMedia('(prefers-reduced-motion: reduce)');
     rub.stage.calm = calm.matches;
     rub.stage.begin(find('stage'));
-    rub.traces.begin({ area: find('area'), count: find('count'), force: find('force'), slider: find('slider') });
+    rub.traces.begin(['area', 'count', 'force', 'slider', 'velocity']);
+    rub.mass.begin(find('mass'));
     rub.histogram.begin(find('histogram'));
     rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));

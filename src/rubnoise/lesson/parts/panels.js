@@ -60,7 +60,7 @@
     const { spacing } = rub.exact();
     const { run } = rub;
     const seen = [];
-    for (let i = run.after(0) + 1; i < run.after(run.distance); i += 1)
+    for (let i = run.after(0) + 1; i < run.after(run.reached); i += 1)
       seen.push(run.rows[i].birth - run.rows[i - 1].birth);
     const regular = rub.world.births === 'regular';
     const top = (regular ? 9 : 1.5) / spacing;

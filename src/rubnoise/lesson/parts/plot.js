@@ -2,7 +2,7 @@
 /* What all pictures share: a canvas as sharp as the screen, colours of the theme, axes, lines. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const INKS = ['ink', 'quiet', 'faint', 'ground', 'accent', 'exact', 'band', 'birth', 'death', 'second'];
+  const INKS = ['ink', 'quiet', 'faint', 'ground', 'accent', 'exact', 'band', 'birth', 'death', 'second', 'stuck'];
   /* Dark blue, teal, green, yellow: rising in lightness, so that it reads without hue too. */
   const RAMPS = {
     light: [

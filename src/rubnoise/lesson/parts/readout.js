@@ -4,7 +4,7 @@
   const rub = (globalThis.rub ??= {});
   const { said } = rub.plot;
   const milli = (value) => value * 1e-3;
-  /* Label, unit, exact value, measured value, and how many um of sliding go with one independent look, if any. */
+  /* Name, label, unit, exact value and measured value, where there are such. */
   const LINES = [
     ['count', 'live junctions', '', (e) => e.countMean, (s) => s.countMean],
     ['count-std', 'their spread', '', (e) => e.countStd, (s) => s.countStd],
@@ -22,8 +22,13 @@
     ['displacement-std', 'its spread', 'µm', (e) => e.displacementStd, (s) => s.displacementStd],
     ['velocity-std', 'spread of velocity', 'mm/s', (e) => milli(e.velocityStd), (s) => milli(s.velocityStd)],
     ['frequency', 'natural frequency', 'Hz', (e) => e.naturalFrequency, null],
-    ['one-way', 'velocity spread over sliding speed', '', (e) => e.oneWay, null],
+    ['one-way', 'velocity spread over sliding speed', '', (e) => e.oneWay, (s) => s.velocityStd / rub.world.speed],
+    ['stuck', 'share of time stuck', '', null, (s) => s.stuckShare],
+    ['sticks', 'sticks a second', '1/s', null, (s) => s.sticksPerSecond],
   ];
+  /* Nothing is exact about a motion that acts back on its contact. */
+  const MOTION = ['displacement', 'displacement-std', 'velocity-std', 'one-way', 'stuck', 'sticks'];
+  const TWO_WAY = ['stuck', 'sticks'];
   const readout = { cells: [] };
 
   /** Make the table. */
@@ -38,10 +43,12 @@
   /** Write what is exact. */
   readout.exact = () => {
     const exact = rub.exact();
-    LINES.forEach(([, , , value], i) => {
-      readout.cells[i][0].textContent = said(value(exact), 6);
+    const twoWay = rub.world.coupling === 'two-way';
+    LINES.forEach(([id, , , value], i) => {
+      readout.cells[i][0].textContent = twoWay && MOTION.includes(id) ? '–' : value ? said(value(exact), 6) : '';
     });
-    document.getElementById('one-way-warning').hidden = !(exact.oneWay > 0.1);
+    for (const id of TWO_WAY) document.getElementById(`number-${id}`).hidden = !twoWay;
+    document.getElementById('one-way-warning').hidden = twoWay || !(exact.oneWay > 0.1);
   };
 
   /** Write what has been measured. */

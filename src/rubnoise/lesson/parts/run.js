@@ -6,13 +6,22 @@
   const TICKS_PER_LIFE = 30 * (1 + Math.sqrt(5));
   const MOST_LIVES = 2000;
   const MOST_ROWS = 100000;
+  /* Work of a slider that pushes back, in units of some microseconds: in one frame, and at one jump. */
+  const FRAME_WORK = 6000;
+  const JUMP_WORK = 400000;
 
   const run = {
     /** Every junction drawn so far, {id, birth, diameter, death, strength}, in order of birth. */
     get rows() {
       return this.trace.rows;
     },
+    /** Where the slider is on the surface, and the farthest it has come: the two differ where it has run back. */
     distance: 0,
+    reached: 0,
+    /** Seconds since the start, and a slider that pushes back: null where the drive's speed is constant. */
+    time: 0,
+    motion: null,
+    goal: -1,
     playing: false,
     pace: 5,
     selected: -1,
@@ -25,7 +34,44 @@
       const contact = rub.model.contact(world);
       if (keep && this.trace) this.trace.reslide({ ...world }, startOf(world, contact));
       else this.begin(world, contact);
+      this.couple(startOf(world, contact));
       if (!keep) rub.tell('reset', world);
+    },
+
+    /* Another slider on the same contact begins where the last one did, and comes to where that was. */
+    couple(start) {
+      const { world } = rub;
+      const { trace } = this;
+      this.motion = null;
+      this.goal = -1;
+      this.time = 0;
+      if (world.coupling !== 'two-way') {
+        this.distance = this.reached;
+        return;
+      }
+      const field = new rub.Field(world, trace.source, trace.rows, this.end);
+      this.motion = new rub.Motion(world, field, start);
+      const { reached } = this;
+      this.moveTo(0);
+      this.chase(reached, JUMP_WORK);
+      this.liveAt(this.distance, this.living);
+    },
+
+    /** Put the run of a slider that pushes back to a time that has been computed. */
+    moveTo(time) {
+      const { motion } = this;
+      this.time = Math.max(0, Math.min(time, motion.time));
+      this.distance = motion.placeAt(this.time);
+      this.reached = Math.min(this.end, Math.max(motion.at('farthest', this.time), this.distance));
+    },
+
+    /** Compute towards a distance; what is not reached with so much work is the goal of the next frames. */
+    chase(distance, work) {
+      const { motion } = this;
+      const there = motion.until({ distance, work });
+      this.goal = there ? -1 : distance;
+      this.moveTo(there && motion.reached >= distance ? motion.timeAt(distance) : motion.time);
+      if (there && motion.reached >= distance) this.distance = this.reached = distance;
     },
 
     begin(world, contact) {
@@ -46,6 +92,7 @@
         startOf(world, contact),
       );
       this.distance = 0;
+      this.reached = 0;
       this.selected = -1;
       this.trace.until(1);
       this.living = [];
@@ -53,7 +100,7 @@
     },
 
     play() {
-      if (this.distance >= this.end) this.goTo(0);
+      if (this.isOver) this.goTo(0);
       this.playing = true;
       rub.tell('playing', true);
     },
@@ -63,26 +110,54 @@
       rub.tell('playing', false);
     },
 
+    get isOver() {
+      const { motion } = this;
+      return this.reached >= this.end || Boolean(motion?.isOver && this.time >= motion.time);
+    },
+
     /** Slide on for some seconds of the clock on the wall. */
     advance(seconds) {
-      if (!this.playing) return;
-      this.slideTo(Math.min(this.distance + this.pace * seconds, this.end));
-      if (this.distance >= this.end) this.pause();
+      if (this.goal >= 0) this.goOn();
+      else if (this.playing && this.motion) this.slideFor((this.pace * seconds) / rub.world.speed);
+      else if (this.playing) this.slideTo(Math.min(this.distance + this.pace * seconds, this.end));
+      if (this.playing && this.isOver) this.pause();
+    },
+
+    goOn() {
+      this.chase(this.goal, FRAME_WORK);
+      this.prepare(this.distance);
+      this.liveAt(this.distance, this.living);
+      rub.tell('tick', this.distance);
+    },
+
+    /** Let a slider that pushes back go on for seconds of its own time; what is too much for a frame is left out. */
+    slideFor(seconds) {
+      const from = this.reached;
+      const wanted = this.time + seconds;
+      this.motion.until({ time: wanted, work: FRAME_WORK });
+      this.moveTo(wanted);
+      this.passed(from);
     },
 
     /** Slide forward to a distance, and tell of every birth and death on the way. */
     slideTo(distance) {
-      const from = this.distance;
-      this.prepare(distance);
-      this.distance = distance;
-      if (rub.heard('death')) this.tellDeaths(distance);
-      if (rub.heard('birth')) this.tellBirths(from, distance);
-      this.liveAt(distance, this.living);
-      rub.tell('tick', distance);
+      const from = this.reached;
+      if (this.motion) this.chase(Math.min(distance, this.end), JUMP_WORK);
+      else this.distance = this.reached = distance;
+      this.passed(from);
     },
 
-    tellDeaths(distance) {
-      for (const row of this.living) if (row.death <= distance) rub.tell('death', row);
+    passed(from) {
+      this.prepare(this.reached);
+      if (rub.heard('death')) this.tellDeaths(from, this.reached);
+      if (rub.heard('birth')) this.tellBirths(from, this.reached);
+      this.liveAt(this.distance, this.living);
+      rub.tell('tick', this.distance);
+    },
+
+    /* Nobody is born or dies twice where the slider runs back: it is the farthest place that counts. */
+    tellDeaths(from, distance) {
+      for (const row of this.liveAt(from)) if (row.death <= distance) rub.tell('death', row);
     },
 
     tellBirths(from, distance) {
@@ -99,8 +174,10 @@
 
     /** Jump to a distance, forward or back. */
     goTo(distance) {
-      this.prepare(Math.min(Math.max(0, distance), this.end));
-      this.distance = Math.min(Math.max(0, distance), this.end);
+      const wanted = Math.min(Math.max(0, distance), this.end);
+      if (this.motion) this.chase(wanted, JUMP_WORK);
+      else this.distance = this.reached = wanted;
+      this.prepare(this.reached);
       this.liveAt(this.distance, this.living);
       rub.tell('jump', this.distance);
       rub.tell('tick', this.distance);
@@ -109,10 +186,10 @@
     /** Go on to the next birth or death and stop there; return the kind and the row, or null at the end. */
     stepEvent() {
       if (this.playing) this.pause();
-      this.prepare(this.distance);
-      const birth = this.rows[this.after(this.distance)];
+      this.prepare(this.reached);
+      const birth = this.rows[this.after(this.reached)];
       let next = birth && birth.birth <= this.end ? { kind: 'birth', row: birth, distance: birth.birth } : null;
-      for (const row of this.living) {
+      for (const row of this.liveAt(this.reached)) {
         if (row.death <= this.end && (!next || row.death < next.distance)) {
           next = { kind: 'death', row, distance: row.death };
         }
@@ -152,7 +229,7 @@
 
     /** Return the number of the last tick that has been passed. */
     get ticksSeen() {
-      return Math.min(Math.floor(this.distance / this.trace.tick + 1e-9), this.trace.ready - 1);
+      return Math.min(Math.floor(this.reached / this.trace.tick + 1e-9), this.trace.ready - 1);
     },
 
     /** Return real contact area in um^2 at a distance, from the rows. */

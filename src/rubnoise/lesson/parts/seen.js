@@ -6,13 +6,14 @@
   /** Return the standard deviation from a mean and a mean square. */
   const spread = (mean, square) => Math.sqrt(Math.max(0, square - mean * mean));
 
-  /** Return the means and spreads over all ticks passed so far. */
+  /** Return means and spreads so far: of the contact over distance, of a slider that pushes back over time. */
   function moments() {
     const { sums } = rub.run.trace;
     const last = rub.run.ticksSeen;
     const mean = (name) => sums[name][last] / (last + 1);
+    const { motion, time } = rub.run;
     return {
-      distance: rub.run.distance,
+      distance: rub.run.reached,
       ticks: last + 1,
       countMean: mean('count'),
       countStd: spread(mean('count'), mean('countSquare')),
@@ -21,13 +22,16 @@
       displacementMean: mean('displacement'),
       displacementStd: spread(mean('displacement'), mean('displacementSquare')),
       velocityStd: Math.sqrt(mean('velocitySquare')),
+      stuckShare: 0,
+      sticksPerSecond: 0,
+      ...motion?.moments(time),
     };
   }
 
   /** Return the rows born since the start and passed by now. */
   function born() {
     const { run } = rub;
-    return run.rows.slice(run.after(0), run.after(run.distance));
+    return run.rows.slice(run.after(0), run.after(run.reached));
   }
 
   /** Look at the contact once every mean life: who is alive there, and how old. */
@@ -35,7 +39,7 @@
     const { run } = rub;
     const stride = rub.exact().lifeMean;
     const found = { liveDiameters: [], ages: [], lives: [], counts: [] };
-    for (let place = 0; place <= run.distance; place += stride) {
+    for (let place = 0; place <= run.reached; place += stride) {
       const live = run.liveAt(place);
       found.counts.push(live.length);
       for (const row of live) {

@@ -5,6 +5,7 @@
   const { said } = rub.plot;
   const LONGEST = 4; // seconds of sound
   const PEAK = 0.8;
+  const HEARD_WORK = 800000; // of a slider that pushes back: a second or so
   const AUDIBLE = 200; // Hz to which the slider's own frequency is raised where nothing is chosen
   const FACTORS = [1 / 64, 1 / 16, 1 / 4, 1, 2, 4, 8, 16, 32, 64, 128];
   const WHAT = { velocity: ['velocity of the slider', 'mm/s', 1e-3], force: ['friction force', 'mN', 1e-3] };
@@ -20,6 +21,7 @@
 
   /** Return samples of the run from where it is on: mean removed, peak as given, and what they stand for. */
   sound.samples = (rate) => {
+    if (rub.run.motion) return samplesOf(rub.run.motion, rate);
     const { run, world } = rub;
     const factor = sound.factor();
     const { tick } = run.trace;
@@ -35,6 +37,18 @@
     );
     return { ...levelled(values), begin, length: count * stride * tick, factor };
   };
+
+  /* A slider that pushes back has its own time; it is heard as far as it can be computed while nobody waits. */
+  function samplesOf(motion, rate) {
+    const factor = sound.factor();
+    const from = rub.run.time;
+    motion.until({ time: from + LONGEST * factor, work: HEARD_WORK });
+    const seconds = Math.min(LONGEST * factor, motion.time - from);
+    const name = find('sound-what').value;
+    const count = Math.max(0, Math.floor((seconds * rate) / factor));
+    const values = Float32Array.from({ length: count }, (_, i) => motion.at(name, from + (i * factor) / rate));
+    return { ...levelled(values), begin: motion.drive * from, length: motion.drive * seconds, factor };
+  }
 
   /** Return a column between its ticks, by a straight line. */
   function between(column, at) {
@@ -53,8 +67,9 @@
     const [name, unit, scale] = WHAT[find('sound-what').value];
     const own = rub.exact().naturalFrequency;
     const seconds = length / rub.world.speed;
+    const way = rub.run.motion ? 'µm of the drive’s way' : 'µm of sliding';
     return (
-      `${name}, ${said(begin, 4)} to ${said(begin + length, 4)} µm of sliding: ${said(seconds, 3)} s heard in ` +
+      `${name}, ${said(begin, 4)} to ${said(begin + length, 4)} ${way}: ${said(seconds, 3)} s heard in ` +
       `${said(seconds / factor, 3)} s. The slider’s ${said(own)} Hz sound as ${said(own * factor)} Hz. ` +
       `Loudest: ${said(peak * scale, 3)} ${unit} from the mean of ${said(mean * scale, 3)} ${unit}.`
     );

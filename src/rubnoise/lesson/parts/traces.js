@@ -1,15 +1,30 @@
 'use strict';
-/* The traces under the stage, drawn as they grow: real contact area, count, force, displacement. */
+/*
+ * The traces under the stage, drawn as they grow: real contact area, count, force, displacement, velocity. Those of a
+ * slider that pushes back are drawn over time, since it may stand still on the surface.
+ */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
+  const { ink, pen, line, leftAxis, lowerAxis, heading } = rub.plot;
   const LEFT = 46;
+  const PERIODS = 12; // of the slider's own motion, in a picture over time, but within these numbers of lives
+  const LIVES = [4, 40];
+  const MOST_POINTS = 2500;
   const traces = { pens: {} };
 
   /** Return the stretch of distance on show: the last lives up to now, or the first ones. */
   function stretch() {
-    const { distance, window } = rub.run;
-    return distance < window ? [0, window] : [distance - window, distance];
+    const { reached, window } = rub.run;
+    return reached < window ? [0, window] : [reached - window, reached];
+  }
+
+  /** Return the stretch of time on show, in s. */
+  function span() {
+    const { time } = rub.run;
+    const { naturalFrequency, lifeMean } = rub.exact();
+    const [least, most] = LIVES.map((lives) => (lives * lifeMean) / rub.world.speed);
+    const wide = Math.min(most, Math.max(least, PERIODS / naturalFrequency));
+    return time < wide ? [0, wide] : [time - wide, time];
   }
 
   function boxOf({ width, height }) {
@@ -52,14 +67,53 @@
     );
   }
 
-  function frame(name, low, high, title) {
+  function frame(name, low, high, title, inTime = false) {
     const state = traces.pens[name];
     state.clear();
     const box = boxOf(state);
+    if (inTime) drawStuck(state.ctx, box);
     const y = leftAxis(state.ctx, box, low, high, title);
-    const [from, to] = stretch();
-    const x = lowerAxis(state.ctx, box, from, to, 'sliding distance, µm');
+    const [from, to] = inTime ? span().map((time) => 1e3 * time) : stretch();
+    const x = lowerAxis(state.ctx, box, from, to, inTime ? 'time, ms' : 'sliding distance, µm');
     return { ctx: state.ctx, box, x, y };
+  }
+
+  /** Shade the times at which the slider is stuck. */
+  function drawStuck(ctx, box) {
+    const [from, to] = span();
+    const x = (time) => box.left + ((time - from) / (to - from)) * (box.right - box.left);
+    ctx.fillStyle = ink.stuck;
+    for (const [begin, end] of rub.run.motion.stuck(from, Math.min(to, rub.run.time))) {
+      ctx.fillRect(x(begin), box.top, Math.max(1, x(end) - x(begin)), box.bottom - box.top);
+    }
+  }
+
+  /** Draw one column of a slider that pushes back, up to now; y takes its values. */
+  function drawMotion(ctx, x, y, name) {
+    const { motion, time } = rub.run;
+    const times = motion.columns.time.values;
+    const { values } = motion.columns[name];
+    const first = motion.columns.time.find(span()[0]);
+    const last = motion.columns.time.find(time);
+    const stride = Math.max(1, Math.ceil((last - first) / MOST_POINTS));
+    ctx.strokeStyle = ink.ink;
+    ctx.lineWidth = 1.5;
+    ctx.lineJoin = 'round';
+    ctx.beginPath();
+    ctx.moveTo(x(1e3 * times[first]), y(values[first]));
+    for (let i = first - (first % stride) + stride; i <= last; i += stride) ctx.lineTo(x(1e3 * times[i]), y(values[i]));
+    ctx.lineTo(x(1e3 * time), y(motion.at(name, time)));
+    ctx.stroke();
+  }
+
+  /** Draw within a box what may leave it. */
+  function clipped(ctx, box, draw) {
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(box.left, box.top, box.right - box.left, box.bottom - box.top);
+    ctx.clip();
+    draw();
+    ctx.restore();
   }
 
   /** Return the largest area on show, in um^2. */
@@ -91,7 +145,7 @@
     ) {
       stack.begin(columns, height, traces.topArea(), spacing);
     }
-    const to = Math.floor(rub.run.distance / spacing) - 1;
+    const to = Math.floor(rub.run.reached / spacing) - 1;
     const from = Math.max(0, to - columns + 1);
     if (to < from) return;
     stack.until(from, to);
@@ -109,7 +163,14 @@
 
   function drawForce(seen) {
     const { forceMean, forceStd } = rub.exact();
+    const { motion } = rub.run;
     const top = rub.world.strength * traces.topArea() * 1e-3;
+    if (motion) {
+      const low = 1.1e-3 * motion.range.force[0];
+      const { ctx, box, x, y } = frame('force', low, Math.max(top, low + 1e-9), 'friction force, mN', true);
+      clipped(ctx, box, () => drawMotion(ctx, x, (value) => y(value * 1e-3), 'force'));
+      return;
+    }
     const { ctx, box, x, y } = frame('force', 0, top, 'friction force, mN');
     const milli = (value) => y(value * 1e-3);
     drawExact(ctx, box, milli, forceMean, forceStd, seen.areaMean * rub.world.strength);
@@ -118,20 +179,46 @@
 
   function drawSlider(seen) {
     const { displacementMean, displacementStd } = rub.exact();
-    const reach = Math.max(3.5 * displacementStd, 0.05 * displacementMean);
-    const { ctx, box, x, y } = frame(
-      'slider',
-      displacementMean - reach,
-      displacementMean + reach,
-      'slider displacement, µm',
-    );
-    ctx.save();
-    ctx.beginPath();
-    ctx.rect(box.left, box.top, box.right - box.left, box.bottom - box.top);
-    ctx.clip();
-    drawExact(ctx, box, y, displacementMean, displacementStd, seen.displacementMean);
-    drawColumn(ctx, box, x, y, rub.run.trace.displacement, ink.ink);
-    ctx.restore();
+    const inTime = Boolean(rub.run.motion);
+    const { ctx, box, x, y } = frame('slider', ...traces.reach(), 'slider displacement, µm', inTime);
+    clipped(ctx, box, () => {
+      if (inTime) {
+        level(ctx, box, y(seen.displacementMean), ink.ink, [5, 4]);
+        drawMotion(ctx, x, y, 'displacement');
+      } else {
+        drawExact(ctx, box, y, displacementMean, displacementStd, seen.displacementMean);
+        drawColumn(ctx, box, x, y, rub.run.trace.displacement, ink.ink);
+      }
+    });
+  }
+
+  /** Return the least and largest displacement on show, in um. */
+  traces.reach = () => {
+    const { displacementMean, displacementStd, forceStd } = rub.exact();
+    const { motion } = rub.run;
+    const spread = motion ? (4 * forceStd) / rub.world.stiffness : 3.5 * displacementStd;
+    const half = Math.max(spread, 0.05 * displacementMean);
+    const [low, high] = motion ? motion.range.displacement : [Infinity, -Infinity];
+    const edge = 0.05 * Math.max(0, high - low);
+    return [Math.min(displacementMean - half, low - edge), Math.max(displacementMean + half, high + edge)];
+  };
+
+  /** Draw the velocity, and the speed of the drive wherever it comes into view. */
+  function drawVelocity() {
+    const { motion, trace } = rub.run;
+    const { speed } = rub.world;
+    const reach = 3.5 * rub.exact().velocityStd;
+    const [low, high] = motion ? motion.range.velocity : [-reach, reach];
+    const [bottom, top] = [Math.min(1.1 * low, -0.02 * speed), Math.max(1.1 * high, 0.02 * speed)];
+    const title = 'velocity of the slider, mm/s';
+    const { ctx, box, x, y } = frame('velocity', 1e-3 * bottom, 1e-3 * top, title, Boolean(motion));
+    const milli = (value) => y(value * 1e-3);
+    clipped(ctx, box, () => {
+      level(ctx, box, milli(speed), ink.second, [2, 3]);
+      if (motion) drawMotion(ctx, x, milli, 'velocity');
+      else drawColumn(ctx, box, x, milli, trace.velocity, ink.ink);
+    });
+    heading(ctx, { ...box, left: box.right - 96 }, speed < top ? '··· drive' : '');
   }
 
   /** Draw all traces. */
@@ -140,11 +227,12 @@
     drawCount(seen);
     drawForce(seen);
     drawSlider(seen);
+    drawVelocity();
   };
 
-  /** Take over the canvases. */
-  traces.begin = (canvases) => {
-    for (const [name, canvas] of Object.entries(canvases)) traces.pens[name] = pen(canvas);
+  /** Take over the canvases of these names. */
+  traces.begin = (names) => {
+    for (const name of names) traces.pens[name] = pen(document.getElementById(name));
   };
 
   traces.fit = () => {

@@ -37,8 +37,8 @@
 
   /** Show where the run is. */
   transport.where = () => {
-    find('scrubber').value = Math.round((SCRUB * rub.run.distance) / rub.run.end);
-    const text = `${said(rub.run.distance, 5)} of ${said(rub.run.end, 5)} µm`;
+    find('scrubber').value = Math.round((SCRUB * rub.run.reached) / rub.run.end);
+    const text = `${said(rub.run.reached, 5)} of ${said(rub.run.end, 5)} µm`;
     find('where').textContent = text;
   };
 

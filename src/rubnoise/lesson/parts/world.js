@@ -9,6 +9,7 @@
     births: ['poisson', 'regular'],
     pulse: ['lens', 'triangle'],
     calibration: ['paper', 'exact', 'matched'],
+    coupling: ['one-way', 'two-way'],
   };
   const LIMITS = {
     meanArea: [1, 10000],
@@ -96,8 +97,8 @@
   /** Begin with what the page was made with: {world, title, distance, record, ...}. */
   function begin(lesson) {
     rub.lesson = lesson;
-    rub.given = Object.freeze({ ...lesson.world });
-    rub.world = { ...lesson.world };
+    rub.given = Object.freeze({ coupling: 'one-way', ...lesson.world });
+    rub.world = { ...rub.given };
     rub.replaying = Boolean(lesson.record);
     exactNow = null;
   }

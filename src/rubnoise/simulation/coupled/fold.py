@@ -141,16 +141,14 @@ class CoupledMotion:
         whole, numbers = state.whole.copy(), state.numbers.copy()
         whole[layout.BORN] = len(living) - np.count_nonzero(np.isnan(births))
         whole[layout.DIED] = len(living) - np.count_nonzero(np.isnan(deaths))
-        near = np.empty(4 * (len(living) + 1))
         met = (field.lives, field.shape, order, births, deaths)
-        far, work, powers = np.empty(NODES), np.zeros(WORK), np.zeros(10)
+        motion = layout.Motion(whole, numbers, constants)
+        stretch = layout.Stretch(field.moments, begin, end, self._last, self._rest)
+        scratch = layout.Scratch(TABLE, np.zeros(WORK), np.zeros(10), np.empty(4 * (len(living) + 1)), np.empty(NODES))
         code = FULL
         while code == FULL:
             before = whole.copy()
-            code = advance(
-                whole, numbers, constants, TABLE, field.moments, begin, end, self._last, self._rest, met,
-                self._out, self._marks, near, far, work, powers,
-            )  # fmt: skip
+            code = advance(motion, stretch, met, layout.Output(self._out, self._marks), scratch)
             if code == LOST:
                 place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
                 raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")

@@ -1,6 +1,14 @@
-"""Where what lies in the flat arrays that compiled functions hand to each other."""
+"""Where what lies in the flat arrays that compiled functions hand to each other, and which of them go together."""
 
-from typing import Final
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.record.rows import LandmarkKind, Phase
+
+Doubles = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 # Constants of a motion.
 MASS, STIFFNESS, DAMPING, DRIVE = range(4)
@@ -25,11 +33,11 @@ TIME_STUCK, X_TIME, XX_TIME, VV_TIME, FRICTION_WORK, REVERSE_WORK = range(8, 14)
 """Time stuck, int x dt, int x^2 dt, int x'^2 dt, int G |ds|, and the last of these over reversals."""
 NUMBERS: Final = 14
 
-SLIP, STUCK, REVERSED = range(3)
-"""Phases."""
+SLIP, STUCK, REVERSED = map(int, Phase)
+"""Phases, as compiled code takes them."""
 
-STICK, BREAKAWAY, REVERSAL, FORWARD = range(4)
-"""Kinds of landmarks."""
+STICK, BREAKAWAY, REVERSAL, FORWARD = map(int, LandmarkKind)
+"""Kinds of landmarks, as compiled code takes them."""
 
 ROW_DISTANCE, ROW_FORCE, ROW_DISPLACEMENT, ROW_VELOCITY, ROW_PHASE = range(5)
 ROW_COLUMNS: Final = 5
@@ -41,3 +49,63 @@ MARK_COLUMNS: Final = 7
 
 IN_DISTANCE, IN_TIME = range(2)
 """What a step within a cell has for its clock."""
+
+
+class Motion(NamedTuple):
+    """A slider's state, changed in place, and the constants of its motion."""
+
+    whole: Integers
+    numbers: Doubles
+    constants: Doubles
+
+
+class Stretch(NamedTuple):
+    """The cells ``first`` ... ``end`` - 1 with three moments of G in each; the run ends ``rest`` um into ``last``."""
+
+    moments: Doubles
+    first: int
+    end: int
+    last: int
+    rest: float
+
+
+class Output(NamedTuple):
+    """Room for rows and for landmarks, a column each."""
+
+    rows: Doubles
+    marks: Doubles
+
+
+class Scratch(NamedTuple):
+    """The matrices of collocation, and room: of steps, of powers of a speed, of the near and far lives of a cell."""
+
+    table: Doubles
+    work: Doubles
+    powers: Doubles
+    near: Doubles
+    far: Doubles
+
+
+class Start(NamedTuple):
+    """Where a step in slip begins: ``way`` is +1 forward and -1 in reversal.
+
+    displacement: x (um); speed: u = |w| (um/s); growth, jerk: u' and u'' (um/s^2, um/s^3), for steps in time;
+    offset: place in the cell (um).
+    """
+
+    way: float
+    displacement: float
+    speed: float
+    growth: float
+    jerk: float
+    offset: float
+
+
+class Step(NamedTuple):
+    """A step that has been found: its size in um, its duration in s, its clock, and whether that runs in time."""
+
+    way: float
+    size: float
+    duration: float
+    clock: int
+    kind: int

@@ -38,6 +38,12 @@ from rubnoise.simulation.coupled.layout import (
     STIFFNESS,
     STUCK,
     TOUCH,
+    Motion,
+    Output,
+    Scratch,
+    Start,
+    Step,
+    Stretch,
 )
 from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, PLAIN, RIGHT
 from rubnoise.simulation.coupled.rest import MOVING, STOPPED, TOUCHING, arrive, first_standstill, land, leave_stick
@@ -62,7 +68,6 @@ from rubnoise.simulation.coupled.steps import (
 )
 
 Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 MOVED, DONE, AHEAD, BACK, FULL, LOST, UNFIT = range(7)
 """What comes of a step or a call: moved on; the run is over; cells ahead, or behind, are wanted; no room for rows; no
@@ -129,44 +134,36 @@ def couples(constants: Doubles, size: float, u: float) -> float:
 
 
 @compiled_bare
-def take_cells(
-    whole: Integers,
-    numbers: Doubles,
-    constants: Doubles,
-    moments: Doubles,
-    first: int,
-    last: int,
-    met: Met,
-    out: Doubles,
-    work: Doubles,
-    powers: Doubles,
-) -> int:
+def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch: Scratch) -> int:
     """Pass uniform cells from an edge of the grid: MOVED, FULL or UNFIT."""
+    whole, numbers, constants = motion
     way = -1.0 if whole[PHASE] == REVERSED else 1.0
     cell, x, u = whole[CELL], numbers[DISPLACEMENT], abs(numbers[RELATIVE])
     drive, energy = constants[DRIVE], 0.5 * u * u
     pull = way * (constants[STIFFNESS] * x + constants[DAMPING] * drive) - constants[DAMPING] * u
-    cells = cells_at_once(constants, u, cell, way, last)
+    cells = cells_at_once(constants, u, cell, way, stretch.last)
     while cells > 0:
         begin = cell if way > 0.0 else cell - cells
         width = constants[SPACING] * cells
-        mean, slope, bend = merged(moments, begin - first, cells)
+        mean, slope, bend = merged(stretch.moments, begin - stretch.first, cells)
         gain = width / constants[MASS] * (pull - mean)
         uneven = width / constants[MASS] * (abs(slope) + abs(bend))
         lowest = min(energy, energy + gain)
         even = abs(gain) + uneven <= constants[BEND_LIMIT] * lowest
         kinks = float(cells * cells * cells) <= 2.0 * lowest * constants[KINK_LIMIT]
         if even and kinks and couples(constants, width, u) <= 0.02:
-            after, duration = uniform_cell(constants, way, x, u, width, mean, way * slope, bend, work)
+            start = Start(way, x, u, 0.0, 0.0, 0.0)
+            after, duration = uniform_cell(constants, start, width, (mean, way * slope, bend), scratch.work)
             if after > 0.0:
                 if numbers[OVER] + duration > float(out.shape[1] - whole[ROWS] - 2) * constants[ROW_TIME]:
                     return FULL
-                sum_uniform(numbers, constants, way, width, mean, work)
-                through_cell(u, after, -1.0, work, powers)
+                sum_uniform(motion, way, width, mean, scratch.work)
+                through_cell(u, after, -1.0, scratch.work, scratch.powers)
                 if way > 0.0:
-                    meet_in_cells(whole, numbers, constants, met, begin, width, powers)
+                    meet_in_cells(motion, met, begin, width, scratch.powers)
                 if numbers[OVER] + duration >= constants[ROW_TIME]:
-                    tell_cells(whole, numbers, constants, met, out, way, begin, width, after, duration, work, powers)
+                    step = Step(way, width, duration, PLAIN, IN_DISTANCE)
+                    tell_cells(motion, met, out, step, begin, after, scratch)
                 numbers[DISPLACEMENT] = x + (drive * duration - way * width)
                 numbers[RELATIVE] = way * after
                 whole[CELL] = cell + (cells if way > 0.0 else -cells)
@@ -178,23 +175,13 @@ def take_cells(
 
 @compiled_bare
 def try_event_cell(
-    constants: Doubles,
-    table: Doubles,
-    way: float,
-    x: float,
-    u: float,
-    growth: float,
-    offset: float,
-    length: float,
-    clock: int,
-    part: Part,
-    work: Doubles,
+    constants: Doubles, start: Start, length: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float, int]:
     """Return speed, size, time and clock of an event cell to a border, or of a half, a quarter ...; speed 0: none."""
-    size = length
+    size, u = length, start.speed
     for _ in range(_HALVINGS):
-        if size * abs(growth) <= 0.3 * u * u and couples(constants, size, u) <= 0.3:
-            after, duration, error = event_cell(constants, table, way, x, u, offset, size, clock, part, work)
+        if size * abs(start.growth) <= 0.3 * u * u and couples(constants, size, u) <= 0.3:
+            after, duration, error = event_cell(constants, start, size, clock, part, scratch)
             if after > 0.0 and error <= constants[LIMIT]:
                 return after, size, duration, clock
         size *= 0.5
@@ -204,49 +191,33 @@ def try_event_cell(
 
 @compiled_bare
 def find_time_step(
-    constants: Doubles,
-    table: Doubles,
-    way: float,
-    x: float,
-    u: float,
-    growth: float,
-    step: float,
-    offset: float,
-    length: float,
-    clock: int,
-    part: Part,
-    work: Doubles,
+    constants: Doubles, start: Start, step: float, length: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float, float, int, bool]:
     """Find a step in time that is right to its tolerance, ends before the border, and at w = 0 if it comes to that.
 
     Return speed, distance passed, duration, the next step to try, how it ends, and whether one has been found.
     """
-    jerk = way * constants[STIFFNESS] * constants[DRIVE] / constants[MASS]
     keep = duration = min(step, constants[LONGEST])
     for attempt in range(_MOST_TRIES):
-        after, passed, error, settled = time_step(
-            constants, table, way, x, u, growth, jerk, offset, duration, clock, part, work
-        )
+        after, passed, error, settled = time_step(constants, start, duration, clock, part, scratch)
         if not settled or error > constants[LIMIT]:
             duration *= 0.5
             keep = duration
             continue
         if attempt == 0 and error * 500.0 < constants[LIMIT]:
             keep = 1.5 * duration
-        q = first_standstill(u, growth, after, constants[TOUCH], table, work) if u > 0.0 else 2.0
+        q = first_standstill(start, after, constants[TOUCH], scratch) if start.speed > 0.0 else 2.0
         stop = abs(q)
         if stop > 1.0:
             if passed <= length and after > 0.0:
                 return after, passed, duration, keep, MOVING, True
             duration *= max(0.7 * length / passed, 0.25) if passed > length else 0.5
-        elif integral_to(stop, work, PACE) > length:
+        elif integral_to(stop, scratch.work, PACE) > length:
             duration *= 0.7 * clock_at(stop, clock)
         else:
             until = duration * clock_at(stop, clock)
             wanted = TOUCHING if q < 0.0 else STOPPED
-            after, passed, duration, ending, found = land(
-                constants, table, way, x, u, growth, jerk, offset, until, clock, part, work, wanted
-            )
+            after, passed, duration, ending, found = land(constants, start, until, clock, part, scratch, wanted)
             if found and passed <= length:
                 return after, passed, duration, keep, ending, True
             duration *= 0.5
@@ -255,20 +226,11 @@ def find_time_step(
 
 @compiled_bare
 def take_part(
-    whole: Integers,
-    numbers: Doubles,
-    constants: Doubles,
-    table: Doubles,
-    cell: int,
-    offset: float,
-    limit: float,
-    met: Met,
-    out: Doubles,
-    marks: Doubles,
-    part: Part,
-    work: Doubles,
+    motion: Motion, cell: int, offset: float, limit: float, met: Met, output: Output, part: Part, scratch: Scratch
 ) -> int:
     """Pass a part of a gathered cell, or the whole of it, but not beyond ``limit`` um in it: MOVED, FULL or LOST."""
+    whole, numbers, constants = motion
+    out = output.rows
     way = -1.0 if whole[PHASE] == REVERSED else 1.0
     x, u, h, drive = numbers[DISPLACEMENT], abs(numbers[RELATIVE]), constants[SPACING], constants[DRIVE]
     border, border_clock = next_border(part, offset, way, h, limit)
@@ -277,26 +239,26 @@ def take_part(
     if whole[FRESH] == 0:
         pull = way * (constants[STIFFNESS] * x + constants[DAMPING] * drive) - constants[DAMPING] * u
         growth = (pull - force_in_cell(offset, part)) / constants[MASS]
+    start = Start(way, x, u, growth, way * constants[STIFFNESS] * constants[DRIVE] / constants[MASS], offset)
     kind, ending, keep = IN_DISTANCE, MOVING, numbers[STEP]
     after, size, duration, clock = 0.0, 0.0, 0.0, border_clock
     if u > 0.0:
-        after, size, duration, clock = try_event_cell(
-            constants, table, way, x, u, growth, offset, length, border_clock, part, work
-        )
+        after, size, duration, clock = try_event_cell(constants, start, length, border_clock, part, scratch)
     if after == 0.0:
         kind, clock = IN_TIME, LEFT if border_clock in (LEFT, BOTH) and u > 0.0 else PLAIN
         after, size, duration, keep, ending, found = find_time_step(
-            constants, table, way, x, u, growth, numbers[STEP], offset, length, clock, part, work
+            constants, start, numbers[STEP], length, clock, part, scratch
         )
         if not found:
             return LOST
     if numbers[OVER] + duration > float(out.shape[1] - whole[ROWS] - 2) * constants[ROW_TIME]:
         return FULL
     numbers[STEP] = keep
-    sum_part(numbers, constants, table, way, size, duration, clock, kind, work)
+    step = Step(way, size, duration, clock, kind)
+    sum_part(motion, step, scratch)
     if way > 0.0:
-        meet_in_part(whole, numbers, constants, met, cell, offset, size, duration)
-    tell_part(whole, numbers, constants, out, way, cell, offset, size, duration, clock, kind, part, work)
+        meet_in_part(motion, met, cell, offset, step)
+    tell_part(motion, out, cell, offset, step, part, scratch.work)
     numbers[DISPLACEMENT] = x + (drive * duration - way * size)
     numbers[RELATIVE] = way * after
     offset = border if size == length else offset + way * size
@@ -308,16 +270,18 @@ def take_part(
     whole[CELL], numbers[OFFSET], whole[FRESH] = cell, offset, 0
     pass_time(whole, numbers, constants, duration)
     if ending != MOVING:
-        arrive(whole, numbers, constants, marks, force, ending)
+        arrive(motion, output.marks, force, ending)
     return MOVED
 
 
 @compiled_bare
-def wanting(whole: Integers, numbers: Doubles, first: int, end: int, last: int, rest: float) -> int:
+def wanting(motion: Motion, stretch: Stretch) -> int:
     """Return whether cells are wanted that are not there, or the run is over: AHEAD, BACK, DONE or MOVED.
 
     Cells come in groups, so that how many may be taken together does not depend on where a range ends.
     """
+    whole, numbers, _ = motion
+    _, first, end, last, rest = stretch
     cell, offset = whole[CELL], numbers[OFFSET]
     if whole[PHASE] == REVERSED:
         behind = cell - 1 if offset == 0.0 else cell
@@ -328,43 +292,26 @@ def wanting(whole: Integers, numbers: Doubles, first: int, end: int, last: int, 
 
 
 @compiled_bare
-def advance(
-    whole: Integers,
-    numbers: Doubles,
-    constants: Doubles,
-    table: Doubles,
-    moments: Doubles,
-    first: int,
-    end: int,
-    last: int,
-    rest: float,
-    met: Met,
-    out: Doubles,
-    marks: Doubles,
-    near: Doubles,
-    far: Doubles,
-    work: Doubles,
-    powers: Doubles,
-) -> int:
+def advance(motion: Motion, stretch: Stretch, met: Met, output: Output, scratch: Scratch) -> int:
     """Move until something is wanting, and return what: DONE, AHEAD, BACK, FULL or LOST.
 
-    whole, numbers: the state, changed in place. The field's cells are ``first`` ... ``end`` - 1, with the moments of
-    each; the run ends ``rest`` um inside the cell ``last``. met: the lives, and their first passages; out, marks: room
-    for rows and landmarks; near, far, work, powers: room.
+    met: the lives in the stretch, and their first passages.
     """
+    whole, numbers, constants = motion
+    near, far = scratch.near, scratch.far
     h = constants[SPACING]
     lives, shape = met[0], met[1]
     gathered, count = _NOWHERE, 0
     while True:
-        no_room = whole[LANDMARKS] + 2 > marks.shape[1]
-        if no_room or (whole[PHASE] == STUCK and not leave_stick(whole, numbers, constants, out, marks)):
+        no_room = whole[LANDMARKS] + 2 > output.marks.shape[1]
+        if no_room or (whole[PHASE] == STUCK and not leave_stick(motion, output)):
             return FULL
-        outcome = wanting(whole, numbers, first, end, last, rest)
+        outcome = wanting(motion, stretch)
         if outcome != MOVED:
             return outcome
         outcome = UNFIT
         if numbers[OFFSET] == 0.0 and numbers[RELATIVE] != 0.0:
-            outcome = take_cells(whole, numbers, constants, moments, first, last, met, out, work, powers)
+            outcome = take_cells(motion, stretch, met, output.rows, scratch)
         if outcome == MOVED:
             continue
         if outcome == FULL:
@@ -373,10 +320,10 @@ def advance(
         if whole[PHASE] == REVERSED and offset == 0.0:
             cell, offset = cell - 1, h
         if cell != gathered:
-            count = gather(lives, shape, float(cell) * h, h, table, near, far, work)
+            count = gather(lives, shape, float(cell) * h, h, scratch.table, near, far, scratch.work)
             gathered = cell
         part = (2.0 / h, far, near, count, shape)
-        limit = rest if cell == last else h
-        outcome = take_part(whole, numbers, constants, table, cell, offset, limit, met, out, marks, part, work)
+        limit = stretch.rest if cell == stretch.last else h
+        outcome = take_part(motion, cell, offset, limit, met, output, part, scratch)
         if outcome != MOVED:
             return outcome

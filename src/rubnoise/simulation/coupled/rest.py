@@ -42,13 +42,16 @@ from rubnoise.simulation.coupled.layout import (
     VV_TIME,
     X_TIME,
     XX_TIME,
+    Motion,
+    Output,
+    Scratch,
+    Start,
 )
 from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES
 from rubnoise.simulation.coupled.rows import tell_landmark, tell_row
 from rubnoise.simulation.coupled.steps import GROWTH, PUSH, SPEED, clock_at, integral_to, time_step, value_at
 
 Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 MOVING, STOPPED, TOUCHING = range(3)
 """How a step in time ends: with w > 0; at w = 0; and there with w' = 0, too."""
@@ -58,8 +61,9 @@ _LANDINGS: Final = 12
 
 
 @compiled_bare
-def leave_stick(whole: Integers, numbers: Doubles, constants: Doubles, out: Doubles, marks: Doubles) -> bool:
+def leave_stick(motion: Motion, output: Output) -> bool:
     """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was room."""
+    whole, numbers, constants = motion
     step, drive, damping = constants[ROW_TIME], constants[DRIVE], constants[DAMPING]
     stiffness, begin, duration = constants[STIFFNESS], numbers[REST_PLACE], numbers[REST]
     distance = float(whole[CELL]) * constants[SPACING] + numbers[OFFSET]
@@ -67,10 +71,10 @@ def leave_stick(whole: Integers, numbers: Doubles, constants: Doubles, out: Doub
         time = float(whole[ROW] + 1 - whole[REST_ROW]) * step - numbers[REST_OVER]
         if time > duration:
             break
-        if whole[ROWS] == out.shape[1]:
+        if whole[ROWS] == output.rows.shape[1]:
             return False
         x = begin + drive * time
-        tell_row(whole, out, distance, stiffness * x + damping * drive, x, drive, STUCK)
+        tell_row(whole, output.rows, distance, stiffness * x + damping * drive, x, drive, STUCK)
         whole[ROW] += 1
     numbers[OVER] = max(numbers[REST_OVER] + duration - float(whole[ROW] - whole[REST_ROW]) * step, 0.0)
     end = begin + drive * duration
@@ -80,17 +84,18 @@ def leave_stick(whole: Integers, numbers: Doubles, constants: Doubles, out: Doub
     numbers[XX_TIME] += duration * (begin * begin + begin * end + end * end) / 3.0
     numbers[VV_TIME] += duration * drive * drive
     f = stiffness * end + damping * drive
-    tell_landmark(whole, numbers, constants, marks, BREAKAWAY, f, f)
+    tell_landmark(motion, output.marks, BREAKAWAY, f, f)
     whole[PHASE], whole[FRESH] = SLIP, 1
     return True
 
 
 @compiled_bare
-def arrive(whole: Integers, numbers: Doubles, constants: Doubles, marks: Doubles, force: float, ending: int) -> None:
+def arrive(motion: Motion, marks: Doubles, force: float, ending: int) -> None:
     """Decide what follows at w = 0, where the contact can bear ``force`` uN.
 
     ending: STOPPED, or TOUCHING, which makes f = G: a stick of no length, whatever rounding makes of the difference.
     """
+    whole, numbers, constants = motion
     f = constants[STIFFNESS] * numbers[DISPLACEMENT] + constants[DAMPING] * constants[DRIVE]
     reversed_before = whole[PHASE] == REVERSED
     before = -force if reversed_before else force
@@ -99,14 +104,14 @@ def arrive(whole: Integers, numbers: Doubles, constants: Doubles, marks: Doubles
         f = min(f, force)
     if f > force:
         if reversed_before:
-            tell_landmark(whole, numbers, constants, marks, FORWARD, before, force)
+            tell_landmark(motion, marks, FORWARD, before, force)
         whole[PHASE] = SLIP
     elif f < -force:
         if not reversed_before:
-            tell_landmark(whole, numbers, constants, marks, REVERSAL, before, -force)
+            tell_landmark(motion, marks, REVERSAL, before, -force)
         whole[PHASE] = REVERSED
     else:
-        tell_landmark(whole, numbers, constants, marks, STICK, before, f)
+        tell_landmark(motion, marks, STICK, before, f)
         whole[PHASE] = STUCK
         whole[REST_ROW] = whole[ROW]
         numbers[REST_OVER] = numbers[OVER]
@@ -139,12 +144,13 @@ def lowest_between(low: float, high: float, work: Doubles) -> float:
 
 
 @compiled_bare
-def first_standstill(u: float, growth: float, end: float, touch: float, table: Doubles, work: Doubles) -> float:
+def first_standstill(start: Start, end: float, touch: float, scratch: Scratch) -> float:
     """Return q where u falls to 0 first in a step in time that begins with u > 0, or touches it; 2 if nowhere.
 
     A minimum below a thousandth of the largest speed is told with a minus sign: the step is to end there, and tell.
     """
-    before, slope_before, fastest = 0.0, growth, u
+    table, work, u = scratch.table, scratch.work, start.speed
+    before, slope_before, fastest = 0.0, start.growth, u
     for n in range(NODES + 1):
         q = table[CLOCKS + n] if n < NODES else 1.0
         speed = work[SPEED + n] if n < NODES else end
@@ -165,35 +171,22 @@ def first_standstill(u: float, growth: float, end: float, touch: float, table: D
 
 @compiled_bare
 def land(
-    constants: Doubles,
-    table: Doubles,
-    way: float,
-    x: float,
-    u: float,
-    growth: float,
-    jerk: float,
-    offset: float,
-    duration: float,
-    clock: int,
-    part: Part,
-    work: Doubles,
-    ending: int,
+    constants: Doubles, start: Start, duration: float, clock: int, part: Part, scratch: Scratch, ending: int
 ) -> tuple[float, float, float, int, bool]:
     """Make a step in time end where w = 0 (STOPPED), or where w' = 0 (TOUCHING), by Newton's method in its duration.
 
     Return the speed, the distance passed, the duration, how it ends, and whether such an end has been found.
     """
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
+    way, table, work = start.way, scratch.table, scratch.work
     longest, after, passed, final = 1.5 * duration, 0.0, 0.0, 0.0
     for _ in range(_LANDINGS):
-        after, passed, _, settled = time_step(
-            constants, table, way, x, u, growth, jerk, offset, duration, clock, part, work
-        )
+        after, passed, _, settled = time_step(constants, start, duration, clock, part, scratch)
         final = duration
         if not settled:
             return 0.0, 0.0, final, MOVING, False
-        force = force_in_cell(offset + way * passed, part)
-        place = x + drive * duration - way * passed
+        force = force_in_cell(start.offset + way * passed, part)
+        place = start.displacement + drive * duration - way * passed
         slope = (way * (stiffness * place + damping * drive) - damping * after - force) / mass
         change = 0.0
         if ending == TOUCHING:

@@ -47,6 +47,9 @@ from rubnoise.simulation.coupled.layout import (
     VV_TIME,
     X_TIME,
     XX_TIME,
+    Motion,
+    Scratch,
+    Step,
 )
 from rubnoise.simulation.coupled.quadrature import LEFT, NODES, RATES, THREE_NODES, THREE_WEIGHTS, WEIGHTS
 from rubnoise.simulation.coupled.steps import (
@@ -85,10 +88,9 @@ def tell_row(
 
 
 @compiled_bare
-def tell_landmark(
-    whole: Integers, numbers: Doubles, constants: Doubles, marks: Doubles, kind: int, before: float, after: float
-) -> None:
+def tell_landmark(motion: Motion, marks: Doubles, kind: int, before: float, after: float) -> None:
     """Put down a landmark at the state's time and place, where w = 0; before and after: the friction force in uN."""
+    whole, numbers, constants = motion
     n = whole[LANDMARKS]
     marks[MARK_TIME, n] = float(whole[ROW]) * constants[ROW_TIME] + numbers[OVER]
     marks[MARK_DISTANCE, n] = float(whole[CELL]) * constants[SPACING] + numbers[OFFSET]
@@ -134,10 +136,9 @@ def _power_value(powers: Doubles, y: float) -> float:
 
 
 @compiled_bare
-def meet_in_cells(
-    whole: Integers, numbers: Doubles, constants: Doubles, met: Met, first: int, width: float, powers: Doubles
-) -> None:
+def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Doubles) -> None:
     """Note the first passages of births and deaths in uniform cells; powers: 1/u as a polynomial in the place."""
+    whole, numbers, constants = motion
     lives, _, order, births, deaths = met
     birth, diameter, origin = lives[0], lives[1], float(first) * constants[SPACING]
     now = float(whole[ROW]) * constants[ROW_TIME] + numbers[OVER]
@@ -155,31 +156,20 @@ def meet_in_cells(
 
 
 @compiled_bare
-def tell_cells(
-    whole: Integers,
-    numbers: Doubles,
-    constants: Doubles,
-    met: Met,
-    out: Doubles,
-    way: float,
-    first: int,
-    width: float,
-    after: float,
-    duration: float,
-    work: Doubles,
-    powers: Doubles,
-) -> None:
+def tell_cells(motion: Motion, met: Met, out: Doubles, step: Step, first: int, after: float, scratch: Scratch) -> None:
     """Tell the rows inside uniform cells that have just been worked out, from the state before them."""
+    whole, numbers, constants = motion
+    way, width, duration, powers = step.way, step.size, step.duration, scratch.powers
     lives, shape = met[0], met[1]
-    step, over, u, x = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE]), numbers[DISPLACEMENT]
+    row_time, over, u, x = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE]), numbers[DISPLACEMENT]
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     origin, begin = float(first) * constants[SPACING], 0.0 if way > 0.0 else width
     steady = way * (stiffness * x + damping * drive)
     speeds = powers[5:]
-    through_cell(u, after, 1.0, work, speeds)
+    through_cell(u, after, 1.0, scratch.work, speeds)
     n = 1
-    while over + duration >= float(n) * step:
-        time = min(float(n) * step - over, duration)
+    while over + duration >= float(n) * row_time:
+        time = min(float(n) * row_time - over, duration)
         y = time / duration
         for _ in range(_NEWTON):
             change = (width * _power_integral(powers, y) - time) / (width * _power_value(powers, y))
@@ -187,7 +177,9 @@ def tell_cells(
             if abs(change) <= 1e-15:
                 break
         length = width * y
-        force, integral = force_and_integral(lives, shape, origin, begin, begin + way * length, whole[BORN], work)
+        force, integral = force_and_integral(
+            lives, shape, origin, begin, begin + way * length, whole[BORN], scratch.work
+        )
         energy = steady * length - 0.5 * stiffness * length * length - way * integral
         energy += way * stiffness * drive * width * width * _power_double_integral(powers, y)
         energy -= damping * width * _power_integral(speeds, y)
@@ -198,8 +190,9 @@ def tell_cells(
 
 
 @compiled_bare
-def sum_uniform(numbers: Doubles, constants: Doubles, way: float, width: float, mean: float, work: Doubles) -> None:
+def sum_uniform(motion: Motion, way: float, width: float, mean: float, work: Doubles) -> None:
     """Add what uniform cells bring to the integrals over time and over the path."""
+    _, numbers, constants = motion
     drive, x = constants[DRIVE], numbers[DISPLACEMENT]
     for n in range(3):
         u, time, y = work[SPEED + n], work[TIME + n], THREE_NODES[n]
@@ -215,8 +208,9 @@ def sum_uniform(numbers: Doubles, constants: Doubles, way: float, width: float, 
 
 
 @compiled_bare
-def place_in_step(time: float, size: float, duration: float, clock: int, kind: int, work: Doubles) -> float:
-    """Return q at a time (s) after the beginning of an event cell of that size (um), or of a step in time."""
+def place_in_step(time: float, step: Step, work: Doubles) -> float:
+    """Return q at a time (s) after the beginning of an event cell, or of a step in time."""
+    _, size, duration, clock, kind = step
     share = min(max(time / duration, 0.0), 1.0)
     if kind == IN_TIME:
         return np.sqrt(share) if clock == LEFT else share
@@ -240,17 +234,10 @@ def place_in_step(time: float, size: float, duration: float, clock: int, kind: i
 
 
 @compiled_bare
-def meet_in_part(
-    whole: Integers,
-    numbers: Doubles,
-    constants: Doubles,
-    met: Met,
-    cell: int,
-    offset: float,
-    length: float,
-    duration: float,
-) -> None:
+def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step) -> None:
     """Note first passages in a step within a cell: they lie at its end, or at its beginning to within rounding."""
+    whole, numbers, constants = motion
+    length, duration = step.size, step.duration
     lives, _, order, births, deaths = met
     birth, diameter, origin = lives[0], lives[1], float(cell) * constants[SPACING]
     now = float(whole[ROW]) * constants[ROW_TIME] + numbers[OVER]
@@ -268,28 +255,16 @@ def meet_in_part(
 
 
 @compiled_bare
-def tell_part(
-    whole: Integers,
-    numbers: Doubles,
-    constants: Doubles,
-    out: Doubles,
-    way: float,
-    cell: int,
-    offset: float,
-    size: float,
-    duration: float,
-    clock: int,
-    kind: int,
-    part: Part,
-    work: Doubles,
-) -> None:
-    """Tell the rows of an event cell of that size, or of a step in time, from the state before it."""
-    step, over, u = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE])
+def tell_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles) -> None:
+    """Tell the rows of an event cell, or of a step in time, from the state before it."""
+    whole, numbers, constants = motion
+    way, size, duration, clock, kind = step
+    row_time, over, u = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE])
     origin, x, drive = float(cell) * constants[SPACING], numbers[DISPLACEMENT], constants[DRIVE]
     n = 1
-    while over + duration >= float(n) * step:
-        time = min(float(n) * step - over, duration)
-        q = place_in_step(time, size, duration, clock, kind, work)
+    while over + duration >= float(n) * row_time:
+        time = min(float(n) * row_time - over, duration)
+        q = place_in_step(time, step, work)
         if kind == IN_TIME:
             passed = integral_to(q, work, PACE)
             speed = u + integral_to(q, work, PUSH)
@@ -304,18 +279,11 @@ def tell_part(
 
 
 @compiled_bare
-def sum_part(
-    numbers: Doubles,
-    constants: Doubles,
-    table: Doubles,
-    way: float,
-    size: float,
-    duration: float,
-    clock: int,
-    kind: int,
-    work: Doubles,
-) -> None:
+def sum_part(motion: Motion, step: Step, scratch: Scratch) -> None:
     """Add what an event cell or a step in time brings to the integrals over time and over the path."""
+    _, numbers, constants = motion
+    way, size, duration, clock, kind = step
+    table, work = scratch.table, scratch.work
     drive, x, work_done = constants[DRIVE], numbers[DISPLACEMENT], 0.0
     for n in range(NODES):
         u, rate = work[SPEED + n], table[WEIGHTS + n] * table[RATES + NODES * clock + n]

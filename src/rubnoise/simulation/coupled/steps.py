@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.simulation.coupled.field import Part, force_in_lanes
-from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS
+from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, Scratch, Start
 from rubnoise.simulation.coupled.quadrature import (
     BOTH,
     CLOCKS,
@@ -136,21 +136,15 @@ def _known(y: float, net: float, pull: float, slope: float, bend: float) -> floa
 
 @compiled_bare
 def uniform_cell(
-    constants: Doubles,
-    way: float,
-    x: float,
-    u: float,
-    width: float,
-    mean: float,
-    slope: float,
-    bend: float,
-    work: Doubles,
+    constants: Doubles, start: Start, width: float, moments: tuple[float, float, float], work: Doubles
 ) -> tuple[float, float]:
-    """Pass one cell, or some together, from displacement x and speed u; return the speed behind it and the time.
+    """Pass one cell, or some together; return the speed behind it and the time.
 
-    mean, slope, bend: the moments of G in the direction of travel (uN). work receives u and t at the three nodes. A
+    moments: the three of G in the direction of travel (uN). work receives u and t at the three nodes. A
     speed of 0 says that the cell is not for this step.
     """
+    way, x, u = start.way, start.displacement, start.speed
+    mean, slope, bend = moments
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     energy, per_mass = 0.5 * u * u, width / mass
     net, pull = way * (stiffness * x + damping * drive) - mean, 0.5 * stiffness * width
@@ -199,22 +193,15 @@ def through_cell(before: float, after: float, power: float, work: Doubles, power
 
 @compiled_bare
 def event_cell(
-    constants: Doubles,
-    table: Doubles,
-    way: float,
-    x: float,
-    u: float,
-    offset: float,
-    length: float,
-    clock: int,
-    part: Part,
-    work: Doubles,
+    constants: Doubles, start: Start, length: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float]:
     """Pass a length (um) of a gathered cell from an offset in it; return the speed behind it, the time, and an error.
 
     The error (um) is what the last coefficient of the series makes in the displacement. A speed of 0 says that the
     length is not for this step.
     """
+    way, x, u, offset = start.way, start.displacement, start.speed, start.offset
+    table, work = scratch.table, scratch.work
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     energy, per_mass = 0.5 * u * u, length / mass
     passed = spread(length) * load(table, CLOCKS + NODES * clock)
@@ -258,30 +245,21 @@ def event_cell(
 
 @compiled_bare
 def time_step(
-    constants: Doubles,
-    table: Doubles,
-    way: float,
-    x: float,
-    u: float,
-    growth: float,
-    jerk: float,
-    offset: float,
-    duration: float,
-    clock: int,
-    part: Part,
-    work: Doubles,
+    constants: Doubles, start: Start, duration: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float, bool]:
-    """Go on for a duration (s) from an offset in a gathered cell: return speed, distance passed, error, and whether.
+    """Go on for a duration (s) in a gathered cell: return speed, distance passed, error, and whether.
 
-    growth and jerk: u' and u'' at the beginning, from which the passes begin. The error is as for an event cell.
+    The passes begin from u' and u'' at the start. The error is as for an event cell.
     """
+    way, x, u, offset = start.way, start.displacement, start.speed, start.offset
+    table, work = scratch.table, scratch.work
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     time = spread(duration) * load(table, CLOCKS + NODES * clock)
     rate = spread(duration) * load(table, RATES + NODES * clock)
     per_mass, place, toward = spread(1.0 / mass), spread(offset), spread(way)
     known = fused(spread(way * stiffness * drive), time, spread(way * (stiffness * x + damping * drive)))
     least = _SETTLED * 4.0 * (abs(stiffness * x) + abs(damping * drive)) / mass
-    gain = fused(spread(jerk), time, spread(growth))
+    gain = fused(spread(start.jerk), time, spread(start.growth))
     settled = False
     for _ in range(_MOST_PASSES):
         store(work, GROWTH, gain)

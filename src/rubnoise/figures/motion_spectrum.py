@@ -1,0 +1,177 @@
+"""Spectra of a slider's displacement, velocity and force over frequency, beside the exact ones of one-way coupling."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.spectra import Spectrum, WelchSum
+from rubnoise.analysis.stick_slip import first_landmark
+from rubnoise.errors import Refused
+from rubnoise.figures.marks import NEAREST, entitle, legend_above
+from rubnoise.figures.motion import Motion, motions_of, names_of
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.style import BLUE, FAINT, VERMILION, logarithmic, new_figure
+from rubnoise.model import Model
+from rubnoise.theory.drive import drive_of
+from rubnoise.theory.response import response
+from rubnoise.theory.response_spectrum import displacement_spectrum, velocity_spectrum
+from rubnoise.theory.spectrum import force_spectral_density
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Heard = Literal["displacement", "velocity", "force"]
+FEWEST_ROWS: Final = 16
+SEGMENTS: Final = 12
+PERIODS: Final = 400.0
+STICKS: Final = 40.0
+"""Natural periods and mean times from stick to stick that a segment holds at most: the rest makes more segments."""
+
+FARTHEST: Final = 40.0
+"""Natural frequencies up to which a spectrum is shown."""
+
+POINTS: Final = 1500
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """A column of /slider as a spectrum shows it: factor to the unit on the axis, and the exact two-sided density.
+
+    ``still`` is how much of it a slider at rest has, in units of its deflection under the mean force.
+    """
+
+    column: str
+    scale: float
+    unit: str
+    exact: Callable[[Model, Doubles], Doubles]
+    still: Callable[[Model], float]
+
+
+def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
+    """Return S_F(w/V)/V, the two-sided density of the force in uN^2 per rad/s."""
+    drive = drive_of(model)
+    return force_spectral_density(model, drive.strengths, angular_frequency / drive.speed) / drive.speed
+
+
+QUANTITIES: Final[dict[Heard, Quantity]] = {
+    "displacement": Quantity(
+        column="displacement", scale=1.0, unit="µm²/Hz", exact=displacement_spectrum, still=lambda _: 1.0
+    ),
+    "velocity": Quantity(
+        column="velocity",
+        scale=1e-3,
+        unit="(mm/s)²/Hz",
+        exact=velocity_spectrum,
+        still=lambda model: drive_of(model).slider.natural_angular_frequency,
+    ),
+    "force": Quantity(
+        column="friction_force",
+        scale=1e-3,
+        unit="mN²/Hz",
+        exact=_exact_force,
+        still=lambda model: drive_of(model).slider.stiffness,
+    ),
+}
+
+
+def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | None = None) -> "Figure":
+    """Draw the one-sided spectrum of displacement, velocity or force over frequency in Hz, of another run too if given.
+
+    Raises Refused for runs without a slider, for too short a stretch, and where nothing but rounding varies.
+    """
+    motions = motions_of(stretch, beside)
+    found = [spectrum_of(motion, heard) for motion in motions]
+    for motion, seen in zip(motions, found, strict=True):
+        if seen is None:
+            needed = FEWEST_ROWS * (SEGMENTS + 1) / 2 * motion.apart
+            raise Refused(f"a spectrum needs {needed:.3g} s of a {heard} that varies")
+    figure = new_figure(7.2, 4.4)
+    entitle(figure, stretch, f"The spectrum of the {heard}", beside)
+    draw_spectra(figure.subplots(), list(zip(motions, filter(None, found), strict=True)), heard)
+    return figure
+
+
+def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
+    """Return the two-sided spectrum of a column of /slider over w in rad/s, in the square of its unit per rad/s.
+
+    None for too few rows, and where nothing but rounding varies.
+    """
+    quantity = QUANTITIES[heard]
+    rows = 2 * (min(2 * (motion.last - motion.first) // (SEGMENTS + 1), _longest(motion)) // 2)
+    if rows < FEWEST_ROWS:
+        return None
+    total = WelchSum(rows, motion.apart)
+    for panel in motion.panels(quantity.column):
+        total.add(panel)
+    seen = total.spectrum()
+    rounding = NEAREST * quantity.still(motion.model) * response(motion.model).mean_displacement
+    return seen if seen.power > rounding**2 else None
+
+
+def _longest(motion: Motion) -> int:
+    """Return the rows of a segment that is long enough: of many natural periods and, if it sticks, of many sticks."""
+    duration = PERIODS / motion.slider.natural_frequency
+    if motion.model.is_two_way:
+        sticks = first_landmark(motion.file, motion.end) - first_landmark(motion.file, motion.begin)
+        duration = max(duration, STICKS * 2.0 * (motion.end - motion.begin) / max(sticks, 1))
+    return int(duration / motion.apart)
+
+
+def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: Heard) -> None:
+    """Draw one-sided densities over frequency, twice the two-sided ones over w at w = 2 pi f, and the exact one.
+
+    That of a one-way slider is drawn as a line, and where all sliders are two-way as dashes.
+    """
+    quantity = QUANTITIES[heard]
+    natural = found[0][0].slider.natural_frequency
+    lowest = min(float(seen.wavenumber[1]) for _, seen in found) / (2.0 * pi)
+    fastest = max(float(seen.wavenumber[-1]) for _, seen in found) / (2.0 * pi)
+    highest = min(fastest, max(FARTHEST * natural, 10.0 * lowest))
+    labels = [f"simulated ({found[0][1].segments} segments)"]
+    if len(found) > 1:
+        labels = names_of([motion for motion, _ in found])
+    for (_, seen), label, look in zip(found, labels, looks(len(found)), strict=True):
+        frequency = seen.wavenumber[1:] / (2.0 * pi)
+        shown = frequency <= highest
+        density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[1:] / (2.0 * pi)
+        axes.plot(frequency[shown], density[shown], label=label, **look)
+    axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label="natural frequency")
+    _draw_exact(axes, [motion for motion, _ in found], quantity, lowest, highest)
+    for axis in (axes.xaxis, axes.yaxis):
+        logarithmic(axis)
+    axes.set_xlim(lowest, highest)
+    axes.set_xlabel("frequency (Hz)")
+    axes.set_ylabel(f"spectral density\nof {heard} ({quantity.unit})")
+    legend_above(axes)
+
+
+def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Quantity, lowest: float, highest: float) -> None:
+    """Draw the exact density of one-way coupling where theory knows one, and regular births leave one."""
+    shown = next((motion for motion in motions if not motion.model.is_two_way), motions[0])
+    natural = shown.slider.natural_frequency
+    frequency = np.sort(np.append(np.geomspace(lowest, highest, POINTS), np.linspace(0.8, 1.2, POINTS) * natural))
+    frequency = frequency[(lowest <= frequency) & (frequency <= highest)]
+    try:
+        exact = 2.0 * quantity.scale**2 * quantity.exact(shown.model, 2.0 * pi * frequency)
+    except Refused:
+        return
+    if exact.any():
+        elsewhere = all(motion.model.is_two_way for motion in motions)
+        look: dict[str, Any] = {"ls": (0, (4, 2)), "label": "exact, one-way"} if elsewhere else {"label": "exact"}
+        axes.plot(frequency, exact, color=VERMILION, lw=1.0, **look)
+
+
+def looks(count: int) -> list[dict[str, Any]]:
+    """Return how the curves of one run, or of one and another over it, are drawn: the first broad and pale."""
+    if count == 1:
+        return [{"color": BLUE, "lw": 0.9}]
+    return [
+        {"color": "#8cc4e8", "lw": 2.0, "solid_joinstyle": "round"},
+        {"color": "#04213a", "lw": 0.8},
+    ]

@@ -1,0 +1,170 @@
+'use strict';
+/* What the contact can bear, G(s) = sum of psi_i A_i(s), at every place that a slider may come to, forward or back. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const CELLS_PER_LIFE = 200;
+  const CELLS_AT_ONCE = 64;
+  const PAST = 3;
+
+  /** Junctions that had died before the start, drawn as far back as somebody comes, behind those alive there. */
+  class Past {
+    constructor(world, contact, alive, at = {}) {
+      Object.assign(this, { world, contact, rows: [] });
+      this.random = new rub.Random(world.seed, PAST);
+      this.taken = alive.filter((row) => row.birth <= 0).map((row) => row.birth);
+      this.regular = world.births === 'regular';
+      this.next = at.first ?? alive[0]?.birth ?? 0;
+      if (this.regular) while (this.next <= 0) this.next += contact.spacing;
+      else this.next = 0;
+      this.step();
+    }
+
+    step() {
+      this.next -= this.contact.spacing * (this.regular ? 1 : this.random.exponential());
+    }
+
+    /** Draw back to all who were born behind a place; those alive at the start are known, and left out here. */
+    until(place) {
+      while (this.next >= place) {
+        const known = this.regular && this.taken.some((birth) => Math.abs(birth - this.next) < 1e-6);
+        const diameter = known ? Infinity : this.diameter();
+        if (this.next + 2 * diameter <= 0) this.add(diameter);
+        this.step();
+      }
+    }
+
+    /* At random, who outlives the start is none of the past; in a row, everybody who is not alive there has died. */
+    diameter() {
+      for (let tries = 0; tries < 1000; tries += 1) {
+        const diameter = this.contact.sizes.draw(this.random);
+        if (!this.regular || this.next + 2 * diameter <= 0) return diameter;
+      }
+      return Infinity;
+    }
+
+    add(diameter) {
+      const death = this.next + 2 * diameter;
+      this.rows.push({ birth: this.next, diameter, death, strength: this.world.strength });
+    }
+  }
+
+  /** A list of doubles that grows by doubling. */
+  class Numbers {
+    constructor() {
+      this.values = new Float64Array(1024);
+      this.length = 0;
+    }
+
+    push(value) {
+      if (this.length === this.values.length) {
+        const grown = new Float64Array(2 * this.length);
+        grown.set(this.values);
+        this.values = grown;
+      }
+      this.values[this.length++] = value;
+    }
+
+    get last() {
+      return this.values[this.length - 1];
+    }
+
+    /** Return the number of the last value that is not above another; values never fall. */
+    find(value) {
+      let low = -1;
+      let high = this.length;
+      while (high - low > 1) {
+        const middle = (low + high) >> 1;
+        if (this.values[middle] <= value) low = middle;
+        else high = middle;
+      }
+      return low;
+    }
+  }
+
+  /**
+   * The field as a broken line: nodes lie a 200th of a life apart, and at every birth, mid-life and death besides. So
+   * corners of G are nodes, a triangle is exact, and a lens is so to some 1e-5 of its largest area.
+   */
+  class Field {
+    /** source hands out junctions, rows are those that it has handed out, and end is where the last node lies. */
+    constructor(world, source, rows, end, cellsPerLife = CELLS_PER_LIFE) {
+      Object.assign(this, { source, rows, end, oldest: 0, work: 0 });
+      const contact = rub.model.contact(world);
+      this.pulse = contact.pulse;
+      this.width = contact.meanLife / cellsPerLife;
+      this.longest = 2 * contact.sizes.high;
+      source.until(0, rows);
+      this.past = new Past(world, contact, rows, source);
+      this.ahead = { place: new Numbers(), force: new Numbers() };
+      this.behind = { place: new Numbers(), force: new Numbers() };
+      this.put(this.ahead, 0, this.alive(rows, 0, 0));
+    }
+
+    /** Return the place of a node, in um; node 0 lies at s = 0. */
+    place(node) {
+      return this.column('place', node);
+    }
+
+    /** Return what the contact can bear at a node, in uN. */
+    force(node) {
+      return this.column('force', node);
+    }
+
+    column(name, node) {
+      if (node >= 0) {
+        while (node >= this.ahead.place.length) this.forward();
+        return this.ahead[name].values[node];
+      }
+      while (-1 - node >= this.behind.place.length) this.backward();
+      return this.behind[name].values[-1 - node];
+    }
+
+    forward() {
+      const from = this.ahead.place.last;
+      const to = Math.min(from + CELLS_AT_ONCE * this.width, this.end + CELLS_AT_ONCE * this.width);
+      this.source.until(to, this.rows);
+      while (this.oldest < this.rows.length && this.rows[this.oldest].death <= from) this.oldest += 1;
+      const alive = this.alive(this.rows, from, to, this.oldest);
+      for (const place of this.nodes(alive, from, to)) if (place > from) this.put(this.ahead, place, alive);
+    }
+
+    backward() {
+      const to = this.behind.place.length ? this.behind.place.last : 0;
+      const from = to - CELLS_AT_ONCE * this.width;
+      this.past.until(from - this.longest);
+      const alive = [...this.alive(this.rows, from, to), ...this.alive(this.past.rows, from, to)];
+      for (const place of this.nodes(alive, from, to).reverse()) if (place < to) this.put(this.behind, place, alive);
+    }
+
+    alive(rows, from, to, first = 0) {
+      const found = [];
+      for (let i = first; i < rows.length; i += 1) {
+        if (rows === this.rows && rows[i].birth > to) break;
+        if (rows[i].birth <= to && rows[i].death >= from) found.push(rows[i]);
+      }
+      return found;
+    }
+
+    /* The end of the run is a node: there the slider is stopped. */
+    nodes(alive, from, to) {
+      const wanted = Array.from({ length: CELLS_AT_ONCE + 1 }, (_, i) => from + (i * (to - from)) / CELLS_AT_ONCE);
+      wanted.push(this.end);
+      for (const row of alive) wanted.push(row.birth, row.birth + row.diameter, row.death);
+      const inside = wanted.filter((place) => place >= from && place <= to);
+      inside.sort((a, b) => a - b);
+      return inside.filter((place, i) => i === 0 || place - inside[i - 1] > 1e-9 * this.width);
+    }
+
+    put(side, place, alive) {
+      let force = 0;
+      for (const row of alive) {
+        if (place < row.death) force += row.strength * this.pulse.area(place - row.birth, row.diameter);
+      }
+      side.place.push(place);
+      side.force.push(force);
+      this.work += 0.2 + 0.05 * alive.length;
+    }
+  }
+
+  Object.assign(rub, { Field, Numbers });
+})();

@@ -1,0 +1,292 @@
+"""The page's slider that pushes back, beside the simulator's: landmark by landmark on one field, and in statistics."""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+import rubnoise
+from rubnoise.simulation.coupled.past import lived
+from rubnoise.simulation.state import LiveRows
+from tests.coupled_runs import CoupledRun, coupled
+from tests.lesson.node import answer
+from tests.lesson.worlds import scenario_of, world_with
+from tests.verification.seeds import seed_of
+
+Doubles = NDArray[np.float64]
+
+LARGEST_Z = 4.0
+STICK = 1
+
+GIVEN = """
+const source = { rows: rows.map(([birth, diameter, strength], id) =>
+  ({ id, birth, diameter, strength, death: birth + 2 * diameter })), until() {} };
+const field = new rub.Field(world, source, source.rows, end, cells);
+field.past.rows = [];
+field.past.until = () => {};
+const motion = new rub.Motion(world, field, start);
+motion.until({ work });
+const { time, displacement, velocity, phase } = motion.columns;
+const plain = (column) => column.values.subarray(0, column.length);
+return { landmarks: motion.landmarks, range: motion.range, isOver: motion.isOver, moments: motion.moments(motion.time),
+  work: motion.work, time: plain(time), displacement: plain(displacement), velocity: plain(velocity),
+  phase: plain(phase), behind: field.behind.place.length };
+"""
+"""Runs a slider among junctions that are given, and no others."""
+
+MANY = """
+const found = [];
+for (let i = 0; i < fields; i += 1) {
+  const given = { ...world, seed: seed + i };
+  const contact = rub.model.contact(given);
+  const source = new rub.model.Births(given);
+  const motion = new rub.Motion(given, new rub.Field(given, source, [], end), start);
+  motion.until({});
+  const { displacementMean, displacementStd, stuckShare, sticksPerSecond } = motion.moments(motion.time);
+  found.push([Math.hypot(displacementStd, displacementMean - start), stuckShare, sticksPerSecond]);
+}
+return found;
+"""
+"""Runs a slider over fields of the page's own: spread about the start, share stuck, sticks per second of each."""
+
+
+def on_the_page(
+    world: dict[str, Any], rows: LiveRows, *, start: float, end: float, cells: int = 200, work: float = 1e9
+) -> dict[str, Any]:
+    columns = np.stack([rows.birth, rows.diameter, rows.strength], axis=1).tolist()
+    found: dict[str, Any] = answer(GIVEN, world=world, rows=columns, start=start, end=end, cells=cells, work=work)
+    return found
+
+
+def apart(page: dict[str, Any], run: CoupledRun, most: int) -> tuple[float, float]:
+    """Return by how much the first landmarks differ, in time (s) and displacement (um); their kinds must be the same."""
+    marks = page["landmarks"][:most]
+    assert [mark["kind"] for mark in marks] == run.landmarks["kind"][:most].tolist()
+    assert len(marks) == most
+    times = np.array([mark["time"] for mark in marks]) - run.landmarks["time"][:most]
+    places = np.array([mark["displacement"] for mark in marks]) - run.landmarks["displacement"][:most]
+    return float(np.abs(times).max()), float(np.abs(places).max())
+
+
+PATHS = {
+    "Figure 5": ({}, 400.0, 2e-2),
+    "faster": ({"speed": 10000.0}, 1400.0, 2.0),
+    "slower": ({"speed": 100.0}, 200.0, 2e-2),
+    "few junctions": ({"meanCount": 2.0}, 700.0, 2e-2),
+    "damped": ({"damping": 5.0}, 400.0, 2e-2),
+}
+"""Settings, the end (um), and by how much ten landmarks may be off (um): at 10 mm/s errors grow a hundredfold more."""
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
+    """Errors grow by about ten from one slip to the next, so that the field is drawn finer here than on the page."""
+    changes, distance, most_off = PATHS[name]
+    world = world_with(**changes)
+    model = scenario_of(world, distance=distance).model()
+    run = coupled(model, 5, tolerance=1e-11)
+    rows = lived(model, 5, -200.0, distance)
+    fine = on_the_page(world, rows, start=run.start, end=distance, cells=3200)
+    late, off = apart(fine, run, 10)
+    assert off < most_off
+    assert late * world["speed"] < most_off
+    page = on_the_page(world, rows, start=run.start, end=distance)
+    assert apart(page, run, 3)[1] < 1e-4 * abs(run.landmarks["displacement"][:3]).max()
+
+
+def test_another_junction_leads_to_other_landmarks() -> None:
+    world = world_with()
+    model = scenario_of(world, distance=700.0).model()
+    run, rows = coupled(model, 5, tolerance=1e-11), lived(model, 5, -200.0, 700.0)
+    wider = rows.diameter.copy()
+    wider[np.searchsorted(rows.birth, run.landmarks["distance"][0] - 5.0)] *= 1.01
+    other = LiveRows(
+        junction=rows.junction, birth=rows.birth, diameter=wider, strength=rows.strength, departure=rows.departure
+    )
+    assert apart(on_the_page(world, other, start=run.start, end=700.0), run, 3)[1] > 1e-2
+
+
+@pytest.mark.parametrize("damping", [0.02, 0.5])
+def test_reversals_are_the_simulators(damping: float) -> None:
+    """Thrown from far out, the slider runs back over the surface, behind the place where it began."""
+    world = world_with(damping=damping, speed=2000.0, strength=25.0)
+    model = scenario_of(world, distance=60.0).model()
+    rows = lived(model, 9, -700.0, 60.0)
+    run = coupled(model, 9, displacement=-250.0, tolerance=1e-11)
+    kinds = run.landmarks["kind"].tolist()
+    assert kinds[0] == 2
+    assert -600.0 < run.slider["distance"].min() < -200.0
+    page = on_the_page(world, rows, start=-250.0, end=60.0, cells=800)
+    assert page["behind"] > 100
+    most = min(10, len(kinds))
+    late, off = apart(page, run, most)
+    assert off < 2e-2
+    assert late * world["speed"] < 2e-2
+
+
+def z_scores(here: Doubles, there: Doubles) -> Doubles:
+    """Return how far means of independent fields are apart, in standard errors from the fields themselves."""
+    error = here.var(axis=0, ddof=1) / len(here) + there.var(axis=0, ddof=1) / len(there)
+    return np.asarray((here.mean(axis=0) - there.mean(axis=0)) / np.sqrt(error))
+
+
+def simulated(world: dict[str, Any], distance: float, fields: int, seed: int) -> tuple[Doubles, float]:
+    """Return of each run the spread about the start, the share stuck and sticks per second; and where it starts."""
+    model = scenario_of(world, distance=distance).model()
+    found = []
+    for i in range(fields):
+        run = coupled(model, seed + i)
+        x, phase = run.slider["displacement"], run.slider["phase"]
+        sticks = np.count_nonzero(run.landmarks["kind"] == 0)
+        found.append([sqrt(np.mean((x - run.start) ** 2)), np.mean(phase == STICK), sticks / run.duration])
+    return np.array(found), run.start
+
+
+STATISTICS = {"Figure 5": ({}, 1000.0), "faster": ({"speed": 10000.0}, 3000.0)}
+
+
+def compare_statistics(name: str, fields: int, longer: float) -> None:
+    changes, distance = STATISTICS[name]
+    world, seed = world_with(**changes), seed_of(f"two-way page {name}") % 2**40
+    there, start = simulated(world, longer * distance, fields, seed)
+    given = {"start": start, "end": longer * distance, "fields": fields, "seed": seed + 10**6}
+    here = np.array(answer(MANY, world=world, **given))
+    assert np.abs(z_scores(here, there)).max() <= LARGEST_Z
+    # Weaker by a half, a contact lets the slider swing less: it would be noticed.
+    weaker = np.array(answer(MANY, world=world | {"strength": 125.0}, **given))
+    assert np.abs(z_scores(weaker, there)).max() > LARGEST_Z
+
+
+@pytest.mark.parametrize("name", STATISTICS)
+def test_statistics_are_the_simulators(name: str) -> None:
+    compare_statistics(name, 8, 0.75)
+
+
+@pytest.mark.torture
+@pytest.mark.parametrize("name", STATISTICS)
+def test_statistics_of_many_long_runs_are_the_simulators(name: str) -> None:
+    compare_statistics(name, 24, 3.0)
+
+
+FRAMES = """
+const made = (share) => {
+  const source = new rub.model.Births(world);
+  const motion = new rub.Motion(world, new rub.Field(world, source, [], 300), start);
+  for (let t = share; !motion.isOver; t += share) motion.until({ time: t, work: 40 });
+  return ['time', 'displacement', 'velocity'].map((name) => motion.columns[name].values.subarray(0, motion.size));
+};
+return [made(0.0166), made(0.00071), made(10)];
+"""
+
+
+def test_frames_do_not_change_the_motion() -> None:
+    first, second, third = answer(FRAMES, world=world_with(), start=170.0)
+    assert first == second == third
+    assert len(first[0]) > 5000
+
+
+def test_no_swing_goes_beyond_the_drive_but_backward() -> None:
+    world = world_with()
+    model = scenario_of(world, distance=500.0).model()
+    run, rows = coupled(model, 3), lived(model, 3, -200.0, 500.0)
+    page = on_the_page(world, rows, start=run.start, end=500.0)
+    assert page["range"]["velocity"][1] == world["speed"]
+    velocity, phase = np.array(page["velocity"]), np.array(page["phase"])
+    assert set(phase) == {0, 1}
+    assert (velocity[phase == STICK] == world["speed"]).all()
+    times = np.array(page["time"])
+    stuck = np.diff(times)[phase[:-1] == STICK].sum() / times[-1]
+    assert page["moments"]["stuckShare"] == pytest.approx(stuck, rel=1e-9)
+    x = np.array(page["displacement"])
+    even = np.interp(np.linspace(0.0, times[-1], 400_001), times, x)
+    assert page["moments"]["displacementMean"] == pytest.approx(even.mean(), rel=1e-5)
+    assert page["moments"]["displacementStd"] == pytest.approx(even.std(), rel=1e-4)
+
+
+HARD = [
+    {"speed": 1.0},
+    {"speed": 1e7},
+    {"damping": 0.0},
+    {"damping": 1000.0},
+    {"damping": 1000.0, "mass": 1e-6, "speed": 1.0},
+    {"mass": 1e-6, "damping": 0.0, "speed": 1.0},
+    {"mass": 10.0, "stiffness": 0.1},
+    {"stiffness": 1e7},
+    {"strength": 0.1},
+    {"strength": 1e5},
+    {"meanCount": 0.5, "damping": 0.0},
+    {"meanCount": 0.5, "strength": 1e5, "speed": 1.0},
+    {"births": "regular", "pulse": "triangle", "calibration": "exact", "spread": 0.0},
+]
+LIMITED = """
+const source = new rub.model.Births(world);
+const c = rub.model.contact(world);
+const start = (world.strength * c.birthRate * c.pulse.lifeIntegral(1) * c.sizes.moment(3)) / world.stiffness;
+const motion = new rub.Motion(world, new rub.Field(world, source, [], 20 * c.meanLife), start);
+motion.until({ work: 500 });
+const once = motion.work;
+motion.until({ work: 300000 });
+const { time, displacement } = motion.columns;
+return { once, isOver: motion.isOver, size: motion.size, finite: [time, displacement].every((column) =>
+  column.values.subarray(0, column.length).every(Number.isFinite)), duration: motion.time, place: motion.reached,
+  rising: time.values.subarray(1, time.length).every((t, i) => t >= time.values[i]), end: 20 * c.meanLife };
+"""
+
+
+@pytest.mark.parametrize("changes", HARD, ids=str)
+def test_wherever_the_knobs_stand_it_comes_to_its_end(changes: dict[str, Any]) -> None:
+    found = answer(LIMITED, world=world_with(**changes))
+    assert found["once"] < 1500
+    assert found["finite"]
+    assert found["rising"]
+    assert found["isOver"]
+    assert found["place"] == pytest.approx(found["end"], rel=1e-9)
+
+
+RESPONSE = "return cases.map(([a, b, t]) => rub.response(a, b, t, new Float64Array(4)));"
+
+
+def test_a_piece_of_slip_is_a_matrix_exponential() -> None:
+    """l'' + 2 a l' + b l = 0 with its two integrals: whichever of the closed forms is taken."""
+    source = np.random.default_rng(seed_of("pieces of slip"))
+    cases = [(a, b, 1.0) for a in (0.0, 0.1, 0.5, 1.0, 5.0, 50.0) for b in (-20.0, -1e-9, 0.0, 1e-9, 0.2, 1.0, 30.0)]
+    cases += [(a, a * a * (1.0 + e), 1.0) for a in (0.3, 2.0) for e in (-1e-3, -1e-9, 0.0, 1e-9, 1e-3)]
+    cases += [(float(a), float(b), float(t)) for a, b, t in source.uniform([0, -5, 0], [5, 20, 2], (200, 3))]
+    found = np.array(answer(RESPONSE, cases=cases))
+    for (a, b, t), values in zip(cases, found, strict=True):
+        system = np.array([[0, 1, 0, 0], [-b, -2 * a, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0]], dtype=float)
+        expected = expm(system * t)[:, 1]
+        np.testing.assert_allclose(values, expected, rtol=1e-9, atol=1e-12)
+
+
+BEHIND = """
+const found = [];
+for (let i = 0; i < fields; i += 1) {
+  const given = { ...world, seed: seed + i };
+  const field = new rub.Field(given, new rub.model.Births(given), [], 10);
+  while (field.place(-field.behind.place.length) > -place) field.place(-1 - field.behind.place.length);
+  const node = field.behind.place.values.findIndex((at) => at <= -place);
+  const joined = [field.force(-1), field.force(0)];
+  found.push([field.force(-1 - node) / given.strength, Math.abs(joined[0] - joined[1])]);
+}
+return found;
+"""
+
+
+@pytest.mark.parametrize("births", ["poisson", "regular"])
+@pytest.mark.parametrize("place", [6.0, 60.0])
+def test_behind_the_start_the_contact_is_what_it_is_elsewhere(births: str, place: float) -> None:
+    """Its mean and variance, nearer and further than a life; and nothing jumps at the start."""
+    world = world_with(births=births, spread=1.5, meanCount=4.0)
+    theory = rubnoise.exact(scenario_of(world))
+    fields = 1500
+    found = np.array(answer(BEHIND, world=world, fields=fields, place=place, seed=seed_of(f"past {births}") % 2**40))
+    area = found[:, 0]
+    assert abs(area.mean() - theory.area.mean) <= LARGEST_Z * theory.area.std / sqrt(fields)
+    assert abs(area.mean() - 0.9 * theory.area.mean) > LARGEST_Z * theory.area.std / sqrt(fields)
+    squares = (area - theory.area.mean) ** 2
+    assert abs(squares.mean() - theory.area.variance) <= LARGEST_Z * squares.std() / sqrt(fields)
+    assert found[:, 1].max() < 0.1 * world["strength"] * theory.area.mean

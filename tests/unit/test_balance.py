@@ -1,0 +1,133 @@
+"""The balance of a two-way run: its laws in closed form, and the work of friction against quadrature."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rubnoise.analysis.balance import Balance
+from rubnoise.analysis.friction_path import FrictionIntegral
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.errors import Refused
+from rubnoise.model import Slider
+from tests.models import model
+from tests.oracle.slow_contact import lens_area, triangle_area
+
+SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
+BEARS, SPEED, START, TIME = 3000.0, 40_000.0, 60.0, 0.0731
+
+
+def sliding(bears: float = BEARS) -> Balance:
+    """Return that of a slider on a constant force, which never comes to w = 0: a damped oscillation about G/k."""
+    m, k, c = SLIDER.mass, SLIDER.stiffness, SLIDER.damping
+    decay = c / (2.0 * m)
+    rate = np.sqrt(k / m - decay * decay)
+    away = START - bears / k
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    time = np.append(0.5 * TIME * (nodes + 1.0), TIME)
+    phase = rate * time
+    x = bears / k + away * np.exp(-decay * time) * (np.cos(phase) + decay / rate * np.sin(phase))
+    v = -away * np.exp(-decay * time) * (decay * decay / rate + rate) * np.sin(phase)
+    assert np.abs(v).max() < SPEED
+    w = 0.5 * TIME * weights
+    distance = SPEED * TIME - (x[-1] - START)
+    return Balance(
+        slider=SLIDER,
+        speed=SPEED,
+        start=START,
+        time=TIME,
+        distance=distance,
+        displacement=float(x[-1]),
+        velocity=float(v[-1]),
+        time_stuck=0.0,
+        displacement_integral=float(w @ x[:-1]),
+        displacement_squared_integral=float(w @ x[:-1] ** 2),
+        velocity_squared_integral=float(w @ v[:-1] ** 2),
+        friction_work=bears * distance,
+        reverse_work=0.0,
+    )
+
+
+@pytest.mark.parametrize("bears", [0.0, BEARS])
+def test_a_constant_force_is_balanced(bears: float) -> None:
+    found = sliding(bears)
+    assert abs(found.energy_residual) < 1e-12
+    assert found.impulse == pytest.approx(bears * TIME, rel=1e-11, abs=1e-11)
+    assert found.mean_force == pytest.approx(bears, rel=1e-11, abs=1e-9)
+    assert found.excess_over(found.friction_along) == pytest.approx(found.expected_excess(), abs=1e-9 * BEARS)
+    # Moving towards the drive it slides less far in the same time: the mean force over time is not that over distance.
+    assert found.distance != pytest.approx(SPEED * TIME, rel=1e-6)
+    assert found.displacement_mean == pytest.approx(found.displacement_integral / TIME, rel=1e-15)
+    assert 0.0 < found.displacement_std < abs(START - bears / 300.0)
+
+
+@pytest.mark.parametrize(
+    "column",
+    ["displacement", "velocity", "displacement_integral", "velocity_squared_integral", "friction_work"],
+)
+def test_what_is_wrong_is_missing_in_the_balance(column: str) -> None:
+    found = sliding()
+    wrong = replace(found, **{column: 1.001 * getattr(found, column)})
+    assert abs(wrong.energy_residual) > 1e-7
+    assert wrong.excess_over(wrong.friction_along) != pytest.approx(wrong.expected_excess(), rel=1e-6)
+
+
+@pytest.mark.parametrize("part", ["speed", "start"])
+def test_another_drive_is_missing_too(part: str) -> None:
+    found = sliding()
+    assert abs(replace(found, **{part: 1.01 * getattr(found, part)}).energy_residual) > 1e-5
+
+
+def test_another_slider_is_missing_too() -> None:
+    for name in ("mass", "stiffness", "damping"):
+        other = replace(SLIDER, **{name: 1.01 * getattr(SLIDER, name)})
+        assert abs(replace(sliding(), slider=other).energy_residual) > 1e-6
+
+
+def test_the_end_term_is_added_and_a_reversal_counts_twice() -> None:
+    found = sliding()
+    size = found.speed * found.time
+    without = (found.dissipated + 2.0 * found.reverse_work) / size
+    assert abs(found.expected_excess() - without) > 1.0
+    assert found.expected_excess() == pytest.approx(without + found.stored / size, rel=1e-12)
+    back = replace(found, friction_work=found.friction_work + 7.0, reverse_work=3.5)
+    assert back.friction_along == pytest.approx(found.friction_along, rel=1e-15)
+
+
+def test_it_is_read_with_the_model() -> None:
+    run = model(speed=SPEED)
+    row = {name: 1.0 for name in Balance.__dataclass_fields__ if name not in {"slider", "speed", "start"}}
+    found = Balance.of(run, row)
+    assert (found.slider, found.speed, found.start) == (run.slider, SPEED, run.equilibrium_displacement)
+    with pytest.raises(Refused, match="slider"):
+        Balance.of(model(slider=None), row)
+
+
+@pytest.mark.parametrize(("pulse", "area"), [(LENS, lens_area), (TRIANGLE, triangle_area)], ids=["lens", "triangle"])
+def test_the_work_of_friction_is_that_of_the_areas(pulse: Pulse, area: object) -> None:
+    generator = np.random.default_rng(5)
+    diameter = generator.uniform(1.0, 6.0, 40)
+    birth = np.sort(generator.uniform(-12.0, 30.0, 40))
+    strength = generator.uniform(100.0, 400.0, 40)
+    places = np.array([31.5, 0.0, 3.25, 17.0, 3.25])
+    found = FrictionIntegral(pulse, places)
+    for part in (slice(0, 13), slice(13, 13), slice(13, 40)):
+        found.add({"birth_distance": birth[part], "diameter": diameter[part], "shear_strength": strength[part]})
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+
+    def force(s: float) -> float:
+        return float(sum(p * area(s - b, d) for p, b, d in zip(strength, birth, diameter, strict=True)))  # type: ignore[operator]
+
+    cuts = np.concatenate([birth, birth + diameter, birth + 2.0 * diameter, places])
+    cuts = np.unique(cuts[(cuts >= 0.0) & (cuts <= places.max())])
+    # Between two events y -> s = a + (b - a)(3 y^2 - 2 y^3) takes the roots at both ends away.
+    y = 0.5 * (nodes + 1.0)
+    pieces = [
+        (b - a) * sum(0.5 * w * 6.0 * q * (1.0 - q) * force(a + (b - a) * (3.0 - 2.0 * q) * q * q) for w, q in zip(weights, y, strict=True))
+        for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True)
+    ]
+    sums = np.concatenate([[0.0], np.cumsum(pieces)])
+    expected = sums[np.searchsorted(cuts, places)]
+    assert found.at_places() == pytest.approx(expected, rel=1e-10, abs=1e-9)
+    assert found.at_places()[1] == 0.0
+    assert expected[0] > 1e4

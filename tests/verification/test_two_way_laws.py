@@ -1,0 +1,326 @@
+"""What a two-way run is compared with: exact laws of its balance, the law of weak coupling, and wrong runs rejected."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rubnoise.analysis.balance import Balance
+from rubnoise.analysis.comparing.findings import Comparison, Identity, LeftOut
+from rubnoise.analysis.comparing.two_way import Path, two_way_identities
+from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.verifying.balance import balance_check
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.errors import RunFileRefused
+from rubnoise.model import Model, Slider
+from rubnoise.theory.coupling import coupling, weak_motion
+from rubnoise.theory.motion_errors import mean_force_error
+from rubnoise.theory.response import response
+from tests.coupled_runs import coupled
+from tests.models import UNEQUAL, model, recorded
+from tests.verification.fabricated import Held, held
+from tests.verification.seeds import seed_of
+
+
+def two_way(run: Model, **changes: Any) -> Model:
+    assert run.slider is not None
+    return replace(run, slider=replace(run.slider, coupling="two-way", **changes))
+
+
+def slider(damping: float, **how: Any) -> Slider:
+    return Slider(mass=0.005, stiffness=300.0, damping=damping, **how)
+
+
+RUNS = {
+    "figure 5": model(distance=1000.0, tick=0.2),
+    "reversals": model(distance=12_000.0, count=1.0, tick=0.5),
+    "empty": model(distance=300.0, count=2.0, start="empty"),
+    "from rest, damped": model(distance=300.0, slider=slider(1.0, start="rest")),
+    "undamped": model(distance=300.0, slider=slider(0.0)),
+    "fast": model(distance=3000.0, speed=1e6),
+    "slow": model(distance=30.0, speed=100.0),
+    "triangles": model(distance=500.0, pulse=TRIANGLE),
+    "unequal strengths": model(distance=500.0, strength=UNEQUAL),
+    "regular": model(distance=300.0, births="regular"),
+    "wide ticks": model(distance=500.0, tick=5.0),
+}
+
+
+@cache
+def ran(name: str, tolerance: float = 1e-9) -> tuple[Model, Held]:
+    run = two_way(RUNS[name], tolerance=tolerance)
+    return run, held(recorded(run, seed_of(f"balance/{name}"), engine="batch"))
+
+
+def identities(run: Model, rows: Held) -> dict[str, Identity | LeftOut]:
+    path = Path(run, rows)
+    path.add({name: rows.column("junctions", name) for name in ("birth_distance", "diameter", "shear_strength")})
+    return {each.name: each for each in two_way_identities(run, path) if isinstance(each, Identity | LeftOut)}
+
+
+def broken(run: Model, rows: Held) -> set[str]:
+    return {name for name, each in identities(run, rows).items() if isinstance(each, Identity) and not each.holds}
+
+
+def changed(rows: Held, **columns: float) -> Held:
+    """Return rows with other numbers in /balance."""
+    row = dict(rows.groups["balance"]) | {name: np.array([value]) for name, value in columns.items()}
+    return Held({**rows.groups, "balance": row})
+
+
+def balance(run: Model, rows: Held) -> Balance:
+    return Balance.of(run, {name: float(value[0]) for name, value in rows.groups["balance"].items()})
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-9, 1e-11])
+@pytest.mark.parametrize("name", RUNS)
+def test_exact_laws_hold_to_the_tolerance(name: str, tolerance: float) -> None:
+    run, rows = ran(name, tolerance)
+    assert broken(run, rows) == set()
+    seen = balance(run, rows)
+    assert abs(seen.energy_residual) < min(tolerance, 1e-10)
+    check = balance_check(run, rows)
+    assert check.holds, check.first
+
+
+def test_the_mean_force_is_that_of_its_own_lives_to_rounding() -> None:
+    """Over a thousand um of Figure 5 the law leaves some 1e-13 of the force, where Campbell's mean leaves 2e-2."""
+    run, rows = ran("figure 5", 1e-11)
+    found = identities(run, rows)["mean_force_law"]
+    assert isinstance(found, Identity)
+    assert found.deviation < 1e-11 * balance(run, rows).mean_force
+    assert mean_force_error(run, run.distance) > 1e-2 * balance(run, rows).mean_force
+
+
+def test_runs_of_this_page_do_what_they_are_named_for() -> None:
+    kinds = {name: ran(name)[1].groups["landmarks"]["kind"] for name in RUNS}
+    assert (kinds["reversals"] == 2).any()
+    assert (kinds["figure 5"] == 0).sum() > 3
+    assert kinds["fast"].size == 0
+
+
+def test_a_reversal_behind_the_start_is_left_out_and_the_rest_is_not() -> None:
+    run, rows = ran("figure 5")
+    assert isinstance(identities(run, rows)["reverse_work"], Identity)
+    landmarks = {name: values.copy() for name, values in rows.groups["landmarks"].items()}
+    landmarks["kind"][:2], landmarks["distance"][:2] = (2, 3), (1.0, -1.0)
+    found = identities(run, Held({**rows.groups, "landmarks": landmarks}))
+    left_out = found["reverse_work"]
+    assert isinstance(left_out, LeftOut)
+    assert "behind the start" in left_out.reason
+    assert isinstance(found["energy"], Identity)
+
+
+@pytest.mark.parametrize(
+    ("column", "share", "law"),
+    [
+        ("time", 1e-7, {"sliding_distance"}),
+        ("distance", 1e-7, {"sliding_distance", "friction_work"}),
+        ("displacement", 1e-6, {"sliding_distance", "energy"}),
+        ("velocity", 1e-3, {"energy"}),
+        ("time_stuck", 1e-9, {"time_stuck"}),
+        ("displacement_integral", 1e-8, {"energy", "mean_force_law"}),
+        ("velocity_squared_integral", 1e-5, {"energy", "mean_force_law"}),
+        ("friction_work", 1e-8, {"friction_work", "energy"}),
+    ],
+)
+def test_a_changed_integral_is_rejected(column: str, share: float, law: set[str]) -> None:
+    run, rows = ran("figure 5")
+    value = float(rows.groups["balance"][column][0])
+    wrong = changed(rows, **{column: value * (1.0 + share)})
+    assert law <= broken(run, wrong)
+    assert not balance_check(run, wrong).holds
+
+
+def test_a_wrong_integral_of_the_square_is_found_by_the_rows() -> None:
+    """No law has int x^2 dt: the rows of /slider do, within a bound that falls as the square of the tick."""
+    run, rows = ran("slow")
+    value = float(rows.groups["balance"]["displacement_squared_integral"][0])
+    wrong = balance_check(run, changed(rows, displacement_squared_integral=1.1 * value))
+    assert wrong.first is not None
+    assert wrong.first.place == "/balance/displacement_squared_integral"
+    assert balance_check(run, rows).holds
+
+
+@pytest.mark.parametrize("sign", [-1.0, 0.0])
+def test_a_wrong_sign_at_a_reversal_is_rejected(sign: float) -> None:
+    """A reversal does its work against the motion, too: counted with another sign, or not at all, it is missing."""
+    run, rows = ran("reversals")
+    seen = balance(run, rows)
+    assert seen.reverse_work > 1e-6 * seen.scale
+    once = seen.friction_work + (sign - 1.0) * seen.reverse_work
+    assert {"friction_work", "energy"} <= broken(run, changed(rows, friction_work=once))
+    assert {"friction_work", "reverse_work"} <= broken(run, changed(rows, reverse_work=sign * seen.reverse_work))
+
+
+@pytest.mark.parametrize("name", ["figure 5", "fast"])
+def test_a_drive_one_percent_off_is_rejected(name: str) -> None:
+    run, _ = ran(name)
+    assert run.sliding_speed is not None
+    other = replace(run, sliding_speed=1.01 * run.sliding_speed)
+    rows = held(recorded(other, seed_of(f"balance/{name}"), engine="batch"))
+    assert broken(other, rows) == set()
+    assert {"sliding_distance", "energy", "mean_force_law"} <= broken(run, rows)
+
+
+@pytest.mark.parametrize(("part", "share"), [("mass", 1e-3), ("stiffness", 1e-6), ("damping", 1e-4)])
+def test_another_slider_is_rejected(part: str, share: float) -> None:
+    run, rows = ran("figure 5")
+    assert run.slider is not None
+    value = getattr(run.slider, part) * (1.0 + share)
+    assert "energy" in broken(replace(run, slider=replace(run.slider, **{part: value})), rows)
+
+
+def test_another_field_is_rejected() -> None:
+    """A row of /junctions that was not there when the slider moved."""
+    run, rows = ran("figure 5")
+    junctions = dict(rows.groups["junctions"])
+    junctions["diameter"] = junctions["diameter"].copy()
+    junctions["diameter"][100] *= 1.0 + 1e-4
+    assert broken(run, Held({**rows.groups, "junctions": junctions})) == {"friction_work", "mean_force_law"}
+
+
+@pytest.mark.parametrize("value", [np.nan, 0.0, -1.0])
+def test_a_row_without_a_time_is_refused(value: float) -> None:
+    run, rows = ran("figure 5")
+    with pytest.raises(RunFileRefused, match="/balance is damaged"):
+        Path(run, changed(rows, time=value))
+    assert not balance_check(run, changed(rows, time=value)).holds
+
+
+WEAK = two_way(model(speed=2.5e4, slider=slider(0.5), distance=60_000.0, tick=2.0))
+
+
+@cache
+def weak_run() -> tuple[Held, Comparison]:
+    rows = held(recorded(WEAK, seed_of("weak/compared"), engine="batch"))
+    return rows, compare(WEAK, rows)
+
+
+def test_a_weakly_coupled_run_is_held_against_the_law() -> None:
+    _, found = weak_run()
+    figures = {figure.name: figure for figure in found.figures}
+    assert found.outside == []
+    assert {"mean_force", "displacement_mean", "displacement_std", "velocity_std"} <= set(figures)
+    change = coupling(WEAK).expected_change
+    assert change > 1.03
+    assert figures["displacement_std"].expected == pytest.approx(change * response(WEAK).displacement_std, rel=1e-12)
+    headings = {part.heading: part.begins for part in found.parts}
+    assert headings["balance"] == 0.0
+    assert headings["slider"] > 1000.0
+
+
+def test_faults_of_a_weakly_coupled_run_are_outside() -> None:
+    rows, _ = weak_run()
+    still = dict(rows.groups["slider"])
+    still["displacement"] = 170.0 + 2.0 * (still["displacement"] - 170.0)
+    assert "displacement_std" in compare(WEAK, Held({**rows.groups, "slider": still})).outside
+    assert WEAK.slider is not None
+    stiffer = replace(WEAK, slider=replace(WEAK.slider, stiffness=315.0))
+    assert {"displacement_mean", "energy"} <= set(compare(stiffer, rows).outside)
+
+
+def test_strong_coupling_leaves_the_motion_out_and_keeps_the_contact() -> None:
+    run, rows = ran("figure 5")
+    found = compare(run, rows)
+    assert found.outside == []
+    names = {figure.name for figure in found.figures}
+    assert {"birth_count", "real_contact_area_mean", "life_mean_area", "mean_force"} <= names
+    assert not any(name.startswith(("displacement", "velocity")) for name in names)
+    reason = next(each.reason for each in found.left_out if each.name == "displacement")
+    assert "this slider pushes back" in reason
+    assert "too strong" in reason
+
+
+def test_the_mean_force_without_its_excess_is_rejected() -> None:
+    """Over 60 mm the force is known to half a per cent; the dashpot's share of Figure 5 at 1 mm/s is three times that."""
+    run = two_way(model(distance=60_000.0, tick=2.0, slider=slider(0.2)))
+    rows = held(recorded(run, seed_of("mean force"), engine="batch"))
+    figure = next(each for each in compare(run, rows).figures if each.name == "mean_force")
+    assert figure.expected is not None
+    assert figure.standard_error is not None
+    assert figure.z is not None
+    assert abs(figure.z) < 4.0
+    excess = balance(run, rows).expected_excess()
+    assert abs(figure.observed - (figure.expected - excess)) > 4.0 * figure.standard_error
+
+
+def test_the_weak_motion_is_the_one_way_motion_with_more_energy() -> None:
+    assert WEAK.slider is not None
+    assert WEAK.sliding_speed is not None
+    weak, one_way = weak_motion(WEAK), response(WEAK)
+    assert weak.velocity_std / one_way.velocity_std == pytest.approx(coupling(WEAK).expected_change, rel=1e-14)
+    share = WEAK.slider.damping * weak.velocity_std**2 / WEAK.sliding_speed / WEAK.slider.stiffness
+    assert weak.mean_displacement - one_way.mean_displacement == pytest.approx(share, rel=1e-9)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """Where the law of weak coupling is tried: over how many um, after so many decay times of the slider."""
+
+    speed: float
+    damping: float
+    count: float
+    distance: float
+
+    @property
+    def model(self) -> Model:
+        """The run of one field."""
+        return model(
+            speed=self.speed, slider=slider(self.damping), count=self.count, distance=self.distance, tick=4.0
+        )
+
+
+POINTS = (
+    Point(speed=5e4, damping=0.2, count=20.0, distance=1e5),
+    Point(speed=3.5e4, damping=0.2, count=20.0, distance=6e4),
+    Point(speed=2.5e4, damping=0.5, count=20.0, distance=4e4),
+    Point(speed=3.5e4, damping=0.5, count=20.0, distance=4e4),
+    Point(speed=2.2e4, damping=0.2, count=80.0, distance=4e4),
+)
+FIELDS = 40
+
+
+def ratio_of_spreads(point: Point) -> tuple[float, float]:
+    """Return std x, two-way over one-way on the same fields, and its jackknife error over independent fields."""
+    run = point.model
+    forgotten = int(8.0 * 2.0 * 0.005 / point.damping * point.speed / run.tick)
+    variances = []
+    for n in range(FIELDS):
+        seed = seed_of(f"weak/{point}/{n}")
+        places = (recorded(run, seed, engine="batch")["slider"], coupled(run, seed).slider)
+        variances.append([float(place["displacement"][forgotten:].var()) for place in places])
+    one_way, two_ways = np.array(variances).T
+    left_out = [sqrt((two_ways.sum() - b) / (one_way.sum() - a)) for a, b in variances]
+    error = sqrt((FIELDS - 1) * float(np.var(left_out)))
+    return sqrt(two_ways.sum() / one_way.sum()), error
+
+
+@pytest.mark.torture
+def test_weak_coupling_at_five_points_by_one_chi_square() -> None:
+    """Sum of z^2 over five points, each z a Student deviate of 39 degrees of freedom.
+
+    The bound is the quantile 0.9999 of chi-square with five degrees of freedom, widened by the deviates' variance.
+    """
+    from scipy.stats import chi2
+
+    bound = float(chi2.ppf(0.9999, len(POINTS))) * (FIELDS - 1) / (FIELDS - 3)
+    laws: dict[str, Callable[[Model], float]] = {
+        "the law": lambda run: coupling(run).expected_change,
+        "no change": lambda _run: 1.0,
+        "twice the change": lambda run: 2.0 * coupling(run).expected_change - 1.0,
+    }
+    found = dict.fromkeys(laws, 0.0)
+    for point in POINTS:
+        ratio, error = ratio_of_spreads(point)
+        for name, law in laws.items():
+            found[name] += ((ratio - law(point.model)) / error) ** 2
+        print(f"{point}: law {laws['the law'](point.model):.4f}, measured {ratio:.4f} +- {error:.4f}")
+    print(f"chi-square of {len(POINTS)} degrees of freedom: {found}, bound {bound:.1f}")
+    assert found["the law"] < bound
+    assert found["no change"] > 2.0 * bound
+    assert found["twice the change"] > bound

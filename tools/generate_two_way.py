@@ -1,0 +1,279 @@
+"""Write the tables and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
+
+Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml (`--sweep DIR`
+takes one that was made before), and pairs of runs that differ in their tolerance alone. With `--reference DIR`, a folder
+of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and written, unless
+another program disagrees with them.
+"""
+
+import argparse
+import re
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import two_way_reference
+
+import rubnoise
+from rubnoise.analysis.replicates import Pooled, pooled
+from rubnoise.analysis.stick_slip import StickSlip
+from rubnoise.api.sweep_result import SweepResult
+from rubnoise.figures.catalogue import picture
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.study_of_sweep import study_of_sweep
+from rubnoise.figures.study_picture import study_picture
+from rubnoise.model import Model
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.theory.coupling import coupling
+from rubnoise.theory.response import response
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+PAGE: Final = ROOT / "docs" / "two-way.md"
+PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
+SCENARIOS: Final = ROOT / "scenarios"
+FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
+STUDY: Final = SCENARIOS / "studies" / "coupling.toml"
+PART: Final = re.compile(r"(<!-- generated: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
+"""How far the pairs of runs slide, by sliding speed in mm/s."""
+
+SEEDS: Final = (11, 12, 13)
+APART: Final = 0.1
+"""Displacements in um between two runs from which they have parted."""
+
+PARTING: Final = (1500.0, 5000.0)
+"""Sliding distances in um between which the runs of the picture part."""
+
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """One sliding speed of the study: its two-way model, and figures of the two-way runs with their intervals."""
+
+    model: Model
+    displacement: Pooled
+    stick_fraction: Pooled
+    sticks: Pooled
+
+    def cells(self) -> tuple[str, ...]:
+        """Return a row of the table."""
+        one_way, told = response(self.model), coupling(self.model)
+        expected = f"{told.expected_change:.3f}" if told.unknown is None else ""
+        change = self.displacement.value / one_way.displacement_std
+        return (
+            f"{1e-3 * one_way.sliding_speed:g}",
+            f"{one_way.one_way_validity:.3g}",
+            f"{told.strength:.3g}",
+            f"{one_way.displacement_std:.4g}",
+            _with_interval(self.displacement, "{:.1f}"),
+            f"{change:.3f} ± {self.displacement.reach / one_way.displacement_std:.3f}",
+            expected,
+            _with_interval(self.stick_fraction, "{:.3f}"),
+            _with_interval(self.sticks, "{:.1f}"),
+        )
+
+
+def _with_interval(figure: Pooled, form: str) -> str:
+    return f"{form.format(figure.value)} ± {form.format(figure.reach)}" if figure.value else "0"
+
+
+def points_of(sweep: SweepResult) -> list[Point]:
+    """Return the two-way points of a sweep over both couplings, in its order."""
+    of_point, found = sweep.runs["point"][:], []
+    for number, values in enumerate(sweep.values):
+        if values["slider.coupling"] != "two-way":
+            continue
+        rows = np.flatnonzero(of_point == number)
+        figures = {
+            name: pooled(figure, sweep.runs[figure][:][rows].tolist())
+            for name, figure in (
+                ("displacement", "displacement_std"),
+                ("stick_fraction", "stick_fraction"),
+                ("sticks", "sticks_per_s"),
+            )
+        }
+        found.append(Point(model=sweep.scenario(number).model(), **figures))
+    return found
+
+
+def surprise(sweep: SweepResult) -> Iterator[str]:
+    """Yield the table of the study."""
+    yield "| V (mm/s) | r | Pi | std x, one-way (um) | two-way (um) | change | its law | share of sticks | sticks a second |"
+    yield "|---|---|---|---|---|---|---|---|---|"
+    points = points_of(sweep)
+    yield from (f"| {' | '.join(point.cells())} |" for point in points)
+    yield ""
+    yield (
+        f"{_words(points[0].displacement.runs)} runs of each, from independent seeds; intervals of 95 % from their scatter."
+        " One-way values are exact. The law of the change is known for weak coupling alone."
+    )
+    yield ""
+    yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"
+
+
+def _words(number: int) -> str:
+    return {8: "Eight", 4: "Four", 2: "Two"}.get(number, str(number))
+
+
+def figures(one: RunFile, two: RunFile) -> Iterator[str]:
+    """Yield Figure 5 both ways: what was measured, and its pictures."""
+    seen, motion = two.summary, two.column("slider", "time", two.rows("slider") - 1)
+    found = StickSlip.of(two, 0.0, inf)
+    longer = int((found.slip_lengths > Stretch.of(two).model.sizes.moment(1)).sum())
+    yield "| of the run with seed 1 | one-way | two-way |"
+    yield "|---|---|---|"
+    for name, unit in (("displacement_mean", "um"), ("displacement_std", "um"), ("velocity_std", "um/s")):
+        yield f"| `{name}` ({unit}) | {_number(one, name)} | {_number(two, name)} |"
+    yield f"| `stick_fraction` | 0 | {float(seen['stick_fraction']):.3f} |"
+    yield f"| sticks, slips, reversals | none | {_counts(two)} |"
+    yield f"| slips longer than a mean diameter | | {longer} of {found.slip_lengths.size} |"
+    yield f"| duration (s) | {one.column('slider', 'time', one.rows('slider') - 1)[0]:.4g} | {motion[0]:.4g} |"
+    for name, says in CAPTIONS.items():
+        yield f"\n![{says}](pictures/two-way/{name}.png)\n\n{says}"
+
+
+CAPTIONS: Final = {
+    "motion": (
+        "Figure 5 both ways, on the same junctions. One-way (pale) the slider swings at its natural frequency. Two-way (dark)"
+        " it sticks while its spring is stretched (shaded), and slips when the spring outweighs the contact."
+    ),
+    "phase": (
+        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive; no slip reaches above"
+        " it, and one-way the slider is far above it half of the time."
+    ),
+    "landmarks": (
+        "Most slips are far shorter than a junction, and as many sticks last less than a millisecond; the others are long:"
+        " there are hardly any between."
+    ),
+    "spectrum": (
+        "The velocity has no line at the natural frequency if the slider pushes back. Its spectrum is flat from the long"
+        " slips, at some hertz, up to there."
+    ),
+}
+
+
+def _number(run: RunFile, name: str) -> str:
+    return f"{float(run.summary[name]):.4g}"
+
+
+def _counts(run: RunFile) -> str:
+    kinds = np.bincount(run.column("landmarks", "kind"), minlength=4)
+    return ", ".join(str(count) for count in kinds[:3].tolist())
+
+
+def chaos() -> Iterator[str]:
+    """Yield when runs part that differ in their tolerance alone."""
+    yield f"| V (mm/s) | parted by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))} | of (s) |"
+    yield "|---|---|---|"
+    for speed, distance in CHAOS.items():
+        found = [parted(speed, distance, seed) for seed in SEEDS]
+        times = ", ".join("never" if time is None else f"{time:.3g}" for time, _ in found)
+        yield f"| {speed} | {times} | {min(duration for _, duration in found):.3g} |"
+    yield ""
+    yield "![Two runs that part](pictures/two-way/chaos.png)"
+
+
+def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
+    """Return when two runs of tolerances 1e-9 and 1e-10 are farther apart than APART, in s, and how long they last."""
+    records = [_record(speed, distance, seed, tolerance) for tolerance in ("1e-9", "1e-10")]
+    rows = min(record["time"].size for record in records)
+    first, second = (record["displacement"][:rows] for record in records)
+    away = np.flatnonzero(np.abs(first - second) > APART)
+    time = records[0]["time"]
+    return (float(time[away[0]]) if away.size else None), float(time[rows - 1])
+
+
+def _record(speed: float, distance: str, seed: int, tolerance: str) -> dict[str, np.ndarray]:
+    changes = [f'sliding.speed="{speed:g} mm/s"', f'sliding.distance="{distance}"', f"slider.tolerance={tolerance}"]
+    scenario = rubnoise.load(TWO_WAY, [*changes, 'output.tick="0.5 um"', "run.engine=batch"])
+    motion = rubnoise.simulate(scenario, seed=seed)["slider"]
+    return {name: motion[name] for name in ("time", "displacement")}
+
+
+def main() -> int:
+    """Run everything, draw the pictures, and write the generated parts of the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sweep", type=Path, help="a folder that holds the sweep already")
+    parser.add_argument("--reference", type=Path, help="a folder that holds the sweep of reference values")
+    wishes = parser.parse_args()
+    if wishes.reference is not None:
+        return take_reference(wishes.reference)
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        parts = made(Path(folder), wishes.sweep, lambda text: print(text, file=sys.stderr))
+    text = PAGE.read_text(encoding="utf-8")
+    if missing := set(parts) ^ {name for _, name in PART.findall(text)}:
+        print(f"generate_two_way: {', '.join(sorted(missing))}: on the page or here alone", file=sys.stderr)
+        return 1
+    PAGE.write_text(filled(text, parts), encoding="utf-8")
+    return 0
+
+
+def take_reference(folder: Path) -> int:
+    """Take reference values from a sweep and write their table; where another program disagrees only say so, return 1."""
+    try:
+        two_way_reference.keep(two_way_reference.reference_of(folder))
+    except ValueError as problem:
+        print(f"generate_two_way: {problem}", file=sys.stderr)
+        return 1
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), {"reference": reference()}), encoding="utf-8")
+    return 0
+
+
+def reference() -> list[str]:
+    """Return the table of the reference values."""
+    return ["", *two_way_reference.table(two_way_reference.kept()), ""]
+
+
+def filled(text: str, parts: dict[str, list[str]]) -> str:
+    """Return a page with its generated parts replaced."""
+    return PART.sub(
+        lambda found: "\n".join([found[1].rstrip("\n"), *parts[found[2]], ""]) if found[2] in parts else found[0], text
+    )
+
+
+def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]:
+    """Make the pictures, and return the lines of every part by its name."""
+    tell("Figure 5")
+    runs = {"one-way": (FIG5, []), "two-way": (TWO_WAY, []), "finer": (TWO_WAY, ["slider.tolerance=1e-10"])}
+    for name, (path, changes) in runs.items():
+        rubnoise.run(rubnoise.load(path, changes), folder / f"{name}.h5").close()
+    with (
+        open_run(folder / "one-way.h5") as one,
+        open_run(folder / "two-way.h5") as two,
+        open_run(folder / "finer.h5") as finer,
+    ):
+        draw(one, two, finer)
+        parts = {"figures": list(figures(one, two))}
+    tell("chaos")
+    parts["chaos"] = list(chaos())
+    tell("the sweep")
+    with rubnoise.run_sweep(STUDY, folder / "coupling") if sweep is None else rubnoise.open_sweep(sweep) as found:
+        (PICTURES / "speeds.png").write_bytes(study_picture(study_of_sweep(found, "displacement_std"), "png"))
+        parts["surprise"] = list(surprise(found))
+    parts["reference"] = reference()
+    return parts
+
+
+def draw(one: RunFile, two: RunFile, finer: RunFile) -> None:
+    """Draw the pictures of Figure 5."""
+    both, pushed = Stretch.of(one), Stretch.of(two)
+    for name, png in (
+        ("motion", picture("slider", both, "png", beside=pushed)),
+        ("phase", picture("phase", both, "png", beside=pushed)),
+        ("landmarks", picture("landmarks", pushed, "png")),
+        ("spectrum", picture("psd", both, "png", heard="velocity", beside=pushed)),
+        ("chaos", picture("slider", Stretch.of(two, *PARTING), "png", beside=Stretch.of(finer))),
+    ):
+        (PICTURES / f"{name}.png").write_bytes(png)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
