@@ -1,17 +1,13 @@
 """Write the generated parts of the documentation: `python tools/generate_docs.py [--check]`, with rubnoise installed.
 
 A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
-With `--reference DIR`, the folder of a sweep of scenarios/studies/coupling_reference.toml, reference values of two-way
-coupling are taken from there first, unless they disagree with those of another program: then nothing is written.
 """
 
 import json
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from math import floor, hypot, log10
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
@@ -23,12 +19,8 @@ from rubnoise.scenario.limits import TITLE_CHARACTERS
 from rubnoise.scenario.sweep_settings import Sweeping
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
-ROOT = Path(__file__).resolve().parent.parent
-DOCS = ROOT / "docs"
-PAGES = ("data-format.md", "scenarios.md", "two-way.md")
-REFERENCE = ROOT / "tests" / "reference" / "coupling.json"
-ANOTHER = ROOT / "tests" / "reference" / "two_way.json"
-"""What another program found, with an integrator of its own."""
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+PAGES = ("data-format.md", "scenarios.md")
 PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
@@ -51,31 +43,8 @@ NEEDS: dict[Feature | None, str] = {
 UNLESS: dict[Feature, str] = {"two-way": 'not with `slider.coupling = "two-way"`'}
 
 
-FIGURES = {
-    "stick_fraction": ("stuck", "stick_fraction"),
-    "displacement_mean": ("mean x (um)", "mean_x"),
-    "displacement_std": ("std x (um)", "std_x"),
-    "velocity_std": ("std x' (um/s)", "std_v"),
-    "sticks_per_s": ("sticks per s", "sticks_per_s"),
-    "slips_longer_than_d_per_s": ("slips > d per s", ""),
-}
-"""Figures of the reference, what heads their columns, and what the other program calls them."""
-
-AGREE = 4.0
-"""Joint standard errors by which both programs may differ."""
-
-
 def main(arguments: Sequence[str]) -> int:
     """Write the pages, or with --check only name those that are out of date; 1 where there are any."""
-    if "--reference" in arguments:
-        points = reference_of(Path(arguments[arguments.index("--reference") + 1]))
-        if wrong := list(disagreements(points)):
-            print("generate_docs: two programs disagree", *wrong, sep="\n  ", file=sys.stderr)
-            return 1
-        source = (
-            "rubnoise sweep scenarios/studies/coupling_reference.toml; of each figure the value and its standard error"
-        )
-        REFERENCE.write_text(json.dumps({"_source": source, "points": points}, indent=1) + "\n", encoding="utf-8")
     stale = [page for page in PAGES if (text := read(page)) != generated(text)]
     for page in stale:
         if "--check" not in arguments:
@@ -137,71 +106,6 @@ def sweep() -> Iterator[str]:
     yield from _keys(Sweeping.model_fields)
 
 
-def reference_of(folder: Path) -> list[dict[str, Any]]:
-    """Return the two-way points of a sweep over both couplings, each figure with its standard error."""
-    from rubnoise import open_sweep
-
-    with open_sweep(folder) as sweep:
-        told = {name: sweep.estimates(name) for name in FIGURES}
-        ratios = sweep.ratios("displacement_std", "slider.coupling", "one-way")
-        distance, speed = (sweep.points[f"sliding.{key}"][:] for key in ("distance", "speed"))
-        return [
-            {
-                "speed": float(speed[number]),
-                "junctions": values["interface.mean_junction_count"],
-                "runs": ratios[number].runs,
-                "seconds": float(f"{ratios[number].runs * distance[number] / speed[number]:.6g}"),
-                **{name: _kept(each[number]) for name, each in told.items()},
-                "over_one_way": _kept(ratios[number]),
-            }
-            for number, values in enumerate(sweep.values)
-            if values["slider.coupling"] == "two-way"
-        ]
-
-
-def _kept(estimate: Any) -> list[float]:
-    return [float(f"{estimate.value:.10g}"), float(f"{estimate.standard_error:.4g}")]
-
-
-def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield every figure in which the other program differs by more than its and our standard errors allow."""
-    others = [other for name, other in json.loads(ANOTHER.read_text(encoding="utf-8")).items() if name[0] != "_"]
-    for point in points:
-        where = (point["speed"], point["junctions"])
-        for other in (other for other in others if (other["V_um_s"], other["N_jm"]) == where):
-            for name, (_, theirs) in FIGURES.items():
-                if theirs:
-                    value, error = point[name]
-                    joint = hypot(error, other[f"{theirs}_se"])
-                    if abs(value - other[theirs]) > AGREE * joint:
-                        yield f"{name} at {where}: {value:g} and {other[theirs]:g}, joint standard error {joint:.2g}"
-
-
-def coupling() -> Iterator[str]:
-    """Yield the reference values of two-way coupling, standard errors in the last digits."""
-    head = ("V (mm/s)", "N_jm", "time (s)", *(words for words, _ in FIGURES.values()), "std x over one-way")
-    points = json.loads(REFERENCE.read_text(encoding="utf-8"))["points"]
-    rows = (
-        (
-            f"{1e-3 * point['speed']:g}",
-            f"{point['junctions']:g}",
-            f"{point['seconds']:g}",
-            *(in_digits(*point[name]) for name in (*FIGURES, "over_one_way")),
-        )
-        for point in points
-    )
-    yield from _table(head, rows)
-    yield ""
-
-
-def in_digits(value: float, error: float) -> str:
-    """Return a value with its standard error in its last two digits, as 0.7413(15)."""
-    if error <= 0.0:
-        return f"{value:g}"
-    places = max(1 - floor(log10(error)), 0)
-    return f"{value:.{places}f}({round(error * 10.0**places)})"
-
-
 def _need(table: FieldInfo) -> str:
     if table.is_required():
         return "This table is required."
@@ -251,7 +155,7 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-PARTS: dict[str, Callable[[], Iterator[str]]] = {"columns": columns, "keys": keys, "sweep": sweep, "coupling": coupling}
+PARTS: dict[str, Callable[[], Iterator[str]]] = {"columns": columns, "keys": keys, "sweep": sweep}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

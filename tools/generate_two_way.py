@@ -1,7 +1,9 @@
 """Write the tables and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
 Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml (`--sweep DIR`
-takes one that was made before), and pairs of runs that differ in their tolerance alone.
+takes one that was made before), and pairs of runs that differ in their tolerance alone. With `--reference DIR`, a folder
+of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and written, unless
+another program disagrees with them.
 """
 
 import argparse
@@ -15,6 +17,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import two_way_reference
 
 import rubnoise
 from rubnoise.analysis.replicates import Pooled, pooled
@@ -198,7 +201,10 @@ def main() -> int:
     """Run everything, draw the pictures, and write the generated parts of the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sweep", type=Path, help="a folder that holds the sweep already")
+    parser.add_argument("--reference", type=Path, help="a folder that holds the sweep of reference values")
     wishes = parser.parse_args()
+    if wishes.reference is not None:
+        return take_reference(wishes.reference)
     PICTURES.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         parts = made(Path(folder), wishes.sweep, lambda text: print(text, file=sys.stderr))
@@ -210,9 +216,27 @@ def main() -> int:
     return 0
 
 
+def take_reference(folder: Path) -> int:
+    """Take reference values from a sweep and write their table; where another program disagrees only say so, return 1."""
+    try:
+        two_way_reference.keep(two_way_reference.reference_of(folder))
+    except ValueError as problem:
+        print(f"generate_two_way: {problem}", file=sys.stderr)
+        return 1
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), {"reference": reference()}), encoding="utf-8")
+    return 0
+
+
+def reference() -> list[str]:
+    """Return the table of the reference values."""
+    return ["", *two_way_reference.table(two_way_reference.kept()), ""]
+
+
 def filled(text: str, parts: dict[str, list[str]]) -> str:
     """Return a page with its generated parts replaced."""
-    return PART.sub(lambda found: "\n".join([found[1].rstrip("\n"), *parts[found[2]], ""]), text)
+    return PART.sub(
+        lambda found: "\n".join([found[1].rstrip("\n"), *parts[found[2]], ""]) if found[2] in parts else found[0], text
+    )
 
 
 def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]:
@@ -234,6 +258,7 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]
     with rubnoise.run_sweep(STUDY, folder / "coupling") if sweep is None else rubnoise.open_sweep(sweep) as found:
         (PICTURES / "speeds.png").write_bytes(study_picture(study_of_sweep(found, "displacement_std"), "png"))
         parts["surprise"] = list(surprise(found))
+    parts["reference"] = reference()
     return parts
 
 

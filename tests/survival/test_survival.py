@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from survival import cost, flips, full, kills, power, signals, sweeps, writes
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story, growing
+from survival.stories import SHORT, SMALL, Story, growing, two_way
 
 from rubnoise.storage import disk, resuming, writer
 from rubnoise.storage.growing import GrowingFile
@@ -157,6 +157,16 @@ def test_rows_that_grow_beside_a_part_are_no_more_easily_lost() -> None:
         outcome.add(kills.kills(4, seed=3, stories=(MOVING,)))
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0 < outcome.counts["stopped in the middle of a write"]
+
+
+def test_a_slider_that_pushes_back_is_no_more_easily_lost() -> None:
+    small, moving = two_way((WITH_SLIDER, MOVING))
+    outcome = kills.kills(4, seed=3, stories=(moving,))
+    outcome.add(power.power(8, seed=3, stories=(small,)))
+    assert outcome.findings == []
+    assert outcome.counts["commits"] > 0
+    assert {"landmarks/kind", "slider/phase"} <= moving.expected.keys()
+    assert two_way((BARE,)) == ()
 
 
 def test_growing_rows_that_never_reach_the_disk_are_found_by_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:

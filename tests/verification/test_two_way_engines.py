@@ -157,6 +157,26 @@ def test_a_motion_without_a_step_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
         recorded(two_way(model(distance=20.0)))
 
 
+@pytest.mark.parametrize("engine", ["events", "batch"])
+def test_a_block_that_leaves_no_junction_waiting_is_gone_on_from(
+    monkeypatch: pytest.MonkeyPatch, engine: Engine
+) -> None:
+    """Of a contact that is empty now and then every row is known and written at the end of some blocks."""
+    run = two_way(model(distance=6000.0, count=0.2, tick=1.0))
+    for each in (draws, starts):
+        monkeypatch.setattr(each, "births_per_block", lambda _model: 3)
+    states: list[State] = []
+    whole = MemoryRecord(extent(run, 3))
+    simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
+    # Behind the numbers of landmarks and of rows written stands that of rows that wait.
+    assert [int.from_bytes(state.two_way[16:24], "little") for state in states[:2]] == [0, 1]
+    again = MemoryRecord(extent(run, 3))
+    with suppress(_Left):
+        simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(states[0].block))
+    simulate(run, 3, again, engine=engine, state=State.unpack(states[0].pack()))
+    assert contents(again) == contents(whole)
+
+
 def _leave_after(block: int) -> Any:
     def commit(state: State) -> None:
         if state.block == block:

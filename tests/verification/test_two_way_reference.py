@@ -1,10 +1,9 @@
 """Statistics of two-way runs on fields of their own, against reference values and those of a program that shares no line.
 
 `tests/reference/coupling.json` is what the sweep scenarios/studies/coupling_reference.toml came to, taken from its folder
-by `tools/generate_docs.py --reference DIR`; `two_way.json` comes from elsewhere.
+by `tools/generate_two_way.py --reference DIR`; `two_way.json` comes from elsewhere.
 """
 
-import json
 from dataclasses import dataclass
 from math import hypot
 from typing import Any
@@ -20,9 +19,9 @@ from rubnoise.scenario import load
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.simulation.run import simulate
 from tests.architecture.sources import ROOT
-from tools import generate_docs
+from tools import two_way_reference as reference
 
-POINTS: list[dict[str, Any]] = json.loads(generate_docs.REFERENCE.read_text(encoding="utf-8"))["points"]
+POINTS = reference.kept()
 NAMES = [f"{1e-3 * point['speed']:g} mm/s, {point['junctions']:g}" for point in POINTS]
 FOUR_SIGMA = 1.0 - 3.1671241833119857e-05
 """Chance that a normal number lies no more than four standard deviations above its mean."""
@@ -76,7 +75,7 @@ def _tally(model: Model, seed: int) -> Tally:
 
 
 def scores(point: dict[str, Any], found: dict[str, list[float]]) -> list[Score]:
-    return [_score(name, point[name], pooled(name, found[name])) for name in generate_docs.FIGURES]
+    return [_score(name, point[name], pooled(name, found[name])) for name in reference.FIGURES]
 
 
 def _score(name: str, known: list[float], seen: Pooled) -> Score:
@@ -86,28 +85,30 @@ def _score(name: str, known: list[float], seen: Pooled) -> Score:
 
 
 def test_two_programs_agree() -> None:
-    assert list(generate_docs.disagreements(POINTS)) == []
+    assert list(reference.disagreements(POINTS)) == []
     seconds = {(point["speed"], point["junctions"]): point["seconds"] for point in POINTS}
     assert seconds[1000.0, 20] >= 1000.0
     # A drive that is 1 % too fast is told by the displacement, which friction and spring alone decide, to 0.1 %.
     wrong = [{**point, "displacement_mean": [1.01 * point["displacement_mean"][0], 0.0]} for point in POINTS]
-    assert list(generate_docs.disagreements(wrong))
+    assert list(reference.disagreements(wrong))
 
 
-def test_values_that_disagree_are_not_taken(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_values_that_disagree_are_not_taken() -> None:
     wrong = [{**point, "velocity_std": [1.05 * point["velocity_std"][0], 1.0]} for point in POINTS]
-    before = generate_docs.REFERENCE.read_bytes()
-    monkeypatch.setattr(generate_docs, "reference_of", lambda _folder: wrong)
-    assert generate_docs.main(["--reference", "somewhere"]) == 1
-    assert "velocity_std at (1000.0, 20)" in capsys.readouterr().err
-    assert generate_docs.REFERENCE.read_bytes() == before
+    before = reference.KEPT.read_bytes()
+    with pytest.raises(ValueError, match=r"velocity_std at \(1000.0, 20\)"):
+        reference.keep(wrong)
+    assert reference.KEPT.read_bytes() == before
+
+
+def test_the_page_has_the_table_of_the_reference() -> None:
+    page = (ROOT / "docs" / "two-way.md").read_text(encoding="utf-8")
+    assert "\n".join(["<!-- generated: reference -->", "", *reference.table(POINTS), ""]) in page
 
 
 @pytest.mark.parametrize("value", [(0.741322, 0.00152, "0.7413(15)"), (4057.83, 24.6, "4058(25)"), (2.0, 0.0, "2")])
 def test_errors_stand_in_the_last_digits(value: tuple[float, float, str]) -> None:
-    assert generate_docs.in_digits(*value[:2]) == value[2]
+    assert reference.in_digits(*value[:2]) == value[2]
 
 
 def of_figure_5() -> dict[str, Any]:
@@ -136,5 +137,5 @@ def test_fields_as_long_agree_with_the_reference(point: dict[str, Any]) -> None:
     distance = point["seconds"] * point["speed"] / point["runs"]
     found, one_way = (figures_of(case_of(point, distance, coupling), 6) for coupling in ("two-way", "one-way"))
     ratio = ratio_of_pairs("displacement_std", found["displacement_std"], one_way["displacement_std"])
-    told = [*scores(point, found), _score("over_one_way", point["over_one_way"], ratio)]
+    told = [*scores(point, found), _score(reference.RATIO, point[reference.RATIO], ratio)]
     assert [score for score in told if not score.agrees] == []

@@ -12,7 +12,6 @@ from math import inf
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
@@ -142,7 +141,7 @@ def _unpacked(data: bytes) -> tuple[int, int, LiveRows, Doubles, CoupledState | 
     landmarks, written, count = _HEADER.unpack_from(data)
     names = [f.name for f in fields(LiveRows) if f.name != "junction"]
     size = (len(names) + 2) * count
-    numbers: NDArray[np.float64] = np.frombuffer(data, "<f8", size, _HEADER.size).reshape(-1, count).astype(float)
+    numbers: Doubles = np.frombuffer(data, "<f8", size, _HEADER.size).reshape(len(names) + 2, count).astype(float)
     columns = dict(zip(names, numbers, strict=False))
     waiting = LiveRows(junction=np.arange(written, written + count, dtype=np.int64), **columns)
     motion = CoupledState.unpack(data[_HEADER.size + 8 * size :])

@@ -1,0 +1,102 @@
+"""The reference values of two-way coupling: taken from a sweep, held against another program's, and as a table."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from math import floor, hypot, log10
+from pathlib import Path
+from typing import Any, Final
+
+import rubnoise
+from rubnoise.analysis.replicates import Pooled
+
+FOLDER: Final = Path(__file__).resolve().parent.parent / "tests" / "reference"
+KEPT: Final = FOLDER / "coupling.json"
+ANOTHER: Final = FOLDER / "two_way.json"
+"""What another program found, with an integrator of its own."""
+
+SOURCE: Final = "rubnoise sweep scenarios/studies/coupling_reference.toml; of each figure the value and its standard error"
+
+FIGURES: Final = {
+    "stick_fraction": ("stuck", "stick_fraction"),
+    "displacement_mean": ("mean x (um)", "mean_x"),
+    "displacement_std": ("std x (um)", "std_x"),
+    "velocity_std": ("std x' (um/s)", "std_v"),
+    "sticks_per_s": ("sticks per s", "sticks_per_s"),
+    "slips_longer_than_d_per_s": ("slips > d per s", ""),
+}
+"""Figures of the reference, what heads their columns, and what the other program calls them."""
+
+RATIO: Final = "over_one_way"
+"""The standard deviation of the displacement over that of one-way coupling on the same junctions."""
+
+_AGREE: Final = 4.0
+"""Joint standard errors by which both programs may differ."""
+
+
+def reference_of(folder: Path) -> list[dict[str, Any]]:
+    """Return the two-way points of a sweep over both couplings, each figure with its standard error."""
+    with rubnoise.open_sweep(folder) as sweep:
+        told = {name: sweep.estimates(name) for name in FIGURES}
+        ratios = sweep.ratios("displacement_std", "slider.coupling", "one-way")
+        distance, speed = (sweep.points[f"sliding.{key}"][:] for key in ("distance", "speed"))
+        return [
+            {
+                "speed": float(speed[number]),
+                "junctions": values["interface.mean_junction_count"],
+                "runs": ratios[number].runs,
+                "seconds": float(f"{ratios[number].runs * distance[number] / speed[number]:.6g}"),
+                **{name: _kept(each[number]) for name, each in told.items()},
+                RATIO: _kept(ratios[number]),
+            }
+            for number, values in enumerate(sweep.values)
+            if values["slider.coupling"] == "two-way"
+        ]
+
+
+def _kept(estimate: Pooled) -> list[float]:
+    return [float(f"{estimate.value:.10g}"), float(f"{estimate.standard_error:.4g}")]
+
+
+def keep(points: Sequence[Mapping[str, Any]]) -> None:
+    """Write the reference; raises ValueError with every figure in which the other program disagrees."""
+    if wrong := list(disagreements(points)):
+        raise ValueError("two programs disagree: " + "; ".join(wrong))
+    KEPT.write_text(json.dumps({"_source": SOURCE, "points": points}, indent=1) + "\n", encoding="utf-8")
+
+
+def kept() -> list[dict[str, Any]]:
+    """Return the points of the reference: speed in um/s, junctions, and each figure with its standard error."""
+    return list(json.loads(KEPT.read_text(encoding="utf-8"))["points"])
+
+
+def disagreements(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield every figure in which the other program differs by more than its and our standard errors allow."""
+    others = [other for name, other in json.loads(ANOTHER.read_text(encoding="utf-8")).items() if name[0] != "_"]
+    for point in points:
+        where = (point["speed"], point["junctions"])
+        for other in (other for other in others if (other["V_um_s"], other["N_jm"]) == where):
+            for name, (_, theirs) in FIGURES.items():
+                if theirs:
+                    value, error = point[name]
+                    joint = hypot(error, other[f"{theirs}_se"])
+                    if abs(value - other[theirs]) > _AGREE * joint:
+                        yield f"{name} at {where}: {value:g} and {other[theirs]:g}, joint standard error {joint:.2g}"
+
+
+def table(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the reference as a table, standard errors in the last digits."""
+    heads = ("V (mm/s)", "N_jm", "time (s)", *(words for words, _ in FIGURES.values()), "std x over one-way")
+    yield f"| {' | '.join(heads)} |"
+    yield "|" + "---|" * len(heads)
+    for point in points:
+        place = (f"{1e-3 * point['speed']:g}", f"{point['junctions']:g}", f"{point['seconds']:g}")
+        cells = (*place, *(in_digits(*point[name]) for name in (*FIGURES, RATIO)))
+        yield f"| {' | '.join(cells)} |"
+
+
+def in_digits(value: float, error: float) -> str:
+    """Return a value with its standard error in its last two digits, as 0.7413(15)."""
+    if error <= 0.0:
+        return f"{value:g}"
+    places = max(1 - floor(log10(error)), 0)
+    return f"{value:.{places}f}({round(error * 10.0**places)})"
