@@ -105,9 +105,6 @@ def _made_again(
     # What is asked of rows needs nothing of the simulation but its compiler.
     from rubnoise.analysis.verifying.regenerating import regeneration_check
 
-    if model.is_two_way:
-        left_out.append(LeftOut(name="regenerated", reason="/blocks does not store a two-way slider"))
-        return []
     wrong = [check.name for check in needed if not check.holds]
     if wrong:
         left_out.append(LeftOut(name="regenerated", reason=f"its starting values differ: {', '.join(wrong)}"))
