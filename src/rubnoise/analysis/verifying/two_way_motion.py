@@ -30,8 +30,11 @@ FEWEST: Final = 16
 STEPS: Final = 10.0
 """Errors of a step, each `slider.tolerance` of the deflection at most, that may add up in a time of 1/omega_0."""
 
+FINEST: Final = 1e-11
+"""Tolerance below which rows inside a step, which are read off a polynomial, come no nearer."""
+
 SHARE: Final = 1e-9
-"""Of the largest force in a stretch: what sums over lives and a rounded place may make of it."""
+"""Of the largest force or velocity in a stretch: what sums over lives and a rounded place may make of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +75,7 @@ def motion_checks(model: Model, rows: Rows) -> tuple[list[Check], list[LeftOut]]
         lives = contact.between(float(distance.min()), float(distance.max()))
         led = follow(_oscillator(model, slider), lives.contact, stretch.nodes)
         # Who died before a stationary start is not in the file.
-        unknown = (distance < 0.0) & (model.start == "stationary")
+        unknown = (distance < -SHARE * model.tick) & (model.start == "stationary")
         unknown[:-1] |= unknown[1:]
         behind += int(np.count_nonzero(unknown))
         _compare(motion, model, slider, stretch, led, unknown)
@@ -203,7 +206,7 @@ def _oscillator(model: Model, slider: Slider) -> Oscillator:
         drive=model.sliding_speed or 0.0,
         longest=0.5 / omega,
         limit=max(1e-3 * slider.tolerance * _scale(model, slider), 1e-14),
-        error=slider.tolerance * _scale(model, slider),
+        error=max(slider.tolerance, FINEST) * _scale(model, slider),
     )
 
 
@@ -212,14 +215,15 @@ def _allowed(model: Model, slider: Slider, stretch: Stretch, led: Led) -> tuple[
 
     The tolerance is that of a place, and steps are as short as rows, so that it is one of velocities times 1/dt, too.
     """
-    error, speed = slider.tolerance * _scale(model, slider), model.sliding_speed or 0.0
+    error, speed = max(slider.tolerance, FINEST) * _scale(model, slider), model.sliding_speed or 0.0
     nodes = stretch.nodes
     rounded = 4.0 * np.spacing(np.abs(nodes.distance) + speed * nodes.time)
     duration = np.maximum(np.append(np.diff(nodes.time), 1.0), 1e-3 * (model.tick_duration or 1.0))
     rate = slider.natural_angular_frequency + 1.0 / duration
     steps = STEPS * (1.0 + slider.natural_angular_frequency * duration)
     place = steps * (error + led.grown) + rounded
-    return place, steps * (error * rate + led.grown_speed) + 16.0 * np.spacing(speed) + rounded * rate
+    rounded = rounded * rate + 16.0 * np.spacing(speed) + SHARE * np.abs(nodes.velocity).max()
+    return place, steps * (error * rate + led.grown_speed) + rounded
 
 
 def _compare(notes: Notes, model: Model, slider: Slider, stretch: Stretch, led: Led, unknown: NDArray[Any]) -> None:
