@@ -48,7 +48,6 @@ NEEDS: dict[Feature | None, str] = {
     "slider": "with `[slider]`",
     "two-way": 'with `slider.coupling = "two-way"`',
 }
-UNLESS: dict[Feature, str] = {"two-way": 'not with `slider.coupling = "two-way"`'}
 
 
 FIGURES = {
@@ -115,7 +114,7 @@ def _column(column: Column) -> tuple[str, ...]:
     _, codes = column.coded
     meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes)])
     name, kind = f"`{column.name}`", TYPES[column.dtype]
-    present = NEEDS[column.needs] + (f", {UNLESS[column.unless]}" if column.unless else "")
+    present = NEEDS[column.needs]
     return name, kind, column.units, f"`{column.symbol}`", meaning, present
 
 

@@ -45,13 +45,13 @@ def test_a_slider_adds_its_motion() -> None:
     assert "slider" not in stored("speed", "strength")
 
 
-def test_two_ways_add_phases_and_landmarks_and_leave_blocks_without_a_motion() -> None:
+def test_two_ways_add_phases_landmarks_and_how_the_slider_comes_to_blocks() -> None:
     whole, one_way = stored("speed", "strength", "slider", "two-way"), stored("speed", "strength", "slider")
     assert whole["slider"] == [*one_way["slider"], "phase"]
     assert whole["landmarks"] == [
         "landmark", "time", "distance", "kind", "displacement", "velocity", "force_before", "force_after",
     ]  # fmt: skip
-    assert whole["blocks"] == ALWAYS["blocks"]
+    assert whole["blocks"] == [*ALWAYS["blocks"], "time", "distance", "phase", "displacement", "velocity"]
     assert "landmarks" not in one_way
 
 
