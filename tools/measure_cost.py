@@ -183,7 +183,8 @@ def main(cases: Mapping[str, Case]) -> int:
             memory, time = each.foretold_peak / each.peak, each.foretold_time / each.time
             print(
                 f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.foretold_peak / 1e6:>9.0f}{memory:>7.2f}"
-                f"{each.time:>11.3f}{each.foretold_time:>9.3f}{time:>7.2f}{each.rows_share:>7.2f}{'' if each.within else '  outside'}",
+                f"{each.time:>11.3f}{each.foretold_time:>9.3f}{time:>7.2f}{each.rows_share:>7.2f}"
+                f"{'' if each.within else '  outside'}",
                 flush=True,
             )
     print("\nseconds for one of   as it is     fitting")
