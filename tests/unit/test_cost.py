@@ -64,7 +64,9 @@ def _two_way_seconds(**changes: Any) -> float:
 
 def test_a_slider_that_pushes_back_takes_longer_where_it_moves_slowly() -> None:
     """Measured were 550 us for each junction at 10 um/s with half a junction, and 1.3 us at 0.1 m/s with 20."""
-    thin = _two_way_seconds(count=0.5, speed=10.0, distance=3000.0, tick=1.0) / (3000.0 * model(count=0.5).birth_rate)
+    thin = _two_way_seconds(count=0.5, speed=10.0, distance=30_000.0, tick=1.0) / (
+        30_000.0 * model(count=0.5).birth_rate
+    )
     assert 2e-4 < thin < 2e-3
     many = _two_way_seconds(speed=1e5, distance=30_000.0, tick=0.2) / (30_000.0 * model().birth_rate)
     assert 7e-7 < many < 4e-6
