@@ -45,7 +45,7 @@ def test_a_slider_adds_its_motion() -> None:
     assert "slider" not in stored("speed", "strength")
 
 
-def test_two_ways_add_phases_and_landmarks_and_leave_blocks_without_a_motion() -> None:
+def test_two_ways_add_phases_landmarks_and_how_the_slider_comes_to_blocks() -> None:
     whole, one_way = stored("speed", "strength", "slider", "two-way"), stored("speed", "strength", "slider")
     assert whole["slider"] == [*one_way["slider"], "phase"]
     assert whole["landmarks"] == [
@@ -55,7 +55,7 @@ def test_two_ways_add_phases_and_landmarks_and_leave_blocks_without_a_motion() -
         "time", "distance", "displacement", "velocity", "time_stuck", "displacement_integral",
         "displacement_squared_integral", "velocity_squared_integral", "friction_work", "reverse_work",
     ]  # fmt: skip
-    assert whole["blocks"] == ALWAYS["blocks"]
+    assert whole["blocks"] == [*ALWAYS["blocks"], "time", "distance", "phase", "displacement", "velocity"]
     assert not {"landmarks", "balance"} & set(one_way)
 
 

@@ -21,7 +21,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cells import cells_per_tick
-from rubnoise.storage.budget import check_room, counted, expected, slider_rows_at_most
+from rubnoise.storage.budget import check_room, counted, expected
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
@@ -68,9 +68,7 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
 def cost(scenario: Scenario) -> dict[str, float]:
     """Return what a run of a scenario would take, by name; its births are counted from its seed."""
     budget = counted(scenario)
-    figures = told(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
-    most = slider_rows_at_most(scenario.model())
-    return figures if most is None else figures | {"slider_rows_at_most": most}
+    return told(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
 
 
 def shortages(scenario: Scenario, file: Path) -> list[str]:
@@ -108,20 +106,19 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
 def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
     return [
         line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks (this seed)"),
-        *_grown(cost),
+        *(
+            [line("slider", f"{grouped(cost['slider_rows_at_most'])} rows at most")]
+            if "slider_rows_at_most" in cost
+            else []
+        ),
         line("events", about(cost["events"])),
         line(
             "file size", size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else "")
         ),
+        *([line("free disk", size(cost["free_disk"]))] if cost["free_disk"] > cost["bytes"] else []),
         line("memory", f"about {size(cost['peak_memory'])}, {size(cost['working_memory'])} beside the program's own"),
         line("time", f"{duration(cost['seconds'])} on this machine, engine {scenario.run.engine}"),
     ]
-
-
-def _grown(cost: dict[str, float]) -> list[str]:
-    if "slider_rows_at_most" not in cost:
-        return []
-    return [line("rows of the slider", f"{grouped(cost['slider_rows_at_most'])} at most; only the run shows how many")]
 
 
 def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> list[str]:

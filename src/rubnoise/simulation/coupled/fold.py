@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
+from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, Field
 from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
@@ -23,9 +24,6 @@ Integers = NDArray[np.int64]
 
 Earlier = Callable[[float, float], LiveRows]
 """All junctions that live between two distances (um), in order of birth: asked for where the slider runs far back."""
-
-FINENESS: Final = 100.0
-"""Cells to a diameter at least: from 96 on the kernels sum lives as series."""
 
 _CELLS: Final = 131_072
 """Cells of a range: their moments are 3 MB."""
@@ -252,22 +250,12 @@ def look_back(model: Model) -> float:
     return 4.0 * deflection + 2.0 * model.sliding_speed / slider.natural_angular_frequency
 
 
-def spacing(model: Model) -> float:
-    """Return the width of a cell in um: the tick times a power of two."""
-    width = model.tick
-    while width * FINENESS > model.calibrated_diameter:
-        width *= 0.5
-    while 2.0 * width * FINENESS <= model.calibrated_diameter:
-        width *= 2.0
-    return width
-
-
 def constants(model: Model, tolerance: float) -> Doubles:
     """Return the numbers that stay the same through a run, at the places that `steps` and `rows` name."""
     slider, strengths, speed = model.slider, model.strengths, model.sliding_speed
     if slider is None or strengths is None or speed is None:
         raise ValueError("a slider moves where there is a strength and a sliding speed")
-    width = spacing(model)
+    width = coupled_spacing(model)
     scale = strengths.moment(1) * model.stationary_mean_area / slider.stiffness
     error = tolerance * scale
     crowd = sqrt(max(1.0, 4.0 * width * model.birth_rate))
