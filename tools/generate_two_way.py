@@ -1,7 +1,7 @@
-"""Write the tables and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
+"""Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
-Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml (`--sweep DIR`
-takes one that was made before), and pairs of runs that differ in their tolerance alone.
+Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml, which
+`--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone.
 """
 
 import argparse
@@ -35,7 +35,7 @@ PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
 FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
 STUDY: Final = SCENARIOS / "studies" / "coupling.toml"
-PART: Final = re.compile(r"(<!-- generated: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
+PART: Final = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
 """How far the pairs of runs slide, by sliding speed in mm/s."""
@@ -102,21 +102,28 @@ def points_of(sweep: SweepResult) -> list[Point]:
 
 def surprise(sweep: SweepResult) -> Iterator[str]:
     """Yield the table of the study."""
-    yield "| V (mm/s) | r | Pi | std x, one-way (um) | two-way (um) | change | its law | share of sticks | sticks a second |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    columns = (
+        "V (mm/s)",
+        "r",
+        "Pi",
+        "std x, one-way (um)",
+        "two-way (um)",
+        "change",
+        "its law",
+        "share stuck",
+        "sticks a second",
+    )
+    yield f"| {' | '.join(columns)} |"
+    yield "|" + len(columns) * "---|"
     points = points_of(sweep)
     yield from (f"| {' | '.join(point.cells())} |" for point in points)
     yield ""
     yield (
-        f"{_words(points[0].displacement.runs)} runs of each, from independent seeds; intervals of 95 % from their scatter."
-        " One-way values are exact. The law of the change is known for weak coupling alone."
+        f"{points[0].displacement.runs} runs of each, from independent seeds; intervals of 95 % from their scatter."
+        " One-way values are exact. The law is known for weak coupling alone."
     )
     yield ""
     yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"
-
-
-def _words(number: int) -> str:
-    return {8: "Eight", 4: "Four", 2: "Two"}.get(number, str(number))
 
 
 def figures(one: RunFile, two: RunFile) -> Iterator[str]:
@@ -138,20 +145,20 @@ def figures(one: RunFile, two: RunFile) -> Iterator[str]:
 
 CAPTIONS: Final = {
     "motion": (
-        "Figure 5 both ways, on the same junctions. One-way (pale) the slider swings at its natural frequency. Two-way (dark)"
-        " it sticks while its spring is stretched (shaded), and slips when the spring outweighs the contact."
+        "Figure 5 both ways, on the same junctions. One-way (pale) the slider swings at its natural frequency. Two-way "
+        "(dark) it sticks while the drive stretches its spring (shaded), and slips when the contact can bear no more."
     ),
     "phase": (
-        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive; no slip reaches above"
-        " it, and one-way the slider is far above it half of the time."
+        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. Two-way no path "
+        "goes above that line, unless the slider runs back; one-way it does in every swing."
     ),
     "landmarks": (
-        "Most slips are far shorter than a junction, and as many sticks last less than a millisecond; the others are long:"
-        " there are hardly any between."
+        "Slips and sticks come in two kinds, short and long, with few between: many a slip ends before the slider has "
+        "moved by a junction's diameter, and the others go over many of them."
     ),
     "spectrum": (
-        "The velocity has no line at the natural frequency if the slider pushes back. Its spectrum is flat from the long"
-        " slips, at some hertz, up to there."
+        "The spectrum of the velocity. One-way it has a line at the natural frequency, and follows the exact curve. "
+        "Two-way there is no line; the density is nearly even from the frequency of long slips up to there."
     ),
 }
 
@@ -167,14 +174,14 @@ def _counts(run: RunFile) -> str:
 
 def chaos() -> Iterator[str]:
     """Yield when runs part that differ in their tolerance alone."""
-    yield f"| V (mm/s) | parted by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))} | of (s) |"
+    yield f"| V (mm/s) | apart by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))} | in runs of (s) |"
     yield "|---|---|---|"
     for speed, distance in CHAOS.items():
         found = [parted(speed, distance, seed) for seed in SEEDS]
         times = ", ".join("never" if time is None else f"{time:.3g}" for time, _ in found)
         yield f"| {speed} | {times} | {min(duration for _, duration in found):.3g} |"
     yield ""
-    yield "![Two runs that part](pictures/two-way/chaos.png)"
+    yield "![Two runs whose tolerances differ, where they part](pictures/two-way/chaos.png)"
 
 
 def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
