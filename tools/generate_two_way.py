@@ -130,7 +130,7 @@ def figures(one: RunFile, two: RunFile) -> Iterator[str]:
     """Yield Figure 5 both ways: what was measured, and its pictures."""
     seen, motion = two.summary, two.column("slider", "time", two.rows("slider") - 1)
     found = StickSlip.of(two, 0.0, inf)
-    longer = int((found.slip_lengths > Stretch.of(two).model.sizes.moment(1)).sum())
+    longer = int((found.slip_lengths > Stretch.of(two).model.calibrated_diameter).sum())
     yield "| of the run with seed 1 | one-way | two-way |"
     yield "|---|---|---|"
     for name, unit in (("displacement_mean", "um"), ("displacement_std", "um"), ("velocity_std", "um/s")):
