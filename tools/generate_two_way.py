@@ -1,6 +1,6 @@
 """Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
-Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml, which
+Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which
 `--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone.
 """
 
@@ -34,7 +34,7 @@ PAGE: Final = ROOT / "docs" / "two-way.md"
 PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
 FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
-STUDY: Final = SCENARIOS / "studies" / "coupling.toml"
+STUDY: Final = SCENARIOS / "studies" / "rise.toml"
 PART: Final = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
@@ -52,10 +52,14 @@ Report = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Point:
-    """One sliding speed of the study: its two-way model, and figures of the two-way runs with their intervals."""
+    """One sliding speed of the study: its two-way model, and figures of the two-way runs with their intervals.
+
+    ``change`` is the displacement's standard deviation over that one-way, run by run on the same seeds.
+    """
 
     model: Model
     displacement: Pooled
+    change: Pooled
     stick_fraction: Pooled
     sticks: Pooled
 
@@ -63,14 +67,13 @@ class Point:
         """Return a row of the table."""
         one_way, told = response(self.model), coupling(self.model)
         expected = f"{told.expected_change:.3f}" if told.unknown is None else ""
-        change = self.displacement.value / one_way.displacement_std
         return (
             f"{1e-3 * one_way.sliding_speed:g}",
             f"{one_way.one_way_validity:.3g}",
             f"{told.strength:.3g}",
             f"{one_way.displacement_std:.4g}",
             _with_interval(self.displacement, "{:.1f}"),
-            f"{change:.3f} ± {self.displacement.reach / one_way.displacement_std:.3f}",
+            _with_interval(self.change, "{:.3f}"),
             expected,
             _with_interval(self.stick_fraction, "{:.3f}"),
             _with_interval(self.sticks, "{:.1f}"),
@@ -84,6 +87,7 @@ def _with_interval(figure: Pooled, form: str) -> str:
 def points_of(sweep: SweepResult) -> list[Point]:
     """Return the two-way points of a sweep over both couplings, in its order."""
     of_point, found = sweep.runs["point"][:], []
+    changes = sweep.ratios("displacement_std", "slider.coupling", "one-way")
     for number, values in enumerate(sweep.values):
         if values["slider.coupling"] != "two-way":
             continue
@@ -96,7 +100,7 @@ def points_of(sweep: SweepResult) -> list[Point]:
                 ("sticks", "sticks_per_s"),
             )
         }
-        found.append(Point(model=sweep.scenario(number).model(), **figures))
+        found.append(Point(model=sweep.scenario(number).model(), change=changes[number], **figures))
     return found
 
 
@@ -120,7 +124,8 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
     yield ""
     yield (
         f"{points[0].displacement.runs} runs of each, from independent seeds; intervals of 95 % from their scatter."
-        " One-way values are exact. The law is known for weak coupling alone."
+        " The change is taken run by run, over a one-way run on the same junctions. Other one-way values are exact. The"
+        " law is known while coupling is weak."
     )
     yield ""
     yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"
@@ -140,7 +145,7 @@ def figures(one: RunFile, two: RunFile) -> Iterator[str]:
     yield f"| slips longer than a mean diameter | | {longer} of {found.slip_lengths.size} |"
     yield f"| duration (s) | {one.column('slider', 'time', one.rows('slider') - 1)[0]:.4g} | {motion[0]:.4g} |"
     for name, says in CAPTIONS.items():
-        yield f"\n![{says}](pictures/two-way/{name}.png)\n\n{says}"
+        yield f"\n![{says.partition('. ')[0].rstrip('.')}](pictures/two-way/{name}.png)\n\n{says}"
 
 
 CAPTIONS: Final = {
@@ -153,8 +158,8 @@ CAPTIONS: Final = {
         "goes above that line, unless the slider runs back; one-way it does in every swing."
     ),
     "landmarks": (
-        "Slips and sticks come in two kinds, short and long, with few between: many a slip ends before the slider has "
-        "moved by a junction's diameter, and the others go over many of them."
+        "How far it slips and how long it sticks. Both come in two kinds, short and long, with few between. Many slips "
+        "end before the slider has moved by a junction's diameter; the long ones go over many junctions."
     ),
     "spectrum": (
         "The spectrum of the velocity. One-way it has a line at the natural frequency, and follows the exact curve. "
@@ -238,7 +243,7 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]
     tell("chaos")
     parts["chaos"] = list(chaos())
     tell("the sweep")
-    with rubnoise.run_sweep(STUDY, folder / "coupling") if sweep is None else rubnoise.open_sweep(sweep) as found:
+    with rubnoise.run_sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
         (PICTURES / "speeds.png").write_bytes(study_picture(study_of_sweep(found, "displacement_std"), "png"))
         parts["surprise"] = list(surprise(found))
     return parts

@@ -32,7 +32,7 @@ def rows(name: str) -> list[list[str]]:
 
 
 def _number(cell: str) -> float:
-    return float(cell.split(" ± ")[0])
+    return float(cell.partition(" ± ")[0])
 
 
 def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
@@ -46,7 +46,7 @@ def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
     points = [point for point in rubnoise.expand(rubnoise.load_sweep(tool.STUDY)) if point.replicate == 0]
     models = [point.scenario.model() for point in points]
     models = [model for model in models if model.is_two_way]
-    assert len(models) == len(rows("surprise")) > 8
+    assert len(models) == len(rows("surprise")) > 5
     for model, (speed, validity, strength, one_way, two_way, change, law, *_) in zip(
         models, rows("surprise"), strict=True
     ):
@@ -55,7 +55,7 @@ def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
         assert float(validity) == pytest.approx(exact.one_way_validity, rel=6e-3)
         assert float(strength) == pytest.approx(told.strength, rel=6e-3)
         assert float(one_way) == pytest.approx(exact.displacement_std, rel=6e-4)
-        assert _number(change) == pytest.approx(_number(two_way) / exact.displacement_std, rel=3e-3, abs=6e-4)
+        assert _number(change) == pytest.approx(_number(two_way) / exact.displacement_std, rel=0.1)
         assert bool(law) == (told.unknown is None)
         assert not law or float(law) == pytest.approx(told.expected_change, abs=6e-4)
 
@@ -67,11 +67,11 @@ def test_the_vibration_first_rises_and_then_is_clipped() -> None:
         for speed, _, _, _, _, change, *_ in rows("surprise")
     }
     assert bounds[1.0][1] < 0.35
-    assert bounds[30.0][0] > 1.3
+    assert bounds[30.0][0] > 1.4
+    assert bounds[30.0][1] < 1.8
     assert bounds[20.0][0] > 1.0
-    low, high = bounds[100.0]
-    assert low < 1.05
-    assert high > 0.95
+    assert bounds[100.0][0] < 1.01
+    assert bounds[100.0][1] > 1.0
 
 
 @pytest.fixture(scope="module")
