@@ -124,8 +124,8 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
     yield ""
     yield (
         f"{points[0].displacement.runs} runs of each, from independent seeds; intervals of 95 % from their scatter."
-        " The change is taken run by run, over a one-way run on the same junctions. Other one-way values are exact. The"
-        " law is known while coupling is weak."
+        " The change is taken run by run, over a one-way run on the same junctions. The columns r, Pi and"
+        " std x, one-way, are exact. The law is known while coupling is weak."
     )
     yield ""
     yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"
