@@ -183,7 +183,7 @@ def _relaxed(g: tuple[float, float, float], r: tuple[float, float, float]) -> tu
     return (r0 - b * r1 - c * r2) / a, r1, r2
 
 
-@compiled_within
+@compiled_bare
 def uniform_cell(
     constants: Doubles, start: Start, width: float, moments: tuple[float, float, float], work: Doubles
 ) -> tuple[float, float]:
@@ -249,7 +249,7 @@ def through_cell(before: float, after: float, power: float, work: Doubles, power
         powers[n] = a * before + b * u0 + c * u1 + d * u2 + e * after
 
 
-@compiled_within
+@compiled_bare
 def event_cell(
     constants: Doubles, start: Start, length: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float]:
