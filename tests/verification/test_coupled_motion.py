@@ -22,6 +22,7 @@ PROMISED = 5e-9
 
 UNDAMPED = Slider(mass=0.005, stiffness=300.0, damping=0.0)
 OVERDAMPED = Slider(mass=0.005, stiffness=300.0, damping=20.0)
+STIFF = Slider(mass=0.005, stiffness=300.0, damping=1000.0)
 
 
 def reference(
@@ -70,9 +71,21 @@ def test_ten_cases_at_random(case: int) -> None:
         (model(distance=1500.0, count=0.2), None, np.inf, {0, 1, 2, 3}),
         (model(distance=30.0, slider=UNDAMPED), 100.0, np.inf, {0, 1}),
         (model(distance=30.0, slider=OVERDAMPED), 0.0, np.inf, {0, 1}),
+        (model(distance=4.0, slider=STIFF), 0.0, np.inf, set()),
+        (model(distance=0.3, slider=STIFF, speed=20.0, tick=0.01), 0.0, np.inf, {0, 1}),
         (model(distance=15.0, speed=100.0), None, np.inf, {0, 1}),
     ],
-    ids=["back before the start", "an empty start", "regular births", "no contact", "undamped", "over-damped", "slow"],
+    ids=[
+        "back before the start",
+        "an empty start",
+        "regular births",
+        "no contact",
+        "undamped",
+        "over-damped",
+        "stiff",
+        "stiff and slow",
+        "slow",
+    ],
 )
 def test_cases_of_a_kind(run: Model, start: float | None, end: float, kinds: set[int]) -> None:
     found = coupled(run, 5, displacement=start)
