@@ -1,6 +1,5 @@
 """Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
-
 Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which `--sweep DIR`
 takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone. With `--reference
 DIR`, a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and

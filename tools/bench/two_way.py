@@ -1,7 +1,7 @@
 """The slider that pushes back: whole runs of ours beside peers that are just as right, by junction and by second."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
