@@ -1,56 +1,41 @@
 """Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
 
-Every day the scenarios of the paper's long runs are shorter there, and claims are not settled anew for the page that
-prints them (tests/verification does); with --all they are what they are.
+What other tests make anew is not made there every day: claims are not settled (tests/verification), and a film is one
+picture all the time (tests/figures). With --all nothing is left out.
 """
 
 import os
-import shutil
 import sys
+from collections.abc import Iterator
+from itertools import repeat
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import rubnoise
 from rubnoise.claims import catalogue
+from rubnoise.figures.animation import Film
 from tests.architecture.sources import ROOT
 from tests.cli.test_json_contract import A_CLAIM
 from tests.wishes import Wishes
 
-SHORTER = {"fig5": "11 mm", "fig8": "2 mm", "fig9": "2 mm"}
-"""Distances in place of the paper's; half a second of sound, twenty times as fast, takes 10 mm of Figure 5."""
-
 
 @pytest.fixture(scope="session")
-def scenarios(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of scenarios."""
-    if Wishes.everything:
-        return ROOT / "scenarios"
-    folder = tmp_path_factory.mktemp("scenarios") / "scenarios"
-    shutil.copytree(ROOT / "scenarios", folder)
-    for name, distance in SHORTER.items():
-        text = (
-            f'format = 1\nextends = "{ROOT / "scenarios" / "paper" / name}.toml"\n[sliding]\ndistance = "{distance}"\n'
-        )
-        (folder / "paper" / f"{name}.toml").write_text(text, encoding="utf-8")
-    return folder
-
-
-@pytest.fixture(scope="session")
-def figure_5(tmp_path_factory: pytest.TempPathFactory, scenarios: Path) -> Path:
+def figure_5(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the result of the README's first command."""
     path = tmp_path_factory.mktemp("result") / "fig5.h5"
-    rubnoise.run(rubnoise.load(scenarios / "paper" / "fig5.toml"), path).close()
+    rubnoise.run(rubnoise.load(ROOT / "scenarios" / "paper" / "fig5.toml"), path).close()
     return path
 
 
 @pytest.fixture
-def workplace(tmp_path: Path, scenarios: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Stand in a folder with scenarios and a result, where `rubnoise` is a command."""
     here, commands = tmp_path / "workplace", tmp_path / "bin"
     here.mkdir()
     commands.mkdir()
-    (here / "scenarios").symlink_to(scenarios)
+    (here / "scenarios").symlink_to(ROOT / "scenarios")
     os.link(figure_5, here / "fig5.h5")
     shim = commands / "rubnoise"
     shim.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m rubnoise "$@"\n', encoding="utf-8")
@@ -60,4 +45,13 @@ def workplace(tmp_path: Path, scenarios: Path, figure_5: Path, monkeypatch: pyte
     monkeypatch.chdir(here)
     if not Wishes.everything:
         monkeypatch.setattr(catalogue, "settle", lambda _: (A_CLAIM,))
+        monkeypatch.setattr(Film, "frames", _first_frames)
     return here
+
+
+FRAMES = Film.frames
+
+
+def _first_frames(film: Film) -> Iterator[Any]:
+    """Yield the first frame of a film as often as it has frames."""
+    yield from repeat(next(FRAMES(film)), film.distances.size)
