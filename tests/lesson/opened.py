@@ -7,8 +7,8 @@ from typing import Any
 
 CALM = {"reduced_motion": "reduce"}
 """A visitor who wants nothing to move: the page does not begin to play by itself."""
-UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 100);"
-"""Ten pictures a second: as fast a film, for those who read the words beside it, at a sixth of the work."""
+UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 300);"
+"""Three pictures a second, for who reads the words beside them: to draw sixty takes more than all the rest."""
 
 LONGEST_WAIT = 30.0  # s
 
