@@ -21,8 +21,8 @@ settings.load_profile("repeatable")
 
 @pytest.fixture(scope="session", autouse=True)
 def warm_workers() -> Iterator[None]:
-    """Let the processes of sweeps be copies of one that has loaded the program, and kernels be compiled once."""
-    from tests.turns import take_turns  # it loads the compiler, which who only hands tests out has no use for
+    """Fork the processes of sweeps from one that has loaded the program, and compile each kernel once."""
+    from tests.turns import take_turns  # it loads numba, which the process that distributes tests does not need
 
     take_turns()
     with pytest.MonkeyPatch.context() as patch:
@@ -58,7 +58,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Take thousands of tests, and all libraries, out of what is searched for garbage, and of what copies touch."""
+    """Leave tests and libraries out of garbage collection; a search would also copy their memory in forked processes."""
     gc.collect()
     gc.freeze()
 

@@ -1,4 +1,4 @@
-"""Kernels are compiled by one process at a time: whoever waited finds the machine code that the other has kept."""
+"""One process at a time compiles kernels; the others wait and load its machine code from the cache."""
 
 import fcntl
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ DEPTH = [0]
 
 
 def take_turns() -> None:
-    """Let this process, and those that are copies of it, wait while another one that takes turns compiles."""
+    """Make this process and its copies wait while another process that takes turns compiles."""
     plain = Dispatcher.compile
 
     def compile_in_turn(dispatcher: Any, signature: Any) -> Any:
@@ -29,7 +29,7 @@ def take_turns() -> None:
 
 
 def _kept(dispatcher: Any, signature: Any) -> bool:
-    """Whether there is nothing to compile, or nowhere to keep it."""
+    """Return whether the machine code is in the cache, or there is no cache."""
     cache = dispatcher._cache
     if not hasattr(cache, "_cache_file"):
         return True
@@ -39,7 +39,7 @@ def _kept(dispatcher: Any, signature: Any) -> bool:
 
 @contextmanager
 def _turn() -> Iterator[None]:
-    """Hold a lock on a file of the program; what is compiled may ask for more to be compiled."""
+    """Hold a lock on a source file; a kernel may compile other kernels while it holds it."""
     with WAITING, Path(compiling.__file__).open("rb") as file:
         if not DEPTH[0]:
             fcntl.flock(file, fcntl.LOCK_EX)
@@ -49,4 +49,4 @@ def _turn() -> Iterator[None]:
         finally:
             DEPTH[0] -= 1
             if not DEPTH[0]:
-                fcntl.flock(file, fcntl.LOCK_UN)  # a copy of this process may have the file open still
+                fcntl.flock(file, fcntl.LOCK_UN)  # a copy of this process may still have the file open

@@ -22,7 +22,7 @@ HOW = {"run": (), "dry run": ("--dry-run",)}
 
 
 def _under(name: str, most: int, *words: str | Path) -> Answer:
-    """Call the command line in a process under a limit that it sets itself; of address space, beyond what it has."""
+    """Call the command line in a process that limits itself; a limit on address space adds to what is in use."""
     return spawn_program(UNDER, name, str(most), *words)
 
 

@@ -22,7 +22,7 @@ HARMLESS = {
 
 
 TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
-"""One setting of each kind; in one process every day, and which of them it was that changed a bit is for --all."""
+"""One setting of each kind, in one process every day; --all tries each setting alone."""
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ RUNS = {
     ),
 }
 EVERY_DAY = {("Figure 5", "events"), ("dense", "batch")}
-"""What is tried every day: the memory of the second goes to junctions."""
+"""The daily runs; junctions take most of the memory of the second."""
 
 
 def _with(text: str, *overrides: str) -> Scenario:

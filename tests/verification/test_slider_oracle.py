@@ -22,7 +22,7 @@ MASS, STIFFNESS = FIG5_SLIDER.mass, FIG5_SLIDER.stiffness
 CRITICAL = 2.0 * math.sqrt(MASS * STIFFNESS)
 DAMPING_RATIOS = {"figure 5": 0.05 / CRITICAL, "nearly undamped": 1e-3, "critical": 1.0, "over-damped": 20.0}
 SOME_RATIOS = ("figure 5", "over-damped")
-"""What the slower of both references is asked for every day."""
+"""The daily cases of the slower reference."""
 
 SPEEDS = {
     "0.01 mm/s": 10.0,
