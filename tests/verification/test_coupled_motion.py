@@ -16,6 +16,7 @@ from tests.coupled_runs import CoupledRun, coupled, field_of, oscillator_of
 from tests.models import model
 from tests.oracle import coupled_slider
 from tests.verification.seeds import seed_of
+from tests.wishes import examples
 
 PROMISED = 5e-9
 """Of the largest displacement; the reference itself is off by some 1e-9."""
@@ -48,8 +49,8 @@ def agree(found: CoupledRun, expected: coupled_slider.Coupled, end: float = np.i
         assert np.abs(found.landmarks[mine][early] - values).max(initial=0.0) < 1e-8 * np.abs(x).max()
 
 
-@pytest.mark.parametrize("case", range(10))
-def test_ten_cases_at_random(case: int) -> None:
+@pytest.mark.parametrize("case", range(examples(4, 10)))
+def test_cases_at_random(case: int) -> None:
     draw = np.random.default_rng(seed_of(f"two-way/{case}")).random(8)
     mass, stiffness = 10.0 ** (-3.0 + draw[0]), 10.0 ** (2.0 + draw[1])
     ratio, count, speed = 10.0 ** (-2.5 + 2.5 * draw[2]), 20.0 ** draw[3], 300.0 * 60.0 ** draw[4]
