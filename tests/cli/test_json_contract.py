@@ -110,6 +110,9 @@ def breaches(answer: Any, section: str, seen: set[tuple[str, ...]] | None = None
     return found + [f"{section}: {'.'.join(path)} is missing" for path in must - met]
 
 
+LONGER = ("--set", "sliding.distance=700 um")
+
+
 def _refuse(constant: str) -> NoReturn:
     raise AssertionError(f"{constant} is no JSON")
 
@@ -137,6 +140,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
             pass
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
+        ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
         ("run", ("run", full, "--json")),
         ("run", ("run", "bare.toml", "--json")),
@@ -144,7 +148,11 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "full.h5", "--json")),
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
-        ("run", ("run", full, "-o", "long.h5", "--set", "sliding.distance=700 um", "--json")),
+        ("run", ("run", full, "-o", "long.h5", *LONGER, "--json")),
+        ("run", ("run", full, "-o", "two.h5", "--set", "slider.coupling=two-way", *LONGER, "--json")),
+        ("info", ("info", "two.h5", "--json")),
+        ("compare", ("compare", "two.h5", "--json")),
+        ("verify", ("verify", "two.h5", "--json")),
         ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--merge", "--json")),
         ("folder", ("info", "swept", "--json")),
         ("unfinished", ("info", "stopped.h5.part", "--json")),
