@@ -21,14 +21,14 @@ HEAD = """\
 
 The paper *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran
 its model once and described the results. This page lists its explicit and implied claims. For each claim it gives runs
-from fixed seeds, the exact theory, and the verdict. `rubnoise claims` repeats the runs in less than a minute, and `rubnoise
-figures all -o DIR` draws the pictures. `tools/generate_paper.py` wrote this page from both.
+from fixed seeds, the exact theory, and the verdict. `rubnoise claims` repeats the runs in less than a minute, and
+`rubnoise figures all -o DIR` draws the pictures. `tools/generate_paper.py` wrote this page from both.
 
 Each simulated number is the mean of independent runs, or follows from such means. The 95 % interval comes from their
 scatter, without theory. Exact numbers follow from the model alone ([model.md](model.md)). Two-way coupling
 ([two-way.md](two-way.md)) has none; there the verdict follows from runs and their intervals. If simulation and theory
-disagree by more than four standard errors, the verdict is *unsettled*, and the tool does not write this page. The claims
-are in our own words, with the printed numbers.
+disagree by more than four standard errors, the verdict is *unsettled*, and the tool does not write this page. The
+claims are in our own words, with the printed numbers.
 """
 
 LIMITS = """

@@ -1,9 +1,9 @@
 """Write the tables and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
-Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml (`--sweep DIR`
-takes one that was made before), and pairs of runs that differ in their tolerance alone. With `--reference DIR`, a folder
-of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and written, unless
-another program disagrees with them.
+Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml (`--sweep
+DIR` takes one that was made before), and pairs of runs that differ in their tolerance alone. With `--reference DIR`, a
+folder of the sweep scenarios/studies/coupling_reference.toml, it takes only the reference values from there and writes
+them, unless another program disagrees with them.
 """
 
 import argparse
