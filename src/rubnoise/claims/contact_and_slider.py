@@ -186,8 +186,8 @@ def _constant_speed(found: Evidence) -> Claim:
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if steady else Verdict.FAILS),
         because=f"One-way, the slider moves {one_way.exact:.0f} times as fast as the surface under it. Its motion has "
-        "to act back on the sliding distance, and with it on births and deaths. With two-way coupling it does: the slider "
-        f"then sticks for {100.0 * stuck.simulated.value:.0f} % of the time, still moves "
+        "to act back on the sliding distance, and with it on births and deaths. With two-way coupling it does: the "
+        f"slider then sticks for {100.0 * stuck.simulated.value:.0f} % of the time, still moves "
         f"{pushing_back.simulated.value:.0f} times as fast as the surface, and spreads "
         f"{change.simulated.value:.2f} times as far as Fig. 5 has it.",
         scenario=SCENARIO,
