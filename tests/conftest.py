@@ -1,5 +1,6 @@
 """What holds for every test, and which wait for `--all`."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,10 @@ settings.load_profile("repeatable")
 
 @pytest.fixture(scope="session", autouse=True)
 def warm_workers() -> Iterator[None]:
-    """Let the processes of sweeps be copies of one that has loaded the program."""
+    """Fork the processes of sweeps from one that has loaded the program, and compile each kernel once."""
+    from tests.turns import take_turns  # it loads numba, which the process that distributes tests does not need
+
+    take_turns()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rubnoise.sweep.pool.subprocess", warm.warm_workers())
         yield
@@ -51,6 +55,12 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     del session
     if Wishes.freeze:
         frozen.write()
+
+
+def pytest_collection_finish() -> None:
+    """Leave tests and libraries out of garbage collection; a search would also copy their memory in forked processes."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_report_header(config: pytest.Config) -> str:

@@ -24,7 +24,7 @@ from typing import NoReturn
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests import warm
+from tests import turns, warm
 
 MOST_DESCRIPTORS = 16
 CHANNEL, OUT_OF_THE_WAY = 499, 500
@@ -35,6 +35,7 @@ def load() -> None:
     import rubnoise
     from rubnoise.sweep import pool
 
+    turns.take_turns()
     pool.subprocess = warm.warm_workers()
     for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise."):
         if not module.name.endswith("__main__"):

@@ -58,7 +58,12 @@ damping = "0.05 N*s/m"
 [output]
 tick = "0.5 um"
 """
-KINDS = ("none", "gzip")
+KINDS = {
+    "none": (),
+    "gzip": ("--set", "output.compression=gzip"),
+    "two-way": ("--set", "slider.coupling=two-way"),
+}
+"""The good files, and the options with which they are run."""
 VERIFY = ("verify", "{}")
 COMMANDS = (
     ("info", "{}"),
@@ -105,7 +110,7 @@ class Judge:
         make_canary(self.canary)
         (folder / "small.toml").write_text(SCENARIO, encoding="utf-8")
         for kind, path in self.good.items():
-            self._load(("run", "small.toml", "-o", path.name, "--set", f"output.compression={kind}"))
+            self._load(("run", "small.toml", "-o", path.name, *KINDS[kind]))
         for words in (VERIFY, *COMMANDS):
             self._load(self._words(words, self.good["none"]))
         self.truth = {kind: values(path) for kind, path in self.good.items()}
@@ -154,9 +159,10 @@ def mutations(seed: int, numbers: Sequence[int]) -> tuple[Counter[str], list[Fin
         content = {kind: path.read_bytes() for kind, path in judge.good.items()}
         for number in numbers:
             random = Random(f"{seed}/{number}")  # noqa: S311  (damage is no secret)
-            kind = KINDS[number % len(KINDS)]
+            kinds = list(KINDS)
+            kind = kinds[number % len(kinds)]
             path = judge.folder / "changed.h5"
-            damage, changed = damaged(content[kind], content[KINDS[(number + 1) % len(KINDS)]], random)
+            damage, changed = damaged(content[kind], content[kinds[(number + 1) % len(kinds)]], random)
             path.write_bytes(changed)
             counts[damage] += 1
             found += judge.judged(path, f"{damage} {number}", kind, number // len(KINDS), forged=damage in SEALED)

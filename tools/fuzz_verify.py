@@ -49,6 +49,7 @@ UNEQUAL = '[strength]\nlaw = "weibull"\nmean = "250 MPa"\nspread = "40 %"\n'
 SLIDING = '[sliding]\nspeed = "1 mm/s"\ndistance = "100 um"\n'
 STILL = '[sliding]\ndistance = "100 um"\nstart = "empty"\n'
 SLIDER = '[slider]\nmass = "5 g"\nstiffness = "300 N/m"\ndamping = "0.05 N*s/m"\n'
+TWO_WAY = 'coupling = "two-way"\n'
 OUTPUT = '[output]\ntick = "0.5 um"\n'
 TITLE = 'title = "a small run"\n'
 
@@ -61,6 +62,7 @@ KINDS: dict[str, tuple[str, tuple[str, ...]]] = {
         ("--set", "interface.mean_junction_count=8", "--seed", "3", "--engine", "batch"),
     ),
     "regular": (HEAD.format(title="") + LOGNORMAL + REGULAR + STRENGTH + STILL + OUTPUT, ()),
+    "two-way": (HEAD.format(title=TITLE) + DIAMETER + STRENGTH + SLIDING + SLIDER + TWO_WAY + OUTPUT, ()),
     "extended": ('extends = "everything.toml"\nformat = 1\n[run]\nseed = 7\n', ()),
 }
 """The scenarios of the right results, and the options with which they are run."""

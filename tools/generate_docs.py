@@ -40,7 +40,6 @@ NEEDS: dict[Feature | None, str] = {
     "slider": "with `[slider]`",
     "two-way": 'with `slider.coupling = "two-way"`',
 }
-UNLESS: dict[Feature, str] = {"two-way": 'not with `slider.coupling = "two-way"`'}
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -84,7 +83,7 @@ def _column(column: Column) -> tuple[str, ...]:
     _, codes = column.coded
     meaning = "; ".join([column.long_name, *(f"{number} {name}" for number, name in codes)])
     name, kind = f"`{column.name}`", TYPES[column.dtype]
-    present = NEEDS[column.needs] + (f", {UNLESS[column.unless]}" if column.unless else "")
+    present = NEEDS[column.needs]
     return name, kind, column.units, f"`{column.symbol}`", meaning, present
 
 

@@ -20,9 +20,9 @@ HEAD = """\
 # The paper, claim by claim
 
 The paper *Modelling of vibrations excited by formation and shearing of adhesive micro-junctions during sliding* ran
-its model once and described the results. This page lists its explicit and implied claims. For each claim it gives runs
-from fixed seeds, the exact theory, and the verdict. `rubnoise claims` repeats the runs in less than a minute, and
-`rubnoise figures all -o DIR` draws the pictures. `tools/generate_paper.py` wrote this page from both.
+its model once and described the results. This page lists its explicit and implied claims. For each claim it gives
+runs from fixed seeds, the exact theory, and the verdict. `rubnoise claims` repeats the runs in less than a minute,
+and `rubnoise figures all -o DIR` draws the pictures. `tools/generate_paper.py` wrote this page from both.
 
 Each simulated number is the mean of independent runs, or follows from such means. The 95 % interval comes from their
 scatter, without theory. Exact numbers follow from the model alone ([model.md](model.md)). Two-way coupling

@@ -1,9 +1,9 @@
-"""Write the tables and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
+"""Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
-Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/coupling.toml (`--sweep
-DIR` takes one that was made before), and pairs of runs that differ in their tolerance alone. With `--reference DIR`, a
-folder of the sweep scenarios/studies/coupling_reference.toml, it takes only the reference values from there and writes
-them, unless another program disagrees with them.
+Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which `--sweep DIR`
+takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone. With `--reference
+DIR`, a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and
+written, unless another program disagrees with them.
 """
 
 import argparse
@@ -37,8 +37,8 @@ PAGE: Final = ROOT / "docs" / "two-way.md"
 PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
 FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
-STUDY: Final = SCENARIOS / "studies" / "coupling.toml"
-PART: Final = re.compile(r"(<!-- generated: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
+STUDY: Final = SCENARIOS / "studies" / "rise.toml"
+PART: Final = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
 """How far the pairs of runs slide, by sliding speed in mm/s."""
@@ -55,10 +55,14 @@ Report = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Point:
-    """One sliding speed of the study: its two-way model, and figures of the two-way runs with their intervals."""
+    """One sliding speed of the study: its two-way model, and figures of the two-way runs with their intervals.
+
+    ``change`` is the displacement's standard deviation over that one-way, run by run on the same seeds.
+    """
 
     model: Model
     displacement: Pooled
+    change: Pooled
     stick_fraction: Pooled
     sticks: Pooled
 
@@ -66,14 +70,13 @@ class Point:
         """Return a row of the table."""
         one_way, told = response(self.model), coupling(self.model)
         expected = f"{told.expected_change:.3f}" if told.unknown is None else ""
-        change = self.displacement.value / one_way.displacement_std
         return (
             f"{1e-3 * one_way.sliding_speed:g}",
             f"{one_way.one_way_validity:.3g}",
             f"{told.strength:.3g}",
             f"{one_way.displacement_std:.4g}",
             _with_interval(self.displacement, "{:.1f}"),
-            f"{change:.3f} ± {self.displacement.reach / one_way.displacement_std:.3f}",
+            _with_interval(self.change, "{:.3f}"),
             expected,
             _with_interval(self.stick_fraction, "{:.3f}"),
             _with_interval(self.sticks, "{:.1f}"),
@@ -87,6 +90,7 @@ def _with_interval(figure: Pooled, form: str) -> str:
 def points_of(sweep: SweepResult) -> list[Point]:
     """Return the two-way points of a sweep over both couplings, in its order."""
     of_point, found = sweep.runs["point"][:], []
+    changes = sweep.ratios("displacement_std", "slider.coupling", "one-way")
     for number, values in enumerate(sweep.values):
         if values["slider.coupling"] != "two-way":
             continue
@@ -99,34 +103,42 @@ def points_of(sweep: SweepResult) -> list[Point]:
                 ("sticks", "sticks_per_s"),
             )
         }
-        found.append(Point(model=sweep.scenario(number).model(), **figures))
+        found.append(Point(model=sweep.scenario(number).model(), change=changes[number], **figures))
     return found
 
 
 def surprise(sweep: SweepResult) -> Iterator[str]:
     """Yield the table of the study."""
-    yield "| V (mm/s) | r | Pi | std x, one-way (um) | two-way (um) | change | its law | share of sticks | sticks a second |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    columns = (
+        "V (mm/s)",
+        "r",
+        "Pi",
+        "std x, one-way (um)",
+        "two-way (um)",
+        "change",
+        "its law",
+        "share stuck",
+        "sticks a second",
+    )
+    yield f"| {' | '.join(columns)} |"
+    yield "|" + len(columns) * "---|"
     points = points_of(sweep)
     yield from (f"| {' | '.join(point.cells())} |" for point in points)
     yield ""
     yield (
-        f"{_words(points[0].displacement.runs)} runs of each, from independent seeds; intervals of 95 % from their scatter."
-        " One-way values are exact. The law of the change is known for weak coupling alone."
+        f"{points[0].displacement.runs} runs of each, from independent seeds; intervals of 95 % from their scatter."
+        " The change is taken run by run, over a one-way run on the same junctions. The columns r, Pi and"
+        " std x, one-way, are exact. The law is known while coupling is weak."
     )
     yield ""
     yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"
-
-
-def _words(number: int) -> str:
-    return {8: "Eight", 4: "Four", 2: "Two"}.get(number, str(number))
 
 
 def figures(one: RunFile, two: RunFile) -> Iterator[str]:
     """Yield Figure 5 both ways: what was measured, and its pictures."""
     seen, motion = two.summary, two.column("slider", "time", two.rows("slider") - 1)
     found = StickSlip.of(two, 0.0, inf)
-    longer = int((found.slip_lengths > Stretch.of(two).model.sizes.moment(1)).sum())
+    longer = int((found.slip_lengths > Stretch.of(two).model.calibrated_diameter).sum())
     yield "| of the run with seed 1 | one-way | two-way |"
     yield "|---|---|---|"
     for name, unit in (("displacement_mean", "um"), ("displacement_std", "um"), ("velocity_std", "um/s")):
@@ -136,25 +148,25 @@ def figures(one: RunFile, two: RunFile) -> Iterator[str]:
     yield f"| slips longer than a mean diameter | | {longer} of {found.slip_lengths.size} |"
     yield f"| duration (s) | {one.column('slider', 'time', one.rows('slider') - 1)[0]:.4g} | {motion[0]:.4g} |"
     for name, says in CAPTIONS.items():
-        yield f"\n![{says}](pictures/two-way/{name}.png)\n\n{says}"
+        yield f"\n![{says.partition('. ')[0].rstrip('.')}](pictures/two-way/{name}.png)\n\n{says}"
 
 
 CAPTIONS: Final = {
     "motion": (
-        "Figure 5 both ways, on the same junctions. One-way (pale) the slider swings at its natural frequency. Two-way (dark)"
-        " it sticks while its spring is stretched (shaded), and slips when the spring outweighs the contact."
+        "Figure 5 both ways, on the same junctions. One-way (pale) the slider swings at its natural frequency. Two-way "
+        "(dark) it sticks while the drive stretches its spring (shaded), and slips when the contact can bear no more."
     ),
     "phase": (
-        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive; no slip reaches above"
-        " it, and one-way the slider is far above it half of the time."
+        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. Two-way no path "
+        "goes above that line, unless the slider runs back; one-way it does in every swing."
     ),
     "landmarks": (
-        "Most slips are far shorter than a junction, and as many sticks last less than a millisecond; the others are long:"
-        " there are hardly any between."
+        "How far it slips and how long it sticks. Both come in two kinds, short and long, with few between. Many slips "
+        "end before the slider has moved by a junction's diameter; the long ones go over many junctions."
     ),
     "spectrum": (
-        "The velocity has no line at the natural frequency if the slider pushes back. Its spectrum is flat from the long"
-        " slips, at some hertz, up to there."
+        "The spectrum of the velocity. One-way it has a line at the natural frequency, and follows the exact curve. "
+        "Two-way there is no line; the density is nearly even from the frequency of long slips up to there."
     ),
 }
 
@@ -170,14 +182,14 @@ def _counts(run: RunFile) -> str:
 
 def chaos() -> Iterator[str]:
     """Yield when runs part that differ in their tolerance alone."""
-    yield f"| V (mm/s) | parted by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))} | of (s) |"
+    yield f"| V (mm/s) | apart by {APART:g} um after (s), seeds {', '.join(map(str, SEEDS))} | in runs of (s) |"
     yield "|---|---|---|"
     for speed, distance in CHAOS.items():
         found = [parted(speed, distance, seed) for seed in SEEDS]
         times = ", ".join("never" if time is None else f"{time:.3g}" for time, _ in found)
         yield f"| {speed} | {times} | {min(duration for _, duration in found):.3g} |"
     yield ""
-    yield "![Two runs that part](pictures/two-way/chaos.png)"
+    yield "![Two runs whose tolerances differ, where they part](pictures/two-way/chaos.png)"
 
 
 def parted(speed: float, distance: str, seed: int) -> tuple[float | None, float]:
@@ -255,7 +267,7 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]
     tell("chaos")
     parts["chaos"] = list(chaos())
     tell("the sweep")
-    with rubnoise.run_sweep(STUDY, folder / "coupling") if sweep is None else rubnoise.open_sweep(sweep) as found:
+    with rubnoise.run_sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
         (PICTURES / "speeds.png").write_bytes(study_picture(study_of_sweep(found, "displacement_std"), "png"))
         parts["surprise"] = list(surprise(found))
     parts["reference"] = reference()

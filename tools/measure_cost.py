@@ -1,10 +1,11 @@
-"""What runs of many kinds really take, beside what was foretold: `python tools/measure_cost.py [--large]`.
+"""What runs of many kinds really take, beside what was foretold: `python tools/measure_cost.py [--large | --two-way]`.
 
 Each is made in a process of its own, once to load everything and twice to be timed. Printed are the peak of its memory
 and the processor's time, measured and foretold, and at the end the constants of `rubnoise.simulation.cost` that would
 fit this machine best, beside those that are there. Exit code 1 where memory was foretold too small or more than 1.4
 times too large, or time by more than a factor of 3. With ``--large``, a million junctions at once are among them: some
-minutes and 8 GB of memory.
+minutes and 8 GB of memory. With ``--two-way`` it is runs of a slider that pushes back, from 10 um/s to 1 m/s and from
+half a junction to 500: there the factor is 2, and /slider has to have no more rows than were foretold at most.
 """
 
 import argparse
@@ -22,6 +23,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "src")]
 
 import numpy as np  # noqa: E402
 
+import rubnoise  # noqa: E402
 from rubnoise.api import run  # noqa: E402
 from rubnoise.scenario import Scenario, load  # noqa: E402
 from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, seconds  # noqa: E402
@@ -33,6 +35,7 @@ CONTACT_ALONE = ROOT / "scenarios" / "paper" / "fig4.toml"
 STATUS = Path("/proc/self/status")
 MEMORY_FACTOR = 1.4
 TIME_FACTOR = 3.0
+TWO_WAY_FACTOR = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +85,15 @@ CASES = {
     "slowest": Case(lives=100.0, ticks_per_life=20.0, changes=("sliding.speed=5 um/s",)),
     "short": Case(lives=10.0),
 }
+TWO_WAY = {
+    f"{speed}, {count:g}": Case(
+        count=count,
+        lives=lives,
+        changes=("slider.coupling=two-way", f"sliding.speed={speed}"),
+    )
+    for speed in ("10 um/s", "100 um/s", "1 mm/s", "10 mm/s", "100 mm/s", "1 m/s")
+    for count, lives in ((0.5, 4000.0), (5.0, 4000.0), (20.0, 3000.0), (100.0, 1000.0), (500.0, 200.0))
+}
 LARGE = {
     "100000 at once": Case(count=1e5, lives=22.0, ticks_per_life=200.0),
     "a million at once": Case(count=1e6, lives=1.0, ticks_per_life=200.0, slider=False),
@@ -97,12 +109,15 @@ class Taken:
     foretold_peak: int
     foretold_time: float
     work: Mapping[str, float]
+    rows_share: float
+    factor: float
 
     @property
     def within(self) -> bool:
-        """Whether both were foretold well enough."""
+        """Whether all were foretold well enough."""
         memory, time = self.foretold_peak / self.peak, self.foretold_time / self.time
-        return 1.0 <= memory <= MEMORY_FACTOR and 1.0 / TIME_FACTOR <= time <= TIME_FACTOR
+        near = 1.0 <= memory <= MEMORY_FACTOR and 1.0 / self.factor <= time <= self.factor
+        return near and self.rows_share <= 1.0
 
 
 def taken(scenario: Scenario) -> Taken:
@@ -110,12 +125,16 @@ def taken(scenario: Scenario) -> Taken:
     told: Budget = counted(scenario)
     with TemporaryDirectory() as folder:
         times = [_timed(scenario, Path(folder) / "run.h5") for _ in range(3)][1:]
+        with rubnoise.open(Path(folder) / "run.h5") as made:
+            rows = made.slider["time"].size if told.slider_rows_at_most else 0
     return Taken(
         peak=_peak(),
         time=min(times),
         foretold_peak=PROGRAM_BYTES + told.working_bytes,
         foretold_time=seconds(told.work, pace()),
         work=told.work,
+        rows_share=rows / (told.slider_rows_at_most or 1),
+        factor=TWO_WAY_FACTOR if told.slider_rows_at_most else TIME_FACTOR,
     )
 
 
@@ -152,10 +171,10 @@ def _fitting(runs: Sequence[Taken]) -> Iterator[str]:
 def main(cases: Mapping[str, Case]) -> int:
     """Print everything and return the exit code."""
     here: Pace = pace()
-    for name in ("Figure 5", "triangles"):
+    for name in ("Figure 5", "triangles", "1 mm/s, 20"):
         _in_a_child(name, "batch")  # compiles what has not been compiled yet, which takes memory of its own
     print(f"pace of this machine: processes {here.processes:.2f}, arrays {here.arrays:.2f}")
-    print(f"{'':<26}{'MB':>9}{'told':>9}{'ratio':>7}{'s':>11}{'told':>9}{'ratio':>7}")
+    print(f"{'':<26}{'MB':>9}{'told':>9}{'ratio':>7}{'s':>11}{'told':>9}{'ratio':>7}{'rows':>7}")
     runs = []
     for name in cases:
         for engine in ("events", "batch"):
@@ -164,7 +183,8 @@ def main(cases: Mapping[str, Case]) -> int:
             memory, time = each.foretold_peak / each.peak, each.foretold_time / each.time
             print(
                 f"{name:<18}{engine:<8}{each.peak / 1e6:>9.0f}{each.foretold_peak / 1e6:>9.0f}{memory:>7.2f}"
-                f"{each.time:>11.3f}{each.foretold_time:>9.3f}{time:>7.2f}{'' if each.within else '  outside'}",
+                f"{each.time:>11.3f}{each.foretold_time:>9.3f}{time:>7.2f}{each.rows_share:>7.2f}"
+                f"{'' if each.within else '  outside'}",
                 flush=True,
             )
     print("\nseconds for one of   as it is     fitting")
@@ -175,10 +195,11 @@ def main(cases: Mapping[str, Case]) -> int:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--large", action="store_true", help="a million junctions at once, too")
+    parser.add_argument("--two-way", action="store_true", help="sliders that push back, and no others")
     parser.add_argument("--one", nargs=2, metavar=("CASE", "ENGINE"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
         name, engine = options.one
-        print(json.dumps(asdict(taken((CASES | LARGE)[name].scenario(engine)))))
+        print(json.dumps(asdict(taken((CASES | LARGE | TWO_WAY)[name].scenario(engine)))))
     else:
-        sys.exit(main(CASES | LARGE if options.large else CASES))
+        sys.exit(main(TWO_WAY if options.two_way else CASES | LARGE if options.large else CASES))

@@ -5,10 +5,25 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.terminal import LONG, Answer, command, names
+from tests.cli.terminal import LONG, Answer, command, names, spawn_program
 
 SHORT = Path("../given/contact.toml")
 DENSE = ("--set", "interface.mean_junction_count=300000", "--set", "sliding.distance=1 um")
+UNDER = """
+import resource, sys
+name, most = sys.argv.pop(1), int(sys.argv.pop(1))
+if name == "AS":
+    most += int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(getattr(resource, "RLIMIT_" + name), (most, most))
+from rubnoise.__main__ import main
+main()
+"""
+HOW = {"run": (), "dry run": ("--dry-run",)}
+
+
+def _under(name: str, most: int, *words: str | Path) -> Answer:
+    """Call the command line in a process that limits itself; a limit on address space adds to what is in use."""
+    return spawn_program(UNDER, name, str(most), *words)
 
 
 def _limited(limit: str, *words: str | Path) -> Answer:
@@ -18,18 +33,20 @@ def _limited(limit: str, *words: str | Path) -> Answer:
     return Answer(code=done.returncode, out=done.stdout, err=done.stderr)
 
 
-@pytest.mark.parametrize("how", [(), ("--dry-run",)], ids=["run", "dry run"])
-def test_a_file_larger_than_the_process_may_write(here: Path, how: tuple[str, ...]) -> None:
-    answer = _limited("-f 2000", "run", SHORT, *LONG, *how)
+@pytest.mark.parametrize("how", HOW)
+def test_a_file_larger_than_the_process_may_write(here: Path, how: str) -> None:
+    answer = _under("FSIZE", 1_024_000, "run", SHORT, *LONG, *HOW[how])
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith("contact.h5: the result may take ")
     assert "has room for 1,024,000; make sliding.distance shorter or interface.mean_junction_count" in answer.err
     assert names(here) == []
 
 
-@pytest.mark.parametrize("how", [(), ("--dry-run",)], ids=["run", "dry run"])
-def test_more_memory_than_the_process_may_have(here: Path, how: tuple[str, ...]) -> None:
-    answer = _limited("-v 1200000", "run", SHORT, *DENSE, *how)
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="only Linux limits the address space")
+@pytest.mark.parametrize("how", ["limited by the shell", *HOW])
+def test_more_memory_than_the_process_may_have(here: Path, how: str) -> None:
+    words = ("run", SHORT, *DENSE, *HOW.get(how, ()))
+    answer = _under("AS", 500_000_000, *words) if how in HOW else _limited("-v 1200000", *words)
     assert (answer.code, answer.out) == (2, "")
     assert "of memory" in answer.err
     assert 'run.engine = "batch"' in answer.err or "interface.mean_junction_count" in answer.err

@@ -116,6 +116,14 @@ LOOPBACK, EVERYWHERE = "0100007F", {"00000000", "0" * 32}
 
 
 @pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
+def test_the_scheduler_of_the_page_listens_on_one_address(started: Dask) -> None:
+    boss = started.start(*_command("dask scheduler", tls=False))
+    _until(Path("scheduler.json").exists)
+    assert _listening([boss]) == {LOOPBACK}
+
+
+@pytest.mark.torture
+@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
 def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
     _, processes = started.cluster(tls=False)
     answer = spawn(*_swept(_command("rubnoise sweep", tls=False)))

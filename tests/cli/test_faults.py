@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from tests.architecture.sources import ROOT
-from tests.cli.terminal import WITH_SLIDER, call, names
+from tests.cli.terminal import WITH_SLIDER, call, names, start
+from tests.cli.terminal import command as words_of
 
 READERS = {
     "info": (),
@@ -300,11 +301,12 @@ def _kernel_log_opens() -> bool:
 @pytest.mark.skipif(not _kernel_log_opens(), reason="the log of the kernel cannot be opened here")
 @pytest.mark.parametrize("command", ["check", "info"])
 def test_a_file_that_never_ends_is_refused(place: Path, command: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "rubnoise", command, str(KERNEL_LOG)],
-        capture_output=True, text=True, check=False, timeout=60,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"{KERNEL_LOG}: is not a regular file\n")
+    with start(words_of(command, KERNEL_LOG), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as asked:
+        try:
+            said = asked.communicate(timeout=60)
+        finally:
+            asked.kill()
+    assert (asked.returncode, *said) == (2, "", f"{KERNEL_LOG}: is not a regular file\n")
     (place / "bad.toml").write_text(f'format = 1\nextends = "{KERNEL_LOG}"\n')
     assert f"extends: {KERNEL_LOG}: is not a regular file\n" in call("check", "bad.toml").err
 

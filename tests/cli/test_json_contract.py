@@ -147,6 +147,18 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("run", ("run", full, "-o", "long.h5", "--set", "sliding.distance=700 um", "--json")),
         ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--merge", "--json")),
         ("folder", ("info", "swept", "--json")),
+        (
+            "folder",
+            (
+                "info",
+                "swept",
+                "--figures",
+                "real_contact_area_std",
+                "--over",
+                "interface.mean_junction_count=10",
+                "--json",
+            ),
+        ),
         ("unfinished", ("info", "stopped.h5.part", "--json")),
         ("unfinished", ("info", "growing.h5.part", "--json")),
         ("run", ("resume", "stopped.h5.part", "--json")),

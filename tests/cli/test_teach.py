@@ -37,6 +37,15 @@ def test_a_scenario_sets_the_knobs(here: Path) -> None:
     assert names(here) == ["page.html"]
 
 
+def test_a_slider_that_pushes_back_does_so_on_the_page(here: Path) -> None:
+    from rubnoise.scenario.shipped import shipped
+
+    assert call("teach", str(shipped("paper/fig5_two_way.toml")), "-o", "page.html").code == 0
+    assert data_of(here / "page.html")["world"]["coupling"] == "two-way"  # type: ignore[index]
+    assert call("teach", "-o", "other.html").code == 0
+    assert data_of(here / "other.html")["world"]["coupling"] == "one-way"  # type: ignore[index]
+
+
 def test_a_result_is_replayed(here: Path) -> None:
     assert call("run", "../given/slider.toml", "-o", "run.h5").code == 0
     assert call("teach", "run.h5", "-o", "page.html").code == 0

@@ -15,7 +15,7 @@ from tests.cli.terminal import call, columns, names, spawn_program
 from tests.cli.test_resume import SHORT, SLIDER, STOPPED
 
 TWO_WAY = ("--set", "slider.coupling=two-way", *SHORT)
-MOTION = ("displacement_std", "stick_fraction", "sticks_per_s", "reversals_per_s")
+MOTION = ("displacement_std", "stick_fraction", "sticks_per_s", "reversals_per_s", "slips_longer_than_d_per_s")
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def ran(here: Path) -> Path:
     return here / "x.h5"
 
 
-def test_a_run_tells_what_it_measured_and_no_exact_motion_beside_it(ran: Path) -> None:
+def test_a_run_tells_what_it_measured_and_its_laws_but_no_exact_motion_beside_it(ran: Path) -> None:
     done = call("run", SLIDER, "-o", "y.h5", "--json", *TWO_WAY)
     assert done.code == 0
     summary = json.loads(done.out)["summary"]
@@ -35,23 +35,45 @@ def test_a_run_tells_what_it_measured_and_no_exact_motion_beside_it(ran: Path) -
     assert "one_way_validity" not in summary
     with h5py.File(ran) as file:
         assert "displacement_std_exact" not in file["summary"].attrs
-        phase, kind, time = file["slider/phase"][:], file["landmarks/kind"][:], file["slider/time"][:]
-        assert summary["stick_fraction"]["observed"] == np.mean(phase == 1)
-        assert summary["sticks_per_s"]["observed"] == pytest.approx((kind == 0).sum() / time[-1], rel=1e-12)
-        assert summary["reversals_per_s"]["observed"] == pytest.approx((kind == 2).sum() / time[-1], rel=1e-12)
+        phase, kind, rows = file["slider/phase"][:], file["landmarks/kind"][:], file["slider/time"].size
+        balance = {name: column[0] for name, column in file["balance"].items()}
+        where, displacement = file["landmarks/distance"][:], file["slider/displacement"][:]
+        assert {column.size for column in file["balance"].values()} == {1}
+        time, tick = balance["time"], file["slider/time"][1]
+        assert 0.0 <= time - (rows - 1) * tick < tick
+        seen = {name: figure["observed"] for name, figure in summary.items()}
+        assert seen["stick_fraction"] == pytest.approx(np.mean(phase == 1), abs=0.01)
+        assert seen["stick_fraction"] == balance["time_stuck"] / time
+        assert seen["sticks_per_s"] == pytest.approx((kind == 0).sum() / time, rel=1e-12)
+        assert seen["reversals_per_s"] == pytest.approx((kind == 2).sum() / time, rel=1e-12)
+        assert not (kind > 1).any()
+        slips = np.diff(where)[kind[:-1] == 1]
+        diameter = file["provenance"].attrs["calibrated_diameter"]
+        assert 0 < (slips > diameter).sum() < slips.size
+        assert seen["slips_longer_than_d_per_s"] == pytest.approx((slips > diameter).sum() / time, rel=1e-12)
+        assert seen["displacement_mean"] == pytest.approx(displacement.mean(), rel=1e-3)
+        assert seen["displacement_std"] == pytest.approx(displacement.std(), rel=1e-2)
+        excess = summary["mean_force_excess"]
+        assert excess["observed"] == pytest.approx(excess["expected"], rel=1e-9)
+        assert abs(excess["expected"]) > 10.0
+        assert summary["energy_residual"]["expected"] == 0.0
+        assert abs(seen["energy_residual"]) < 1e-10
         assert file["slider/phase"].attrs["flag_meanings"] == b"slip stick reversal"
         assert file["landmarks/kind"].attrs["flag_values"].tolist() == [0, 1, 2, 3]
     assert 0.3 < summary["stick_fraction"]["observed"] < 1.0
 
 
-def test_a_run_of_one_row_has_no_rates(here: Path) -> None:
+def test_a_run_of_one_row_has_a_time_and_rates_all_the_same(here: Path) -> None:
     """A slider that is thrown back at once comes to the end of a tick of distance before a tick of time has passed."""
     short = ["--set", "sliding.distance=0.05 um", "--set", "output.tick=0.05 um", "--set", "slider.coupling=two-way"]
     assert call("run", SLIDER, "-o", "one.h5", "-q", "--seed", "1", *short).code == 0
     with h5py.File("one.h5") as file:
         assert file["slider/time"].size == 1
         assert file["summary"].attrs["stick_fraction"] == 0.0
-        assert not [name for name in file["summary"].attrs if name.endswith("_per_s")]
+        assert 0.0 < file["balance/time"][0] < 5e-5
+        rates = [value for name, value in file["summary"].attrs.items() if name.endswith("_per_s")]
+        assert rates == [0.0, 0.0, 0.0]
+        assert abs(file["summary"].attrs["energy_residual"]) < 1e-9
     assert call("verify", "one.h5").code == 0
 
 
@@ -75,6 +97,11 @@ def test_info_and_check_name_what_is_there(ran: Path) -> None:
     checked = call("check", SLIDER, *TWO_WAY)
     assert checked.code == 0
     assert "the slider pushes back" in " ".join(checked.out.split())
+    assert "rows of the slider" in checked.out
+    (answer,) = json.loads(call("check", SLIDER, *TWO_WAY, "--json").out)["scenarios"].values()
+    with h5py.File(ran) as file:
+        assert file["slider/time"].size <= answer["cost"]["slider_rows_at_most"] < 2 * file["slider/time"].size
+    assert "slider_rows_at_most" not in call("check", SLIDER, *SHORT, "--json").out
     assert "warning" not in checked.out + checked.err
 
 
@@ -82,10 +109,10 @@ def test_verify_holds_what_it_can_and_names_what_it_leaves_out(ran: Path) -> Non
     done = call("verify", ran, "--json")
     assert done.code == 0
     told = json.loads(done.out)
-    assert {"times", "slider_columns", "motion"} <= set(told["left_out"])
+    assert set(told["left_out"]) <= {"scenario", "motion"}
     again = call("verify", ran, "--regenerate", "1")
     assert again.code == 0
-    assert "regenerated: a two-way slider is not in /blocks" in " ".join(again.out.split())
+    assert "the first 1 of" in " ".join(again.out.split())
 
 
 @pytest.mark.parametrize(
@@ -101,12 +128,17 @@ def test_verify_holds_what_it_can_and_names_what_it_leaves_out(ran: Path) -> Non
         ("landmarks/landmark", 1, "landmarks"),
         ("junctions/birth_time", -1.0, "passages"),
         ("junctions/death_time", np.nan, "passages"),
+        ("balance/time", 1e-6, "balance"),
+        ("balance/displacement_integral", 1e-6, "balance"),
+        ("balance/friction_work", 1.0, "balance"),
+        ("balance/time_stuck", 1e-9, "balance"),
     ],
 )
 def test_rows_are_held_against_each_other(ran: Path, place: str, change: float, check: str) -> None:
     with h5py.File(ran, "r+") as file:
         row = int(np.flatnonzero(file["slider/phase"][:] == 1)[40]) if place.startswith("slider") else 20
         row += 60 * place.startswith("junctions")
+        row = 0 if place.startswith("balance") else row
         file[place][row] = file[place][row] + change
     done = call("verify", ran, "--json")
     assert done.code == 3
@@ -163,11 +195,27 @@ def test_compressed_it_holds_the_same(ran: Path) -> None:
     assert call("verify", "z.h5").code == 0
 
 
-def test_compare_leaves_the_one_way_motion_out(ran: Path) -> None:
+def test_compare_has_the_exact_laws_and_leaves_the_one_way_motion_out(ran: Path) -> None:
     done = call("compare", ran, "--json")
     assert done.code == 0, done.err
-    assert "this slider pushes back" in done.out
+    told = json.loads(done.out)
+    laws = {"sliding_distance", "time_stuck", "friction_work", "reverse_work", "energy", "mean_force_law"}
+    assert laws <= set(told["identities"])
+    assert "this slider pushes back" in told["left_out"]["displacement"]
     assert "displacement_std" not in done.out
+    assert told["begins"]["balance"] == 0.0
+    shown = call("compare", ran).out
+    assert "energy (uN um)" in shown
+    assert "mean force (uN)" in shown
+
+
+def test_compare_rejects_a_balance_that_is_not_that_of_its_rows(ran: Path) -> None:
+    with h5py.File(ran, "r+") as file:
+        file["balance/velocity_squared_integral"][0] *= 1.0 + 1e-5
+    done = call("compare", ran)
+    assert done.code == 3
+    assert "energy" in done.err
+    assert "mean_force_law" in done.err
 
 
 def test_it_opens_in_python_and_xarray(ran: Path) -> None:
@@ -243,9 +291,16 @@ def test_a_sweep_of_both_couplings_keeps_what_each_has(here: Path) -> None:
     assert call("sweep", "s.toml", "-o", "d", "-q", "--jobs", "1").code == 0
     with rubnoise.open_sweep("d") as found:
         sticks = np.asarray(found.runs["stick_fraction"][:])
+        excess = np.asarray(found.runs["mean_force_excess"][:])
         spreads, seeds = np.asarray(found.runs["displacement_std"][:]), found.runs["seed"][:]
     assert np.isnan(sticks[:2]).all()
     assert (sticks[2:] > 0.2).all()
+    assert np.isfinite(excess[2:]).all()
+    with h5py.File("d/index.h5") as index:
+        units = {name: column.attrs["units"] for name, column in index["runs"].items()}
+    assert units["stick_fraction"] == units["energy_residual"] == b"1"
+    assert units["sticks_per_s"] == units["slips_longer_than_d_per_s"] == units["reversals_per_s"] == b"1/s"
+    assert units["mean_force_excess"] == units["mean_force_excess_exact"] == b"uN"
     assert seeds[:2].tolist() == seeds[2:].tolist()
     assert call("verify", "d").code == 0
     assert call("plot", "d", "displacement_std", "-o", "d.png").code == 0

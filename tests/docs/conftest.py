@@ -1,13 +1,24 @@
-"""Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5."""
+"""Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
+
+The daily tests leave two things to other folders: they do not settle claims again (tests/verification), and a film repeats
+its first frame (tests/figures). --all does both.
+"""
 
 import os
 import sys
+from collections.abc import Iterator
+from itertools import repeat
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import rubnoise
+from rubnoise.claims import catalogue
+from rubnoise.figures.animation import Film
 from tests.architecture.sources import ROOT
+from tests.cli.test_json_contract import A_CLAIM
+from tests.wishes import Wishes
 
 
 @pytest.fixture(scope="session")
@@ -32,4 +43,15 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("PATH", f"{commands}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.chdir(here)
+    if not Wishes.everything:
+        monkeypatch.setattr(catalogue, "settle", lambda _: (A_CLAIM,))
+        monkeypatch.setattr(Film, "frames", _first_frames)
     return here
+
+
+FRAMES = Film.frames
+
+
+def _first_frames(film: Film) -> Iterator[Any]:
+    """Yield the first frame of a film as often as it has frames."""
+    yield from repeat(next(FRAMES(film)), film.distances.size)

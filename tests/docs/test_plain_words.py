@@ -70,6 +70,8 @@ MOST_WORDS = 40
 FENCED = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
 NO_PROSE = re.compile(r"\s*(\||#|!\[|<!--)")
 ITEM = re.compile(r"\s*([-*]|\d+\.)\s")
+COMMENT = re.compile(r"/\*.*?\*/|(?<!:)//[^\n]*|<!--.*?-->", re.DOTALL)
+LESSON = sorted(path for path in (ROOT / "src" / "rubnoise" / "lesson" / "parts").iterdir() if path.is_file())
 SOURCES = sorted((ROOT / "src" / "rubnoise").rglob("*.py"))
 
 
@@ -153,6 +155,11 @@ def test_messages_have_no_idioms() -> None:
 
 def test_help_has_no_idioms() -> None:
     assert [(where, phrase) for where, text in helps() for phrase in idioms(text)] == []
+
+
+@pytest.mark.parametrize("part", LESSON, ids=lambda part: part.name)
+def test_the_lesson_has_no_idioms(part: Path) -> None:
+    assert idioms(COMMENT.sub("", part.read_text(encoding="utf-8"))) == []
 
 
 def test_unfinished_pages_exist() -> None:

@@ -25,7 +25,10 @@ from rubnoise.figures.phase import phase_figure, shares
 from rubnoise.figures.slider import slider_figure
 from rubnoise.figures.sources import Sources
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
+from rubnoise.figures.study_of_sweep import study_of_sweep
+from rubnoise.figures.study_picture import draw_study
 from rubnoise.figures.style import house_style
+from rubnoise.figures.sweep_words import ALL, TWO_WAY, quantity_label
 from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.response import response
@@ -262,7 +265,6 @@ def test_slips_and_sticks_are_counted_by_length(two_way: Stretch) -> None:
         if kind[one] == LandmarkKind.STICK:
             times.append(time[one + 1] - time[one])
         elif kind[one] == LandmarkKind.SLIP:
-            assert kind[one + 1] == LandmarkKind.STICK  # no reversal in this run
             lengths.append(distance[one + 1] - distance[one])
     with house_style():
         slips, sticks = landmarks_figure(two_way).axes
@@ -275,9 +277,11 @@ def test_slips_and_sticks_are_counted_by_length(two_way: Stretch) -> None:
         assert _line(axes, "median")[0][0] == pytest.approx(np.median(scaled))
         assert axes.get_xlabel().endswith(f"({unit})")
         assert axes.get_legend_handles_labels()[1][0] == f"{len(values)} {'slips' if unit == 'µm' else 'sticks'}"
-    mean = two_way.model.sizes.moment(1)
-    label = f"mean diameter: {sum(length > mean for length in lengths)} longer"
-    assert _line(slips, label)[0][0] == mean
+    mean = two_way.model.calibrated_diameter
+    longer = sum(length > mean for length in lengths)
+    assert _line(slips, f"mean diameter: {longer} longer")[0][0] == mean
+    duration = float(two_way.file.column("balance", "time")[0])
+    assert longer == round(float(two_way.file.summary["slips_longer_than_d_per_s"]) * duration) > 5
 
 
 def test_landmarks_are_of_two_way_sliders_alone(one_way: Stretch) -> None:
@@ -383,3 +387,52 @@ def test_figure_5_of_a_two_way_slider_has_no_one_way_band(folder: Path) -> None:
     for axes in figure.axes:
         assert [each.get_label() for each in axes.collections] == ["stick"]
         assert not any(str(each.get_label()).startswith("exact") for each in [*axes.patches, *axes.lines])
+
+
+# Sweeps
+
+
+@pytest.fixture(scope="module")
+def swept(folder: Path) -> Iterator[rubnoise.SweepResult]:
+    (folder / "s.toml").write_text(
+        f'format = 1\nextends = "{FIG5}"\n[output]\ntick = "1 um"\n[run]\nengine = "batch"\n'
+        '[sliding]\ndistance = "0.6 mm"\n[sweep]\nkeep = "summary"\nreplicates = 2\n[sweep.grid]\n'
+        'slider.coupling = ["one-way", "two-way"]\nsliding.speed = ["1 mm/s", "10 mm/s"]\n',
+        encoding="utf-8",
+    )
+    with rubnoise.run_sweep(folder / "s.toml", folder / "s", jobs=1) as found:
+        yield found
+
+
+@pytest.mark.parametrize(
+    ("quantity", "legend", "label"),
+    [
+        ("displacement_std", ["one-way", "two-way", "exact"], "displacement (µm)"),
+        ("stick_fraction", ["two-way"], "share of the time in which the slider sticks"),
+        ("sticks_per_s", ["two-way"], "sticks of the slider in a second (1/s)"),
+        ("one_way_validity", ["one-way", "exact"], "velocity over sliding speed"),
+    ],
+)
+def test_a_sweep_shows_only_what_a_coupling_has(
+    swept: rubnoise.SweepResult, quantity: str, legend: list[str], label: str
+) -> None:
+    study = study_of_sweep(swept, quantity)
+    with house_style():
+        (axes,) = draw_study(study).axes
+    shown = axes.get_legend()
+    assert [text.get_text() for text in shown.get_texts()] == legend
+    assert axes.get_ylabel().replace("\n", " ").endswith(label)
+    values = swept.runs[quantity][:]
+    drawn = {place: y for line in axes.containers for place, y in zip(*line[0].get_data(), strict=True)}
+    two_way = values[
+        np.array([value["slider.coupling"] == "two-way" for value in swept.values])[swept.runs["point"][:]]
+    ]
+    if legend == ["two-way"]:
+        assert sorted(drawn) == [1e3, 1e4]
+        assert list(drawn.values()) == pytest.approx([two_way[:2].mean(), two_way[2:].mean()])
+
+
+def test_every_figure_of_a_two_way_run_has_a_name_in_pictures(two_way: Stretch) -> None:
+    assert {name for name in two_way.file.summary if "_exact" not in name and "_standard" not in name} <= set(ALL)
+    assert set(TWO_WAY) <= set(two_way.file.summary)
+    assert all(quantity_label(name) for name in ALL)

@@ -21,16 +21,24 @@ HARMLESS = {
 }
 
 
-BRIEFLY = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
-"""One setting of each kind, for every day."""
+TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
+"""One setting of each kind, in one process every day; --all tries each setting alone."""
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in BRIEFLY else pytest.mark.torture) for name in HARMLESS]
+    "names",
+    [
+        [name for name in TOGETHER if name in HARMLESS],
+        *(pytest.param([name], marks=pytest.mark.torture) for name in HARMLESS),
+    ],
+    ids=", ".join,
 )
-def test_a_brief_run_has_its_golden_bits(name: str) -> None:
+def test_a_brief_run_has_its_golden_bits(names: list[str]) -> None:
+    assert names
     command = [sys.executable, "-m", "tests.golden.hashes", BRIEF]
-    environment = {**os.environ, **HARMLESS[name].variables}
+    environment = dict(os.environ)
+    for name in names:
+        environment |= HARMLESS[name].variables
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=environment)
     assert json.loads(done.stdout)[BRIEF] == json.loads(GOLDEN.read_text(encoding="utf-8"))[BRIEF]
 

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.architecture.sources import ROOT
+from tests.lesson.opened import UNHURRIED
 from tests.lesson.walk import Walk
 
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
@@ -51,6 +52,7 @@ def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
     failures: list[str] = []
     page.on("pageerror", lambda error: failures.append(str(error)))
     page.on("console", lambda message: failures.append(message.text) if message.type == "error" else None)
+    page.add_init_script(UNHURRIED)
     page.goto(lesson_file)
     yield Walk(page)
     assert failures == []

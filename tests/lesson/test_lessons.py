@@ -2,11 +2,11 @@
 
 import pytest
 
+from tests.lesson.opened import UNHURRIED
 from tests.lesson.teaching import lessons
 from tests.lesson.walk import Walk
 
 LESSONS = lessons()
-EACH = pytest.mark.parametrize("lesson", LESSONS, ids=[each.title for each in LESSONS])
 PHONE = {"viewport": {"width": 360, "height": 740}, "is_mobile": True, "has_touch": True}
 NO_STORAGE = """
 for (const name of ["localStorage", "sessionStorage", "indexedDB"]) {
@@ -22,18 +22,18 @@ NAMELESS = """
 """
 
 
-@EACH
-def test_the_answers_of_the_teachers_page_are_right_and_the_mistakes_are_not(walk, lesson):
-    walk.open(lesson.title)
-    walk.to_the_checks()
-    assert walk.forms.count() == len(lesson.rows)
-    for question, row in enumerate(lesson.rows):
-        said = {text: walk.answer(question, text) for text in [*row.wrong, *row.right]}
-        assert [text for text in row.wrong if said[text][0]] == []
-        assert [text for text in row.right if not said[text][0]] == []
-        assert all(len(said[text][1]) > len("Not yet. ") for text in row.wrong), "a refusal says why"
-    assert "done" in walk.end
-    assert walk.page.get_by_role("button", name=f"{lesson.title} ✓ done").count() == 1
+def test_the_answers_of_the_teachers_page_are_right_and_the_mistakes_are_not(walk):
+    for lesson in LESSONS:
+        walk.open(lesson.title)
+        walk.to_the_checks()
+        assert walk.forms.count() == len(lesson.rows), lesson.title
+        for question, row in enumerate(lesson.rows):
+            said = {text: walk.answer(question, text) for text in [*row.wrong, *row.right]}
+            assert [text for text in row.wrong if said[text][0]] == [], lesson.title
+            assert [text for text in row.right if not said[text][0]] == [], lesson.title
+            assert all(len(said[text][1]) > len("Not yet. ") for text in row.wrong), "a refusal says why"
+        assert "done" in walk.end, lesson.title
+        assert walk.page.get_by_role("button", name=f"{lesson.title} ✓ done").count() == 1
 
 
 @pytest.mark.parametrize(("run", "answer"), [(1, "13.75 %"), (2, "6,15 %")])
@@ -65,19 +65,20 @@ def test_a_question_is_not_judged_under_other_births(walk):
     assert walk.answer(0, "120")[0]
 
 
-@EACH
-def test_nothing_opens_before_its_time(walk, lesson):
-    walk.open(lesson.title)
-    assert walk.article.locator("[data-run]").count() == 0
-    assert walk.forms.count() == 0
-    walk.article.locator("#lesson-predict [type=submit]").click()
-    assert "Choose first" in walk.article.locator("#lesson-predict").inner_text()
-    walk.predict()
-    assert walk.article.locator("[data-run]").count() > 0
-    assert walk.article.locator("#lesson-why").count() == 0
-    walk.run()
-    assert walk.article.locator("#lesson-why").count() == 1
-    assert walk.page.evaluate("rub.run.playing")
+def test_nothing_opens_before_its_time(walk):
+    for lesson in LESSONS:
+        walk.open(lesson.title)
+        assert walk.article.locator("[data-run]").count() == 0, lesson.title
+        assert walk.forms.count() == 0, lesson.title
+        walk.article.locator("#lesson-predict [type=submit]").click()
+        assert "Choose first" in walk.article.locator("#lesson-predict").inner_text(), lesson.title
+        walk.predict()
+        assert walk.article.locator("[data-run]").count() > 0, lesson.title
+        assert walk.article.locator("#lesson-why").count() == 0, lesson.title
+        walk.page.evaluate("rub.run.pause()")
+        walk.run()
+        assert walk.article.locator("#lesson-why").count() == 1, lesson.title
+        assert walk.page.evaluate("rub.run.playing"), lesson.title
 
 
 def test_a_teacher_may_skip_and_sees_the_law_at_once(walk):
@@ -101,7 +102,7 @@ def test_a_prediction_is_held_against_what_is_right(walk):
 
 def test_progress_is_kept_in_the_address_where_storage_is_off(browser, lesson_file):
     context = browser.new_context()
-    context.add_init_script(NO_STORAGE)
+    context.add_init_script(NO_STORAGE + UNHURRIED)
     page = context.new_page()
     page.goto(lesson_file)
     walk = Walk(page)
@@ -135,6 +136,7 @@ def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, a
     page = browser.new_page()
     failures = []
     page.on("pageerror", lambda error: failures.append(str(error)))
+    page.add_init_script(UNHURRIED)
     page.goto(lesson_file + address)
     walk = Walk(page)
     assert walk.article.locator("h3").count() == 1
@@ -145,6 +147,7 @@ def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, a
 
 def test_a_phone_shows_every_lesson_without_scrolling_sideways(browser, lesson_file):
     context = browser.new_context(**PHONE)
+    context.add_init_script(UNHURRIED)
     page = context.new_page()
     page.goto(lesson_file)
     walk = Walk(page)

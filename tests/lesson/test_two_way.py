@@ -61,8 +61,11 @@ def on_the_page(
     return found
 
 
+LARGEST_ERROR = 1e-4  # of the displacement, over one slip, as the page promises
+
+
 def apart(page: dict[str, Any], run: CoupledRun, most: int) -> tuple[float, float]:
-    """Return by how much the first landmarks differ, in time (s) and displacement (um); their kinds must be the same."""
+    """Return by how much the first landmarks, all of the same kinds, differ in time (s) and displacement (um)."""
     marks = page["landmarks"][:most]
     assert [mark["kind"] for mark in marks] == run.landmarks["kind"][:most].tolist()
     assert len(marks) == most
@@ -72,29 +75,28 @@ def apart(page: dict[str, Any], run: CoupledRun, most: int) -> tuple[float, floa
 
 
 PATHS = {
-    "Figure 5": ({}, 400.0, 2e-2),
-    "faster": ({"speed": 10000.0}, 1400.0, 2.0),
-    "slower": ({"speed": 100.0}, 200.0, 2e-2),
-    "few junctions": ({"meanCount": 2.0}, 700.0, 2e-2),
-    "damped": ({"damping": 5.0}, 400.0, 2e-2),
+    "Figure 5": ({}, 400.0),
+    "faster": ({"speed": 10000.0}, 1400.0),
+    "slower": ({"speed": 100.0}, 200.0),
+    "few junctions": ({"meanCount": 2.0}, 700.0),
+    "damped": ({"damping": 5.0}, 400.0),
 }
-"""Settings, the end (um), and by how much ten landmarks may be off (um): at 10 mm/s errors grow a hundredfold more."""
 
 
 @pytest.mark.parametrize("name", PATHS)
 def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
-    """Errors grow by about ten from one slip to the next, so that the field is drawn finer here than on the page."""
-    changes, distance, most_off = PATHS[name]
+    """Errors grow by up to fifty from slip to slip, so that for ten landmarks the field is finer than on the page."""
+    changes, distance = PATHS[name]
     world = world_with(**changes)
     model = scenario_of(world, distance=distance).model()
     run = coupled(model, 5, tolerance=1e-11)
     rows = lived(model, 5, -200.0, distance)
-    fine = on_the_page(world, rows, start=run.start, end=distance, cells=3200)
+    fine = on_the_page(world, rows, start=run.start, end=distance, cells=1600)
     late, off = apart(fine, run, 10)
-    assert off < most_off
-    assert late * world["speed"] < most_off
+    assert off < 2e-2
+    assert late * world["speed"] < 2e-2
     page = on_the_page(world, rows, start=run.start, end=distance)
-    assert apart(page, run, 3)[1] < 1e-4 * abs(run.landmarks["displacement"][:3]).max()
+    assert apart(page, run, 3)[1] < LARGEST_ERROR * abs(run.landmarks["displacement"][:3]).max()
 
 
 def test_another_junction_leads_to_other_landmarks() -> None:
@@ -267,10 +269,9 @@ const found = [];
 for (let i = 0; i < fields; i += 1) {
   const given = { ...world, seed: seed + i };
   const field = new rub.Field(given, new rub.model.Births(given), [], 10);
-  while (field.place(-field.behind.place.length) > -place) field.place(-1 - field.behind.place.length);
-  const node = field.behind.place.values.findIndex((at) => at <= -place);
-  const joined = [field.force(-1), field.force(0)];
-  found.push([field.force(-1 - node) / given.strength, Math.abs(joined[0] - joined[1])]);
+  let node = -1;
+  while (field.place(node) > -place) node -= 1;
+  found.push([field.force(node) / given.strength, Math.abs(field.force(-1) - field.force(0))]);
 }
 return found;
 """

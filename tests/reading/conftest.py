@@ -19,6 +19,15 @@ def kept_run(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRe
     return path
 
 
+@pytest.fixture(scope="session")
+def two_way_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the beginning of Figure 5 with two-way coupling, as fig5_two_way.h5."""
+    folder = tmp_path_factory.mktemp("two_way")
+    scenario = rubnoise.load(FIG5.with_name("fig5_two_way.toml"), ['sliding.distance="1 mm"', "run.engine=batch"])
+    rubnoise.run(scenario, folder / "fig5_two_way.h5").close()
+    return folder
+
+
 @pytest.fixture
 def folder(kept_run: Path, tmp_path: Path) -> Path:
     """Return a folder with nothing but fig5.h5 in it."""

@@ -17,7 +17,8 @@ from pathlib import Path
 import h5py
 import pytest
 
-from tests.reading.page import blocks, printed_row
+from rubnoise.storage.schema import LANDMARKS
+from tests.reading.page import PAGE, blocks, printed_row
 
 JUNCTION = 17
 AREA_AT_3_UM = 10.39759
@@ -82,6 +83,12 @@ AREA_READERS = {
     "Its area at any distance 3": READERS["R"],
 }
 
+MOTION_READERS = {
+    "A slider that pushes back": _python("h5py", "matplotlib"),
+    "A slider that pushes back 2": _python("xarray", "h5netcdf"),
+    "A slider that pushes back 3": READERS["h5dump"],
+}
+
 
 def _numbers(reader: Reader, code: str, folder: Path) -> list[float]:
     """Run a block in a folder and return every number it prints."""
@@ -110,7 +117,7 @@ def _row(folder: Path, number: int) -> dict[str, float]:
 
 
 def test_every_block_of_the_page_has_its_reader() -> None:
-    assert set(blocks()) == READERS.keys() | AREA_READERS.keys()
+    assert set(blocks()) == READERS.keys() | AREA_READERS.keys() | MOTION_READERS.keys()
 
 
 @pytest.mark.parametrize("name", READERS)
@@ -125,6 +132,36 @@ def test_a_reader_finds_the_junction(name: str, folder: Path) -> None:
 def test_a_reader_finds_its_area(name: str, folder: Path) -> None:
     printed = _numbers(AREA_READERS[name], blocks()[name][1], folder)
     assert _holds(printed, AREA_AT_3_UM)
+
+
+def test_a_reader_draws_a_slider_that_pushes_back(two_way_folder: Path) -> None:
+    name = "A slider that pushes back"
+    code = blocks()[name][1]
+    assert len([line for line in code.splitlines() if line.strip()]) <= 7
+    seen = code + "print(*plt.gca().lines[0].get_ydata()[[0, 500]])\nprint(len(plt.gca().collections[0].get_paths()))\n"
+    *places, spans = _numbers(MOTION_READERS[name], seen, two_way_folder)
+    with h5py.File(two_way_folder / "fig5_two_way.h5") as file:
+        assert places == [file["slider/displacement"][row].item() for row in (0, 500)]
+        stuck = file["slider/phase"][:10_000] == 1
+        assert spans == (stuck[1:] & ~stuck[:-1]).sum() + stuck[0] > 0
+    assert (two_way_folder / "sticks.png").stat().st_size > 5000
+
+
+def test_a_reader_finds_landmarks(two_way_folder: Path) -> None:
+    with h5py.File(two_way_folder / "fig5_two_way.h5") as file:
+        kind, time = file["landmarks/kind"][:], file["landmarks/time"][:]
+    lasts = [later - earlier for what, earlier, later in zip(kind, time, time[1:], strict=False) if what == 0]
+    name = "A slider that pushes back 2"
+    assert _numbers(MOTION_READERS[name], blocks()[name][1], two_way_folder) == [pytest.approx(max(lasts))]
+    name = "A slider that pushes back 3"
+    printed = _numbers(MOTION_READERS[name], blocks()[name][1], two_way_folder)
+    assert all(_holds(printed, wanted) for wanted in time[:4].tolist())
+
+
+def test_the_page_tells_the_columns_of_landmarks() -> None:
+    text = PAGE.read_text(encoding="utf-8").partition("\n## A slider that pushes back\n")[2].partition("\n## ")[0]
+    listed = re.findall(r"`(\w+)`", "\n".join(row.split("|")[1] for row in text.splitlines() if row.startswith("| `")))
+    assert {"landmark", *listed} == {column.name for column in LANDMARKS.columns}
 
 
 def test_the_page_shows_the_numbers_of_the_file(folder: Path) -> None:

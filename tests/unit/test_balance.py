@@ -123,7 +123,11 @@ def test_the_work_of_friction_is_that_of_the_areas(pulse: Pulse, area: object) -
     # Between two events y -> s = a + (b - a)(3 y^2 - 2 y^3) takes the roots at both ends away.
     y = 0.5 * (nodes + 1.0)
     pieces = [
-        (b - a) * sum(0.5 * w * 6.0 * q * (1.0 - q) * force(a + (b - a) * (3.0 - 2.0 * q) * q * q) for w, q in zip(weights, y, strict=True))
+        (b - a)
+        * sum(
+            0.5 * w * 6.0 * q * (1.0 - q) * force(a + (b - a) * (3.0 - 2.0 * q) * q * q)
+            for w, q in zip(weights, y, strict=True)
+        )
         for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True)
     ]
     sums = np.concatenate([[0.0], np.cumsum(pieces)])

@@ -40,6 +40,16 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
     assert hits == "0"
 
 
+@pytest.mark.torture
+def test_of_two_processes_one_compiles_and_the_other_loads(tmp_path: Path) -> None:
+    """As the workers of the tests do (tests/turns.py); without turns both would compile."""
+    program = f"from tests.turns import take_turns\ntake_turns()\n{PROGRAM}"
+    variables = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), "NUMBA_CACHE_DIR": str(tmp_path)}
+    words = [sys.executable, "-c", program]
+    both = [subprocess.Popen(words, env=variables, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    assert sorted(each.communicate()[0].split()[0] for each in both) == ["0", "1"]
+
+
 def test_every_file_that_is_compiled_into_others_is_known() -> None:
     """A file whose functions or constants others compile into theirs, and that was left out, would stay as it was."""
     package = Path(rubnoise.__file__).parent

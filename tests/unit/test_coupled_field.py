@@ -92,7 +92,7 @@ def test_moments_of_cells_together_are_those_of_one_wide_cell() -> None:
     narrow = field_over(LENS, some).moments
     wide = Field.over("lens", some, -1, 30, 8.0 * WIDTH, Room(0)).moments
     for cell in range(31):
-        assert merged(narrow, 8 * cell, 8) == pytest.approx(wide[:, cell], rel=1e-9, abs=1e-6)
+        assert merged.py_func(narrow, 8 * cell, 8) == pytest.approx(wide[:, cell], rel=1e-9, abs=1e-6)
 
 
 def test_places_are_found_from_any_guess() -> None:
@@ -100,7 +100,7 @@ def test_places_are_found_from_any_guess() -> None:
     for place in (-2.0, -1.0, 0.0, 1.0, 7.0, 1e9):
         expected = int(np.searchsorted(ordered, place, side="right"))
         assert first_beyond(ordered, place) == expected
-        assert {near_index(ordered, place, guess) for guess in range(-2, 9)} == {expected}
+        assert {near_index.py_func(ordered, place, guess) for guess in range(-2, 9)} == {expected}
 
 
 POLYNOMIALS: tuple[Callable[[Doubles], Doubles], ...] = (

@@ -45,8 +45,8 @@ RUNS = {
         "output.tick=1 nm",
     ),
 }
-DENSEST = ("dense", "batch")
-"""What is tried every day beside Figure 5: its memory goes to junctions."""
+EVERY_DAY = {("Figure 5", "events"), ("dense", "batch")}
+"""The daily runs; junctions take most of the memory of the second."""
 
 
 def _with(text: str, *overrides: str) -> Scenario:
@@ -129,6 +129,43 @@ def test_where_junctions_fill_the_disk_their_number_is_named(monkeypatch: pytest
     assert "output.tick" not in said
 
 
+TWO_WAY = ("slider.coupling=two-way", "sliding.distance=2 mm")
+
+
+@pytest.mark.parametrize("speed", ["10 um/s", "1 mm/s", "100 mm/s", "1 m/s"])
+@pytest.mark.parametrize("count", [0.5, 20.0])
+def test_a_two_way_run_has_no_more_rows_than_are_told(speed: str, count: float) -> None:
+    """The bound holds whatever the seed, and is not much above what there is where a run is long."""
+    changes = (f"sliding.speed={speed}", f"interface.mean_junction_count={count}", "output.tick=1 um")
+    for seed in range(4):
+        scenario = _with(WHOLE, *TWO_WAY, *changes, f"run.seed={seed}", "run.engine=batch")
+        told, record = counted(scenario), simulate(scenario)
+        assert told.slider_rows_at_most is not None
+        assert record["slider"]["time"].size <= told.slider_rows_at_most
+        assert told.result_bytes >= sum(
+            column.nbytes for group in ("slider", "landmarks") for column in record[group].values()
+        )
+    long = counted(_with(WHOLE, *TWO_WAY, *changes, "sliding.distance=1 m"))
+    assert long.slider_rows_at_most is not None
+    assert long.slider_rows_at_most < 1.02 * 1e6
+
+
+def test_a_one_way_run_has_as_many_rows_as_ticks() -> None:
+    assert counted(_with(WHOLE)).slider_rows_at_most is None
+
+
+def test_rows_that_grow_need_their_room_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = _with(WHOLE, *TWO_WAY)
+    told = counted(scenario)
+    assert told.slider_rows_at_most is not None
+    grown = told.disk_bytes - told.result_bytes
+    assert 41 * told.slider_rows_at_most <= grown < told.result_bytes
+    _with_room(monkeypatch, disk=told.disk_bytes)
+    check_room(scenario, told, "run.h5")
+    _with_room(monkeypatch, disk=told.disk_bytes - 1)
+    assert "the rows that grow beside it may take" in _refusal(scenario, told)
+
+
 def test_where_only_the_copy_has_no_room_compression_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = _with(WHOLE, "output.compression=gzip")
     told = counted(scenario)
@@ -178,7 +215,7 @@ def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.Mo
 @pytest.mark.parametrize(
     ("name", "engine"),
     [
-        pytest.param(name, engine, marks=() if name == "Figure 5" or (name, engine) == DENSEST else pytest.mark.torture)
+        pytest.param(name, engine, marks=() if (name, engine) in EVERY_DAY else pytest.mark.torture)
         for name in RUNS
         for engine in ("events", "batch")
     ],

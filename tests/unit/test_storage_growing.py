@@ -187,7 +187,7 @@ def test_before_the_end_the_rows_lie_beside_the_part(tmp_path: Path) -> None:
     gone_on(tmp_path, described())
 
 
-@pytest.mark.parametrize("compression", ["none", "gzip"])
+@pytest.mark.parametrize("compression", ["none", pytest.param("gzip", marks=pytest.mark.torture)])
 def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, compression: Compression) -> None:
     with recorded(tmp_path / "run", compression) as recording:
         assert len(recording.moments) > 150

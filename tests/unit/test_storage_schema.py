@@ -45,14 +45,18 @@ def test_a_slider_adds_its_motion() -> None:
     assert "slider" not in stored("speed", "strength")
 
 
-def test_two_ways_add_phases_and_landmarks_and_leave_blocks_without_a_motion() -> None:
+def test_two_ways_add_phases_landmarks_and_how_the_slider_comes_to_blocks() -> None:
     whole, one_way = stored("speed", "strength", "slider", "two-way"), stored("speed", "strength", "slider")
     assert whole["slider"] == [*one_way["slider"], "phase"]
     assert whole["landmarks"] == [
         "landmark", "time", "distance", "kind", "displacement", "velocity", "force_before", "force_after",
     ]  # fmt: skip
-    assert whole["blocks"] == ALWAYS["blocks"]
-    assert "landmarks" not in one_way
+    assert whole["balance"] == [
+        "time", "distance", "displacement", "velocity", "time_stuck", "displacement_integral",
+        "displacement_squared_integral", "velocity_squared_integral", "friction_work", "reverse_work",
+    ]  # fmt: skip
+    assert whole["blocks"] == [*ALWAYS["blocks"], "time", "distance", "phase", "displacement", "velocity"]
+    assert not {"landmarks", "balance"} & set(one_way)
 
 
 def test_names_are_unique_and_texts_are_there() -> None:
@@ -69,7 +73,11 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
         "um": {"s", "s_birth", "s_death", "L_j", "d", "x"},
         "um^2": {"A_r", "A_jmax"},
         "um/s": {"x'"},
-        "s": {"t", "t_birth", "t_death"},
+        "s": {"t", "t_birth", "t_death", "t_stick"},
+        "um*s": {"I_x"},
+        "um^2*s": {"I_xx"},
+        "um^2/s": {"I_vv"},
+        "uN*um": {"W", "W_-"},
         "MPa": {"psi"},
         "uN": {"F_s", "F_-", "F_+"},
         "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "a", "n", "phase", "kind"},

@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from rubnoise.record.tally import Moments, Tally
+from rubnoise.record.tally import Moments, Slips, Tally
+from tests.models import model
 
 Doubles = NDArray[np.float64]
 
@@ -80,3 +82,33 @@ def test_a_tally_keeps_what_it_watches_and_nothing_else() -> None:
     assert tally.moments["real_contact_area"].mean == 3.0
     assert tally.moments["real_contact_area"].variance == 3.5
     assert tally.moments["junction_count"].variance == 2500.0
+
+
+def landmarks(kinds: list[int], places: list[float]) -> dict[str, Any]:
+    return {"kind": np.array(kinds, dtype=np.uint8), "distance": np.array(places)}
+
+
+@pytest.mark.parametrize("cuts", [[], [1], [2, 3], [1, 2, 3, 4, 5, 6]])
+def test_slips_are_measured_along_their_path_from_a_breakaway_to_the_next_stick(cuts: list[int]) -> None:
+    """Of slips of 3, 0.5, 2 and, with a reversal in it, 0.5 + 1 + 0.75 um two are longer than 2 um."""
+    kinds = [0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 0, 1]
+    told = landmarks(kinds, [5.0, 5.0, 8.0, 8.0, 8.5, 8.5, 10.5, 10.5, 11.0, 10.0, 10.75, 10.75])
+    tally = Tally(slips=Slips(longer_than=2.0))
+    edges = [0, *cuts, 12]
+    for first, end in pairwise(edges):
+        tally.write("landmarks", first, {name: values[first:end] for name, values in told.items()})
+    assert tally.slips.count == 2
+    assert tally.counts["kind"] == [5, 5, 1, 1]
+    assert Tally().slips.count == 0
+
+
+def test_the_last_row_of_a_balance_is_kept() -> None:
+    tally = Tally()
+    tally.write("balance", 0, {"time": np.array([2.5]), "velocity": np.array([-3.0])})
+    assert tally.last == {"time": 2.5, "velocity": -3.0}
+    assert tally.moments == {}
+
+
+def test_a_tally_for_a_model_has_its_diameter() -> None:
+    run = model()
+    assert Tally.of(run).slips.longer_than == run.calibrated_diameter

@@ -158,3 +158,11 @@ def test_a_dense_contact_is_never_without_contact() -> None:
 def test_the_share_without_contact_needs_births_at_random() -> None:
     with pytest.raises(Refused, match="share of ticks without a junction is known for Poisson births alone"):
         zero_share(replace(one_size(), births=RegularBirths(mean_spacing=0.5)))
+
+
+def test_a_dense_contact_is_never_empty_and_has_a_share_all_the_same() -> None:
+    """p = exp(-500), which to the power of 1.5 is below the smallest number."""
+    law = zero_share(of_one_size(500.0, 0.1, 1000))
+    assert law.expected == pytest.approx(np.exp(-500.0))
+    assert 0.0 < law.standard_error < 1e-100
+    assert np.isfinite(law.skewness)

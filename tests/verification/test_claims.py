@@ -12,6 +12,7 @@ from rubnoise.claims import catalogue
 from rubnoise.claims.claim import Claim, Verdict, settled
 from rubnoise.figures.paper import FIGURES
 from tests.architecture.sources import ROOT
+from tests.cli.terminal import call
 from tools import generate_paper
 
 VERDICTS = {
@@ -53,6 +54,14 @@ def claims() -> dict[str, Claim]:
 def test_every_claim_is_settled_in_the_order_of_the_paper(claims: dict[str, Claim]) -> None:
     assert tuple(claims) == catalogue.ORDER
     assert {name: claim.verdict for name, claim in claims.items()} == VERDICTS
+
+
+def test_all_of_them_are_told(claims: dict[str, Claim], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(catalogue, "settle", lambda _: tuple(claims.values()))
+    answer = call("claims")
+    assert (answer.code, answer.err) == (0, "")
+    heads = [f"{claim.where}: {claim.verdict.value}" for claim in claims.values()]
+    assert [line for line in answer.out.splitlines() if line in heads] == heads
 
 
 def test_the_exact_numbers_are_those_known(claims: dict[str, Claim]) -> None:

@@ -1,9 +1,5 @@
 """Every kernel is compiled for one kind of arrays only: a second kind would cost seconds in the middle of a run."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 from simpy import Environment
 from simpy.events import ProcessGenerator
 
@@ -11,9 +7,9 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.simulation import recurrence
 from rubnoise.simulation.intervention import LiveJunctions
 from rubnoise.simulation.kernels import coarse, fine, lens, ticks, triangle
+from tests.cli.terminal import spawn_program
 from tests.models import UNEQUAL, bare, model, recorded
 
-ROOT = Path(__file__).parents[2]
 KERNELS = (
     fine.deposit_by_chunks,
     coarse.deposit_coarse_lives,
@@ -34,9 +30,8 @@ RUNS = (
 
 def test_runs_of_all_kinds_share_one_compilation() -> None:
     # In a process of its own: another test may have called a kernel with arrays of another kind.
-    command = [sys.executable, "-c", "from tests.verification.test_compilation import counted; print(counted())"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    assert done.stdout.split() == ["{1}"]
+    done = spawn_program("from tests.verification.test_compilation import counted; print(counted())")
+    assert (done.out, done.err) == ("{1}\n", "")
 
 
 def counted() -> set[int]:

@@ -16,12 +16,14 @@ from tests.coupled_runs import CoupledRun, coupled, field_of, oscillator_of
 from tests.models import model
 from tests.oracle import coupled_slider
 from tests.verification.seeds import seed_of
+from tests.wishes import examples
 
 PROMISED = 5e-9
 """Of the largest displacement; the reference itself is off by some 1e-9."""
 
 UNDAMPED = Slider(mass=0.005, stiffness=300.0, damping=0.0)
 OVERDAMPED = Slider(mass=0.005, stiffness=300.0, damping=20.0)
+STIFF = Slider(mass=0.005, stiffness=300.0, damping=1000.0)
 
 
 def reference(
@@ -47,8 +49,8 @@ def agree(found: CoupledRun, expected: coupled_slider.Coupled, end: float = np.i
         assert np.abs(found.landmarks[mine][early] - values).max(initial=0.0) < 1e-8 * np.abs(x).max()
 
 
-@pytest.mark.parametrize("case", range(10))
-def test_ten_cases_at_random(case: int) -> None:
+@pytest.mark.parametrize("case", range(examples(4, 10)))
+def test_cases_at_random(case: int) -> None:
     draw = np.random.default_rng(seed_of(f"two-way/{case}")).random(8)
     mass, stiffness = 10.0 ** (-3.0 + draw[0]), 10.0 ** (2.0 + draw[1])
     ratio, count, speed = 10.0 ** (-2.5 + 2.5 * draw[2]), 20.0 ** draw[3], 300.0 * 60.0 ** draw[4]
@@ -70,9 +72,21 @@ def test_ten_cases_at_random(case: int) -> None:
         (model(distance=1500.0, count=0.2), None, np.inf, {0, 1, 2, 3}),
         (model(distance=30.0, slider=UNDAMPED), 100.0, np.inf, {0, 1}),
         (model(distance=30.0, slider=OVERDAMPED), 0.0, np.inf, {0, 1}),
+        (model(distance=4.0, slider=STIFF), 0.0, np.inf, set()),
+        (model(distance=0.3, slider=STIFF, speed=20.0, tick=0.01), 0.0, np.inf, {0, 1}),
         (model(distance=15.0, speed=100.0), None, np.inf, {0, 1}),
     ],
-    ids=["back before the start", "an empty start", "regular births", "no contact", "undamped", "over-damped", "slow"],
+    ids=[
+        "back before the start",
+        "an empty start",
+        "regular births",
+        "no contact",
+        "undamped",
+        "over-damped",
+        "stiff",
+        "stiff and slow",
+        "slow",
+    ],
 )
 def test_cases_of_a_kind(run: Model, start: float | None, end: float, kinds: set[int]) -> None:
     found = coupled(run, 5, displacement=start)

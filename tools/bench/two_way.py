@@ -1,7 +1,7 @@
 """The slider that pushes back: whole runs of ours beside peers that are just as right, by junction and by second."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -28,7 +28,7 @@ FIGURE_5_COUNT = 20.0
 GOALS = {FIGURE_5_COUNT: 1000.0, 5.0: 300.0}
 """N_jm, of Figure 5 and of few junctions with long slips and reversals: how many times as long solve_ivp should take."""
 
-JUNCTIONS = {20.0: 150, 5.0: 60}
+JUNCTIONS = {20.0: 150, 5.0: 40}
 """Of a stretch on which all are checked and peers are timed: too few for chaos to make much of an error."""
 
 SEEDS = (1, 2, 3)

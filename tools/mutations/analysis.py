@@ -71,4 +71,22 @@ MUTANTS = (
         "PEAK: Final = 10.0 ** (-3.0 / 20.0)",
         "PEAK: Final = 1.0",
     ),
+    one(
+        "end term of the mean force subtracted",
+        "test_a_constant_force_is_balanced",
+        "(self.dissipated + 2.0 * self.reverse_work + self.stored) / (self.speed * self.time)",
+        "(self.dissipated + 2.0 * self.reverse_work - self.stored) / (self.speed * self.time)",
+    ),
+    one(
+        "work of reversals taken back once",
+        "test_the_end_term_is_added_and_a_reversal_counts_twice",
+        "self.friction_work - 2.0 * self.reverse_work",
+        "self.friction_work - 1.0 * self.reverse_work",
+    ),
+    one(
+        "work of a life that was alive at the start from its birth on",
+        "test_the_work_of_friction_is_that_of_the_areas",
+        "before = self._so_far(np.maximum(-birth, 0.0) / diameter)",
+        "before = np.zeros_like(birth)",
+    ),
 )

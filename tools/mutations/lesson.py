@@ -42,6 +42,30 @@ MUTANTS = (
         "const rate = damping / mass;",
     ),
     one(
+        "the page's slider sticking at half the force",
+        "test_on_the_same_field_the_landmarks_are_the_simulators",
+        "if (Math.abs(pull) <= force) this.turn(STICK, 1);",
+        "if (Math.abs(pull) <= 0.5 * force) this.turn(STICK, 1);",
+    ),
+    one(
+        "the page's slider breaking away late",
+        "test_statistics_are_the_simulators",
+        "const duration = Math.max(0, force - pull) / (this.stiffness * this.drive);",
+        "const duration = Math.max(0, 1.5 * force - pull) / (this.stiffness * this.drive);",
+    ),
+    one(
+        "the page's force a broken line that is not moved",
+        "test_on_the_same_field_the_landmarks_are_the_simulators",
+        "this.force.push(Math.max(0, last.force + shift));",
+        "this.force.push(Math.max(0, last.force + 0 * shift));",
+    ),
+    one(
+        "the page's contact empty behind the start",
+        "test_behind_the_start_the_contact_is_what_it_is_elsewhere",
+        "this.rows.push({ birth: this.next, diameter, death, strength: this.world.strength });",
+        "this.rows.push({ birth: this.next, diameter, death, strength: 0 });",
+    ),
+    one(
         "the page told doubles the wrong way round",
         "test_a_replayed_run_is_the_run",
         'np.ascontiguousarray(values, dtype="<f8")',

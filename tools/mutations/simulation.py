@@ -247,7 +247,7 @@ TWO_WAY = (
             ),
             Edit("force_in_lanes(fused(toward, passed, place), part)", "force_in_lanes(place, part)"),
         ),
-        "test_ten_cases_at_random[0]",
+        "test_cases_at_random[0]",
     ),
     one(
         "grazing not looked for",

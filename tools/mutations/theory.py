@@ -113,4 +113,10 @@ MUTANTS = (
         "np.square(total) - squares",
         "-squares",
     ),
+    one(
+        "mean of a weakly coupled slider without what the dashpot takes",
+        "test_the_weak_motion_is_the_one_way_motion_with_more_energy",
+        "one_way.mean_displacement + excess / drive.slider.stiffness",
+        "one_way.mean_displacement",
+    ),
 )

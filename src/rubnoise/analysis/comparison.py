@@ -38,8 +38,10 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     births, start, marks, lives, cubes = Births(model), Start(), Marks(model), Lives(model, trace), Cubes()
     path = Path(model, rows) if model.is_two_way else None
     for columns in panels(rows, "junctions", COLUMNS):
-        for gathered in (births, start, marks, lives, cubes, *([] if path is None else [path])):
+        for gathered in (births, start, marks, lives, cubes):
             gathered.add(columns)
+        if path is not None:
+            path.add(columns)
     parts = (
         _part("births", birth=lambda: birth_findings(model, births), start=lambda: start_findings(model, start)),
         _part(

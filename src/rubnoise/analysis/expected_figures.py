@@ -7,9 +7,10 @@ from typing import Final
 
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
+from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import expected_mean_displacement
 from rubnoise.theory.occupancy import count_variance, mean_count
-from rubnoise.theory.response import response
+from rubnoise.theory.response import Response, response
 
 _PARTS: Final = ("mean", "std", "skewness", "excess_kurtosis")
 
@@ -20,7 +21,7 @@ def expected_figure(model: Model, name: str) -> float:
     nan where the model has no such figure, or where theory is silent about it.
     """
     needs, value = FIGURES.get(name, ("", None))
-    if value is None or (needs == "slider" and model.is_two_way):
+    if value is None or (needs == "slider" and model.is_two_way and not _is_known(model, name)):
         return nan
     return value(model) if needs is None or getattr(model, needs) is not None else nan
 
@@ -33,16 +34,26 @@ def _of_force(part: str, model: Model) -> float:
     return float(getattr(force_cumulants(model), part))
 
 
+def _is_known(model: Model, name: str) -> bool:
+    """Whether theory has a figure of a two-way slider: its motion while coupling is weak."""
+    return name != "one_way_validity" and coupling(model).unknown is None
+
+
+def _motion(model: Model) -> Response:
+    return weak_motion(model) if model.is_two_way else response(model)
+
+
 def _mean_displacement(model: Model) -> float:
-    return expected_mean_displacement(model, model.distance)
+    excess = _motion(model).mean_displacement - response(model).mean_displacement
+    return expected_mean_displacement(model, model.distance) + excess
 
 
 def _displacement_std(model: Model) -> float:
-    return response(model).displacement_std
+    return _motion(model).displacement_std
 
 
 def _velocity_std(model: Model) -> float:
-    return response(model).velocity_std
+    return _motion(model).velocity_std
 
 
 def _count_std(model: Model) -> float:

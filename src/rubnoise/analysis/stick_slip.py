@@ -17,7 +17,7 @@ class StickSlip:
     """Sticks and slips between two times of a run.
 
     stick_begin, stick_end: every stick in s, cut off at the two times; stick_times: how long those last that begin and
-    end between them, in s; slip_lengths: paths in um from a breakaway to the next stick, back and forth added up.
+    end between them, in s; slip_lengths: how far those slips go, in um, from a breakaway to the next stick or turn.
     """
 
     stick_begin: Doubles
@@ -34,16 +34,13 @@ class StickSlip:
             end = float(rows.column("landmarks", "time", last, last + 1)[0])
         kind, time, distance = (rows.column("landmarks", name, first, last) for name in ("kind", "time", "distance"))
         sticks, breakaways = np.flatnonzero(kind == LandmarkKind.STICK), np.flatnonzero(kind == LandmarkKind.SLIP)
-        ended = sticks[sticks + 1 < kind.size]
-        path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(distance)))])
-        following = np.searchsorted(sticks, breakaways)
-        slipped = following < sticks.size
+        ended, slipped = (some[some + 1 < kind.size] for some in (sticks, breakaways))
         stands = bool(kind.size and kind[0] == LandmarkKind.SLIP) or (not kind.size and stands_at(rows, begin))
         return cls(
             stick_begin=np.concatenate([[begin] * stands, time[sticks]]),
             stick_end=np.concatenate([[time[0] if kind.size else end] * stands, np.append(time, end)[sticks + 1]]),
             stick_times=time[ended + 1] - time[ended],
-            slip_lengths=path[sticks[following[slipped]]] - path[breakaways[slipped]],
+            slip_lengths=distance[slipped + 1] - distance[slipped],
         )
 
 

@@ -198,7 +198,10 @@ def _two_way_motion(model: Model, tally: Tally, theory: Theory) -> list[Agreemen
         "energy_residual": seen.energy_residual,
     }
     return [
-        *(Agreement(name=name, observed=at, expected=right, standard_error=error) for name, at, right, error in spreads),
+        *(
+            Agreement(name=name, observed=at, expected=right, standard_error=error)
+            for name, at, right, error in spreads
+        ),
         *(
             Agreement(name=name, observed=at, expected=exact.get(name), standard_error=None)
             for name, at in figures.items()

@@ -1,7 +1,7 @@
 """A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
 
 from collections.abc import Sequence
-from typing import Final, Protocol
+from typing import Protocol
 
 from rubnoise.analysis.stored_model import stored_scenario
 from rubnoise.analysis.verifying.attributes import attribute_checks
@@ -16,17 +16,12 @@ from rubnoise.analysis.verifying.origin import cells_per_tick, layout_check, nee
 from rubnoise.analysis.verifying.scenario_text import scenario_check
 from rubnoise.analysis.verifying.slider import slider_checks
 from rubnoise.analysis.verifying.two_way import two_way_checks
+from rubnoise.analysis.verifying.two_way_motion import motion_checks
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
 from rubnoise.storage.inventory import Inventory
-
-_TWO_WAY: Final = {
-    "times": "when a two-way slider passes a birth or a death follows from its motion, which is not made again",
-    "slider_columns": "rows of a two-way slider lie at places of its own, and /trace has no force there",
-    "motion": "the motion of a two-way slider between landmarks is not made again",
-}
 
 
 class ResultFile(HashedReader, Protocol):
@@ -81,8 +76,7 @@ def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[C
     """Return the checks that need sound rows of /junctions."""
     checks = contact_checks(model, run)
     if model.is_two_way:
-        left_out += [LeftOut(name=name, reason=reason) for name, reason in _TWO_WAY.items()]
-        checks += [*two_way_checks(model, run), balance_check(model, run)]
+        checks += _of_two_way(model, run, left_out)
     elif model.slider is not None:
         checks += slider_checks(model, run, cells_per_tick(run))
     if all(check.holds for check in checks):
@@ -93,6 +87,17 @@ def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[C
     return checks
 
 
+def _of_two_way(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[Check]:
+    """Return what is asked of a two-way slider; its motion is made again where its rows agree with each other."""
+    checks = [*two_way_checks(model, run), balance_check(model, run)]
+    if all(check.holds for check in checks):
+        motion, partly = motion_checks(model, run)
+        left_out += partly
+        return checks + motion
+    left_out.append(LeftOut(name="motion", reason="rows of the slider differ"))
+    return checks
+
+
 def _made_again(
     model: Model, run: HashedReader, count: int, needed: list[Check], left_out: list[LeftOut]
 ) -> list[Check]:
@@ -100,9 +105,6 @@ def _made_again(
     # What is asked of rows needs nothing of the simulation but its compiler.
     from rubnoise.analysis.verifying.regenerating import regeneration_check
 
-    if model.is_two_way:
-        left_out.append(LeftOut(name="regenerated", reason="/blocks does not store a two-way slider"))
-        return []
     wrong = [check.name for check in needed if not check.holds]
     if wrong:
         left_out.append(LeftOut(name="regenerated", reason=f"its starting values differ: {', '.join(wrong)}"))

@@ -124,7 +124,7 @@ def _few_or_many(found: Evidence) -> Claim:
         exact=response(many.model).displacement_std / response(few.model).displacement_std,
     )
     pushing_back = Quantity(
-        name="the same, if the slider pushes back",
+        name="the same, with two-way coupling",
         unit="",
         printed=None,
         simulated=ratio(*(found.at(count=count, coupling="two-way").numbers["displacement_std"] for count in (50, 10))),
@@ -138,10 +138,10 @@ def _few_or_many(found: Evidence) -> Claim:
         says="At equal real contact area, many small junctions vibrate less than few large ones.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
-        because="The spread of the force falls as 1/sqrt(N_jm), from 10 to 50 junctions to 1/sqrt(5) = 0.447 for equal "
-        "sizes. Shorter lives take more of it past the slider's resonance, or less, as the speed decides. A slider "
-        "that pushes back sticks and slips at this speed; its displacement spreads less, and falls from 10 to 50 "
-        "junctions as the force does.",
+        because="The spread of the force falls as 1/sqrt(N_jm). From 10 to 50 junctions of equal size it falls to "
+        "1/sqrt(5) = 0.447. Shorter lives move its spectrum to higher frequencies. Depending on the speed, the "
+        "slider's resonance then gets more or less of it. A slider that pushes back sticks and slips at this speed. "
+        "Its displacement spreads less, and falls from 10 to 50 junctions as the force does.",
         scenario=SCENARIO,
     )
 
@@ -157,21 +157,21 @@ def _constant_speed(found: Evidence) -> Claim:
         exact=response(paper.model).one_way_validity,
     )
     pushing_back = Quantity(
-        name="the same, if the slider pushes back",
+        name="the same, with two-way coupling",
         unit="",
         printed=None,
         simulated=two_way.numbers["velocity_ratio"],
         exact=nan,
     )
     stuck = Quantity(
-        name="share of the time in which it then sticks",
+        name="fraction of the time in which it then sticks",
         unit="",
         printed=None,
         simulated=two_way.numbers["stuck"],
         exact=nan,
     )
     change = Quantity(
-        name="std of its displacement then, over that without",
+        name="std of its displacement, two-way over one-way",
         unit="",
         printed=None,
         simulated=ratio(two_way.numbers["displacement_std"], paper.numbers["displacement_std"]),
@@ -182,14 +182,14 @@ def _constant_speed(found: Evidence) -> Claim:
     return Claim(
         name="constant_speed",
         where="Fig. 5, implied",
-        says="The paper does not say it, but takes the sliding speed, 1 mm/s, for constant while the slider vibrates.",
+        says="The paper assumes, without saying so, a constant sliding speed of 1 mm/s while the slider vibrates.",
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if steady else Verdict.FAILS),
-        because=f"One-way, the slider moves {one_way.exact:.0f} times as fast as the surface under it. Its motion has "
-        "to act back on the sliding distance, and with it on births and deaths. With two-way coupling it does: the "
-        f"slider then sticks for {100.0 * stuck.simulated.value:.0f} % of the time, still moves "
-        f"{pushing_back.simulated.value:.0f} times as fast as the surface, and spreads "
-        f"{change.simulated.value:.2f} times as far as Fig. 5 has it.",
+        because=f"With one-way coupling, the slider moves {one_way.exact:.0f} times as fast as the surface under it. "
+        "Its motion must change the sliding distance, and so the births and deaths. Two-way coupling does this. The "
+        f"slider then sticks for {100.0 * stuck.simulated.value:.0f} % of the time. It still moves "
+        f"{pushing_back.simulated.value:.0f} times as fast as the surface, and its displacement spreads "
+        f"{change.simulated.value:.2f} times as far as in Fig. 5.",
         scenario=SCENARIO,
     )
 

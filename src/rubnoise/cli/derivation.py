@@ -106,10 +106,16 @@ def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
 def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
     return [
         line("rows", f"{grouped(cost['junctions'])} junctions, {grouped(cost['ticks'])} ticks (this seed)"),
+        *(
+            [line("slider", f"{grouped(cost['slider_rows_at_most'])} rows at most")]
+            if "slider_rows_at_most" in cost
+            else []
+        ),
         line("events", about(cost["events"])),
         line(
             "file size", size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else "")
         ),
+        *([line("free disk", size(cost["free_disk"]))] if cost["free_disk"] > cost["bytes"] else []),
         line("memory", f"about {size(cost['peak_memory'])}, {size(cost['working_memory'])} beside the program's own"),
         line("time", f"{duration(cost['seconds'])} on this machine, engine {scenario.run.engine}"),
     ]

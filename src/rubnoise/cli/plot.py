@@ -108,7 +108,7 @@ def command(
         Spectrum,
         typer.Option(
             help="Whose spectrum psd draws: area, over wavenumber; force, displacement or velocity, in Hz.",
-            metavar="COLUMN",
+            metavar="QUANTITY",
         ),
     ] = Spectrum.AREA,
     beside: Annotated[

@@ -112,6 +112,10 @@ def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, qu
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
         print(line("ticks", grouped(budget.ticks)))
+        if budget.slider_rows_at_most is not None:
+            print(line("slider", f"{grouped(budget.slider_rows_at_most)} rows at most"))
         print(line("file size", size(budget.result_bytes)))
+        if budget.disk_bytes > budget.result_bytes:
+            print(line("free disk", size(budget.disk_bytes)))
         print(line("memory", f"about {size(foreseen['peak_memory'])}"))
         print(line("time", duration(foreseen["seconds"])))

@@ -41,7 +41,7 @@ def landmarks_figure(stretch: Stretch) -> "Figure":
     entitle(figure, stretch, f"How far the slider slips and how long it sticks{_part(motion)}")
     slips, sticks = figure.subplots(1, 2)
     _draw(slips, found.slip_lengths, "slip", "slip length", "µm", 1.0)
-    diameter = stretch.model.sizes.moment(1)
+    diameter = stretch.model.calibrated_diameter
     longer = int((found.slip_lengths > diameter).sum())
     _mark(slips, diameter, f"mean diameter: {longer:,} longer")
     _draw(sticks, found.stick_times, "stick", "stick time", "ms", 1e3)

@@ -172,6 +172,6 @@ def looks(count: int) -> list[dict[str, Any]]:
     if count == 1:
         return [{"color": BLUE, "lw": 0.9}]
     return [
-        {"color": "#8cc4e8", "lw": 2.0, "solid_joinstyle": "round"},
+        {"color": "#6fb3df", "lw": 1.8, "solid_joinstyle": "round"},
         {"color": "#04213a", "lw": 0.8},
     ]

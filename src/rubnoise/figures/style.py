@@ -18,7 +18,7 @@ FAINT: Final = "#9a9a9a"
 PALE: Final = "#e8e8e8"
 """Okabe and Ito's blue is what a run shows, their vermilion what theory says; in grey they are told apart too."""
 
-STUCK: Final = (0.88, 0.88, 0.88)
+STUCK: Final = (0.90, 0.90, 0.90)
 """Red, green and blue of what is shaded because the slider sticks there."""
 
 SERIES: Final[tuple[tuple[str, str], ...]] = (

@@ -25,6 +25,7 @@ TWO_WAY: Final[dict[str, tuple[str, str]]] = {
     "sticks_per_s": ("sticks of the slider in a second", "1/s"),
     "slips_longer_than_d_per_s": ("slips longer than a mean diameter\nin a second", "1/s"),
     "reversals_per_s": ("reversals of the slider in a second", "1/s"),
+    "energy_residual": ("residual of the balance of energy,\nover the work of the drive", ""),
     "mean_force_excess": ("mean friction force less\nthat over the distance", "µN"),
 }
 """Those that runs with two-way coupling alone may have."""

@@ -40,7 +40,9 @@ SLIPS = {"landmarks": ("kind", "distance")}
 """Columns that tell how long slips are, by group."""
 
 TALLIED = {
-    group: dict.fromkeys((*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ())))
+    group: dict.fromkeys(
+        (*WATCHED.get(group, ()), *COUNTED.get(group, ()), *KEPT.get(group, ()), *SLIPS.get(group, ()))
+    )
     for group in {**WATCHED, **COUNTED, **KEPT}
 }
 """All columns from which a tally is made."""
@@ -114,21 +116,25 @@ class Moments:
 class Slips:
     """How many slips of a two-way slider are longer than a length in um, from rows of /landmarks as they come.
 
-    A slip begins where the slider breaks away and ends at the landmark after it.
+    A slip goes from a breakaway to the next stick; its length is that of its path, back and forth added up.
     """
 
     longer_than: float = inf
     count: int = 0
     _begin: float = nan
+    _path: float = 0.0
+    _place: float = nan
 
     def add(self, kind: NDArray[Any], distance: NDArray[Any]) -> None:
         """Take in rows of /landmarks."""
         if not kind.size:
             return
-        begins = np.concatenate([[self._begin], np.where(kind == LandmarkKind.SLIP, distance, nan)])
-        lengths = distance - begins[:-1]
-        self.count += int(np.count_nonzero(lengths > self.longer_than))
-        self._begin = float(begins[-1])
+        steps = np.abs(np.diff(distance, prepend=self._place))
+        path = self._path + np.cumsum(np.nan_to_num(steps))
+        last = np.maximum.accumulate(np.where(kind == LandmarkKind.SLIP, np.arange(kind.size), -1))
+        begins = np.where(last >= 0, path[last], self._begin)
+        self.count += int(np.count_nonzero((path - begins)[kind == LandmarkKind.STICK] > self.longer_than))
+        self._begin, self._path, self._place = float(begins[-1]), float(path[-1]), float(distance[-1])
 
 
 @dataclass(frozen=True, slots=True)

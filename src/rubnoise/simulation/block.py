@@ -77,7 +77,7 @@ def next_state(run: Run, state: State) -> State:
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     block_panels = list(panels(run.model, state, births, cells))
     motion = None if run.constants is None else _motion(run, state, run.constants)
-    two_way = _two_way(run, state) if run.model.is_two_way else None
+    two_way = _two_way(run, state, starts) if run.model.is_two_way else None
     slider = Appender(run.sink, "slider", state.slider_rows)
     rows, events = run.play(
         state=state,
@@ -93,7 +93,7 @@ def next_state(run: Run, state: State) -> State:
         _write_junctions(run, state, rows, natural)
     else:
         two_way.through(rows, min(births.next_birth, run.model.distance))
-    run.sink.write("blocks", state.block, starts.columns(moving=motion is not None))
+    run.sink.write("blocks", state.block, starts.columns(moving=motion is not None, two_way=two_way is not None))
     ticks = block_panels[-1].end if block_panels else state.ticks
     return State(
         block=state.block + births.blocks,
@@ -124,10 +124,10 @@ def _motion(run: Run, state: State, constants: Propagator) -> SliderMotion:
     return SliderMotion(run.model, constants, run.room, state.displacement, state.velocity)
 
 
-def _two_way(run: Run, state: State) -> "TwoWayMotion":
+def _two_way(run: Run, state: State, starts: BlockStarts) -> "TwoWayMotion":
     from rubnoise.simulation.two_way import TwoWayMotion  # which few runs need, and which takes long to load
 
-    return TwoWayMotion(run.model, run.seed, run.sink, run.room, state, run.telling)
+    return TwoWayMotion(run.model, run.seed, run.sink, run.room, state, starts, run.telling)
 
 
 def _moving(

@@ -22,6 +22,19 @@ WIDEST_CELL = 0.25
 MOST_CELLS = 4096
 """Cells of a tick at most; what would need more is refused."""
 
+FINENESS = 100.0
+"""Cells of a two-way motion to a diameter at least: from 96 on the kernels sum lives as series."""
+
+
+def coupled_spacing(model: Model) -> float:
+    """Return the width in um of a cell of the grid that a two-way motion uses: the tick times a power of two."""
+    width = model.tick
+    while width * FINENESS > model.calibrated_diameter:
+        width *= 0.5
+    while 2.0 * width * FINENESS <= model.calibrated_diameter:
+        width *= 2.0
+    return width
+
 
 def cells_per_tick(model: Model) -> int:
     """Return the number of equal cells of a tick, a power of two, that the slider's step needs.

@@ -1,12 +1,14 @@
 """Where the blocks that are played together begin, and what the slider does there: the rows of /blocks."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
+from rubnoise.record.rows import Phase
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import BlockBirths, births_per_block
 from rubnoise.simulation.panels import first_tick_at_or_after
@@ -14,19 +16,26 @@ from rubnoise.simulation.state import State
 
 Doubles = NDArray[np.float64]
 
+TWO_WAY: Final = ("time", "distance", "phase", "displacement", "velocity")
+"""Columns that tell how a two-way slider moves before a block."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockStarts:
     """The blocks that begin where a state is and after it: one entry a block in every array.
 
     With the junctions' rows these are the states to compute the blocks from again. displacement (um) and velocity
-    (um/s) are those at the last tick before a block, and become known while the slider moves.
+    (um/s) are those at the last tick before a block, and become known while the slider moves; of a two-way slider, with
+    time (s), distance (um) and phase, those of the last row of /slider before it first reaches the block.
     """
 
     block: NDArray[np.int64]
     birth_distance: Doubles
     first_junction: NDArray[np.int64]
     first_tick: NDArray[np.int64]
+    time: Doubles
+    distance: Doubles
+    phase: NDArray[np.uint8]
     displacement: Doubles
     velocity: Doubles
 
@@ -40,6 +49,9 @@ class BlockStarts:
             birth_distance=births.first,
             first_junction=state.junctions + births_per_block(model) * number,
             first_tick=np.array([state.ticks, *later], dtype=np.int64),
+            time=np.zeros(births.blocks),
+            distance=np.zeros(births.blocks),
+            phase=np.full(births.blocks, Phase.SLIP, dtype=np.uint8),
             displacement=np.full(births.blocks, state.displacement),
             velocity=np.full(births.blocks, state.velocity),
         )
@@ -51,7 +63,20 @@ class BlockStarts:
         self.displacement[passed] = slider["displacement"][before[passed] - 1]
         self.velocity[passed] = slider["velocity"][before[passed] - 1]
 
-    def columns(self, *, moving: bool) -> dict[str, NDArray[Any]]:
+    def pass_births(self, junction: NDArray[np.int64], time: Doubles, slider: Columns, last: Sequence[float]) -> None:
+        """Take note of the last row of a two-way slider before births that it first passes at times (s).
+
+        slider: rows, among them all since ``last``, of which the columns TWO_WAY are given. The first block of a run
+        begins at its start.
+        """
+        for block in np.flatnonzero(np.isin(self.first_junction, junction) & (self.block > 0)).tolist():
+            passed = time[np.searchsorted(junction, self.first_junction[block])]
+            row = int(np.searchsorted(slider["time"], passed, side="right")) - 1
+            for name, before in zip(TWO_WAY, last, strict=True):
+                getattr(self, name)[block] = slider[name][row] if row >= 0 else before
+
+    def columns(self, *, moving: bool, two_way: bool) -> dict[str, NDArray[Any]]:
         """Return the columns of /blocks."""
         names = ["block", "birth_distance", "first_junction", "first_tick"]
-        return {name: getattr(self, name) for name in names + ["displacement", "velocity"] * moving}
+        names += TWO_WAY if two_way else ["displacement", "velocity"] * moving
+        return {name: getattr(self, name) for name in names}

@@ -23,21 +23,29 @@ from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Room
 from rubnoise.simulation.observer import Telling
+from rubnoise.simulation.starts import TWO_WAY, BlockStarts
 from rubnoise.simulation.state import Doubles, LiveRows, State
 
-_HEADER: Final = struct.Struct("<qqq")
+_HEADER: Final = struct.Struct("<qqq5d")
 
 
 class TwoWayMotion:
     """A two-way slider on its way through a block, and the rows of /junctions that wait for it."""
 
     def __init__(
-        self, model: Model, seed: int, sink: Sink, room: Room, state: State, telling: Telling | None = None
+        self,
+        model: Model,
+        seed: int,
+        sink: Sink,
+        room: Room,
+        state: State,
+        starts: BlockStarts,
+        telling: Telling | None = None,
     ) -> None:
-        """Go on from a state; ``room`` is for the moments of the field, ``telling`` for whom there is an observer."""
-        self._model, self._sink, self._telling = model, sink, telling
+        """Go on from a state; room: for the moments of the field; starts: of the blocks to be played."""
+        self._model, self._sink, self._starts, self._telling = model, sink, starts, telling
         numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
-        landmarks, self._written, self._waiting, self._times, motion = _unpacked(state.two_way)
+        landmarks, self._written, self._last, self._waiting, self._times, motion = _unpacked(state.two_way)
         if motion is None:
             motion = CoupledState.start(model, numbers, start(model, seed).live)
             self._write_junctions(LiveRows.none(), self._times)
@@ -76,7 +84,7 @@ class TwoWayMotion:
         """Return as bytes what the next block goes on from."""
         columns = [getattr(self._waiting, f.name) for f in fields(LiveRows) if f.name != "junction"]
         waiting = np.array([*columns, *self._times]).astype("<f8").tobytes()
-        header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting))
+        header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting), *self._last)
         return header + waiting + self._motion.state.pack()
 
     def _moved(self, born: LiveRows, known: float) -> Iterator[Told]:
@@ -92,6 +100,9 @@ class TwoWayMotion:
         self._landmarks.append({"landmark": number, **told.landmarks})
         for times, (junction, time) in zip(self._times, (told.births, told.deaths), strict=True):
             times[junction - self._written] = time
+        self._starts.pass_births(*told.births, told.slider, self._last)
+        if told.slider["time"].size:
+            self._last = tuple(float(told.slider[name][-1]) for name in TWO_WAY)
         if self._telling is not None:
             self._telling.landmarks(told.landmarks)
 
@@ -134,15 +145,18 @@ class TwoWayMotion:
         self._sink.write("junctions", self._written, columns | {"birth_time": times[0], "death_time": times[1]})
 
 
-def _unpacked(data: bytes) -> tuple[int, int, LiveRows, Doubles, CoupledState | None]:
-    """Return landmarks so far, rows written, those that wait with their first passages (s), and the motion's state."""
+def _unpacked(data: bytes) -> tuple[int, int, tuple[float, ...], LiveRows, Doubles, CoupledState | None]:
+    """Return what a state has of landmarks so far, rows written, the last row of /slider, rows waiting, and the motion.
+
+    Of those that wait there are first passages (s) of births and deaths, too.
+    """
     if not data:
-        return 0, 0, LiveRows.none(), np.empty((2, 0)), None
-    landmarks, written, count = _HEADER.unpack_from(data)
+        return 0, 0, (0.0,) * len(TWO_WAY), LiveRows.none(), np.empty((2, 0)), None
+    landmarks, written, count, *last = _HEADER.unpack_from(data)
     names = [f.name for f in fields(LiveRows) if f.name != "junction"]
     size = (len(names) + 2) * count
     numbers: Doubles = np.frombuffer(data, "<f8", size, _HEADER.size).reshape(len(names) + 2, count).astype(float)
     columns = dict(zip(names, numbers, strict=False))
     waiting = LiveRows(junction=np.arange(written, written + count, dtype=np.int64), **columns)
     motion = CoupledState.unpack(data[_HEADER.size + 8 * size :])
-    return landmarks, written, waiting, numbers[len(names) :].copy(), motion
+    return landmarks, written, tuple(last), waiting, numbers[len(names) :].copy(), motion

@@ -4,9 +4,9 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, floor
 from pathlib import Path
-from typing import cast
+from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
@@ -18,6 +18,11 @@ from rubnoise.simulation.run import Engine, extent
 from rubnoise.simulation.yardstick import pace
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.storage.room import disk_room, memory_in_use, memory_room
+from rubnoise.theory.campbell import force_cumulants
+from rubnoise.theory.response import response
+
+FAR: Final = 10.0
+"""Standard deviations beyond which nothing is taken to lie."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,8 +30,9 @@ class Budget:
     """What a run will take, or several made one after the other.
 
     result_bytes: of the results before compression, within some kilobytes each; disk_bytes: what has to be free for
-    them, with the copy that is made where one is compressed; working_bytes: memory beside the program's own, about;
-    work: how much of each kind (see `rubnoise.simulation.cost`).
+    them, with the copy that is made where one is compressed, or of rows that grow beside the part; working_bytes:
+    memory beside the program's own, about; work: how much of each kind (see `rubnoise.simulation.cost`);
+    slider_rows_at_most: of /slider in a two-way run, None in others.
     """
 
     junctions: int
@@ -35,6 +41,7 @@ class Budget:
     disk_bytes: int
     working_bytes: int
     work: Mapping[str, float]
+    slider_rows_at_most: int | None = None
 
     @property
     def peak_bytes(self) -> int:
@@ -154,6 +161,7 @@ def _budget(scenario: Scenario, rows: Extent) -> Budget:
         result_bytes=size,
         disk_bytes=size + (copy or growing),
         working_bytes=working_bytes(model, engine),
+        slider_rows_at_most=_when_grown(model, rows).slider if model.is_two_way else None,
         work=work(model, engine, rows.junctions, rows.ticks) | {"packed byte": float(copy)},
     )
 
@@ -163,16 +171,25 @@ def _is_compressed(scenario: Scenario) -> bool:
 
 
 def _when_grown(model: Model, rows: Extent) -> Extent:
-    """Return about how many rows there will be where only the end of a run tells: of a two-way slider.
+    """Return how many rows there are at most where only the end of a run tells: of a two-way slider.
 
-    It rides ahead by its deflection at most twice, and sticks once in a period of its own at most, about.
+    It comes to the end at T = (distance + x_T - x_0)/V. While w >= 0 friction adds nothing to m x'^2/2 +
+    (k x - F)^2/2k, F the largest force on the way, and x' <= V; so x <= F/k + V/omega_0, but for what a reversal brings
+    along. F: ten standard deviations above the mean; twice V/omega_0 are left. A slider too fast to stick stays much
+    nearer, within ten times what two-way coupling makes of its spread at most, or twice the deflection from rest. It
+    sticks once in half a period of its own at most, about.
     """
-    if model.slider is None or model.strengths is None or rows.slider is not None:
+    slider, speed = model.slider, model.sliding_speed
+    if slider is None or speed is None or model.strengths is None or rows.slider is not None:
         return rows
-    deflection = model.strengths.moment(1) * model.stationary_mean_area / model.slider.stiffness
-    moments = rows.ticks + ceil(2.0 * deflection / model.tick)
-    periods = moments * (model.tick_duration or 0.0) * model.slider.natural_frequency
-    return replace(rows, slider=moments, landmarks=ceil(2.0 * periods))
+    force, motion = force_cumulants(model), response(model)
+    push = (force.mean + FAR * force.std) / slider.stiffness
+    highest = min(
+        push + 2.0 * speed / slider.natural_angular_frequency, 2.0 * push + 2.0 * FAR * motion.displacement_std
+    )
+    moments = floor((model.distance + highest - model.equilibrium_displacement) / model.tick) + 2
+    periods = moments * (model.tick / speed) * slider.natural_frequency
+    return replace(rows, slider=moments, landmarks=ceil(4.0 * periods) + 16)
 
 
 def _smaller_result(scenario: Scenario, budget: Budget, room: int) -> str:

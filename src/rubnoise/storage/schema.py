@@ -29,7 +29,7 @@ JUNCTION_AREA_FORMULAS: Final = {shape: f"A(s) = {pulse.formula}{_WHERE}" for sh
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
-    """One dataset of one dimension; ``needs`` names the feature without which it is absent, ``unless`` one with which.
+    """One dataset of one dimension; ``needs`` names the feature without which it is absent.
 
     ``flags`` are the meanings of bits, ``values`` those of whole numbers.
     """
@@ -40,7 +40,6 @@ class Column:
     symbol: str
     dtype: str = "<f8"
     needs: Feature | None = None
-    unless: Feature | None = None
     flags: tuple[tuple[int, str], ...] = ()
     values: tuple[tuple[int, str], ...] = ()
 
@@ -222,12 +221,34 @@ BLOCKS: Final = Group(
         Column(name="first_junction", dtype="<i8", units="1", symbol="j_0", long_name="junctions born before it"),
         Column(name="first_tick", dtype="<i8", units="1", symbol="i_0", long_name="ticks finished before it"),
         Column(
+            name="time",
+            units="s",
+            symbol="t",
+            long_name="time of the last row of /slider before the slider reaches it",
+            needs="two-way",
+        ),
+        Column(
+            name="distance",
+            units="um",
+            symbol="s",
+            long_name="sliding distance in that row",
+            needs="two-way",
+        ),
+        Column(
+            name="phase",
+            dtype="|u1",
+            units="1",
+            symbol="phase",
+            long_name="how the slider moves over the surface in that row",
+            needs="two-way",
+            values=_values(Phase),
+        ),
+        Column(
             name="displacement",
             units="um",
             symbol="x",
             long_name="displacement of the slider at the last tick before it",
             needs="slider",
-            unless="two-way",
         ),
         Column(
             name="velocity",
@@ -235,7 +256,6 @@ BLOCKS: Final = Group(
             symbol="x'",
             long_name="velocity of the slider at the last tick before it",
             needs="slider",
-            unless="two-way",
         ),
     ),
 )

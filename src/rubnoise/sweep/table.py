@@ -13,7 +13,12 @@ from rubnoise.storage.index import Filled
 from rubnoise.storage.schema import SLIDER, TRACE, Column
 from rubnoise.units import RATIO, Quantity
 
-_UNITS: Final = {column.name: column.units for group in (TRACE, SLIDER) for column in group.columns}
+_UNITS: Final = {column.name: column.units for group in (TRACE, SLIDER) for column in group.columns} | {
+    "mean_force": "uN",
+    "sticks_per_s": "1/s",
+    "reversals_per_s": "1/s",
+    "slips_longer_than_d_per_s": "1/s",
+}
 _PURE: Final = ("skewness", "kurtosis")
 
 

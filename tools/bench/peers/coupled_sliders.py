@@ -159,7 +159,14 @@ class _Events:
         way: float,
         border: float,
     ) -> None:
-        self.stretch, self.rows, self.force, self.begin, self.way, self.border = stretch, rows, force, begin, way, border
+        self.stretch, self.rows, self.force, self.begin, self.way, self.border = (
+            stretch,
+            rows,
+            force,
+            begin,
+            way,
+            border,
+        )
         self.m, self.k, self.c, self.speed = stretch.mass, stretch.stiffness, stretch.damping, stretch.speed
 
     def place(self, time: float, x: float) -> float:

@@ -20,15 +20,13 @@ from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
+from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import KEPT
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.random_births import need_random_births
 
 Doubles = NDArray[np.float64]
-
-STICK, REVERSAL = 0, 2
-"""Kinds of /landmarks."""
 
 FIELD: Final = 1e-11
 """Relative: where a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
@@ -71,10 +69,10 @@ class Path:
     def _read(self, columns: dict[str, NDArray[Any]]) -> Doubles:
         """Count sticks among landmarks, each with the one after it, and return begins and ends of reversals in um."""
         kind, time, distance = columns["kind"][:-1], columns["time"], columns["distance"]
-        stuck = np.diff(time)[kind == STICK]
+        stuck = np.diff(time)[kind == LandmarkKind.STICK]
         self.sticks += stuck.size
         self.time_stuck += float(stuck.sum())
-        back = np.flatnonzero(kind == REVERSAL)
+        back = np.flatnonzero(kind == LandmarkKind.REVERSAL)
         return np.array([distance[back], distance[back + 1]])
 
 
@@ -108,7 +106,10 @@ def two_way_identities(model: Model, path: Path) -> list[Finding]:
         Identity(name="mean_force_law", deviation=abs(force), allowed=(step + field) * seen.scale / over, units="uN"),
     ]
     if path.reverse_work is None:
-        return [*found, LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows")]
+        return [
+            *found,
+            LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows"),
+        ]
     return [*found, _work("reverse_work", seen.reverse_work - path.reverse_work, field * seen.scale)]
 
 

@@ -13,6 +13,7 @@ from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import Ahead, Panel, panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
+from rubnoise.record.rows import Phase
 
 Doubles = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -76,7 +77,9 @@ def _check_panel(notes: Notes, panel: Panel, model: Model, rows: Rows, table: Bl
         "first_junction": table.first_junction[part],
         "first_tick": table.first_tick[part],
     }
-    if "displacement" in panel:
+    if model.is_two_way:
+        expected |= _two_way_before(model, rows, table, part)
+    elif "displacement" in panel:
         moved = [slider_before(model, rows, tick) for tick in table.first_tick[part].tolist()]
         expected["displacement"], expected["velocity"] = np.array(moved).T
     for name, values in expected.items():
@@ -84,6 +87,27 @@ def _check_panel(notes: Notes, panel: Panel, model: Model, rows: Rows, table: Bl
     birth, known = panel["birth_distance"], np.isfinite(table.birth[part])
     notes.equal("/blocks/birth_distance", panel.first, birth, np.where(known, table.birth[part], birth))
     notes.holds("/blocks/birth_distance", panel.first, birth, known | (birth > model.distance), "beyond the run")
+
+
+def _two_way_before(model: Model, rows: Rows, table: BlockTable, part: slice) -> dict[str, NDArray[Any]]:
+    """Return the last row of /slider before each block is reached: where its first birth is passed, or at the start."""
+    names, total = ("time", "distance", "phase", "displacement", "velocity"), rows.rows("slider")
+    chosen = []
+    for block, junction in enumerate(table.first_junction[part].tolist(), start=part.start):
+        if block == 0:
+            chosen.append((0.0, 0.0, int(Phase.SLIP), model.equilibrium_displacement, 0.0))
+            continue
+        passed = rows.column("junctions", "birth_time", junction, junction + 1)[0]
+        low, high = 0, total
+        while low < high:
+            middle = (low + high) // 2
+            if rows.column("slider", "time", middle, middle + 1)[0] <= passed:
+                low = middle + 1
+            else:
+                high = middle
+        row = max(low - 1, 0)
+        chosen.append(tuple(rows.column("slider", name, row, row + 1)[0] for name in names))
+    return {name: np.array(values) for name, values in zip(names, zip(*chosen, strict=True), strict=True)}
 
 
 def _ticks_before(place: Doubles, tick: float) -> Doubles:

@@ -7,7 +7,7 @@ import numpy as np
 from rubnoise.analysis.verifying.findings import Check
 from rubnoise.analysis.verifying.lives import AT_END
 from rubnoise.analysis.verifying.notes import Notes
-from rubnoise.analysis.verifying.reading import panels
+from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind, Phase
@@ -20,6 +20,9 @@ FOLLOWS: Final = {
 }
 """What may come after a landmark: a stick ends in a breakaway alone, and a reversal in a stick or forward."""
 
+PHASES: Final = np.array([Phase.STICK, Phase.SLIP, Phase.REVERSAL, Phase.SLIP])
+"""The phase that begins at a landmark, by its kind."""
+
 SHARE: Final = 1e-9
 """Of the largest modulus in the rows read together: what sums over many steps may have rounded."""
 
@@ -29,7 +32,8 @@ def two_way_checks(model: Model, rows: Rows) -> list[Check]:
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None:
         return []
-    return [_rows_check(model, slider, speed, rows), _landmarks_check(slider, speed, rows), _passages_check(rows)]
+    checks = [_rows_check(model, slider, speed, rows), _landmarks_check(model, slider, speed, rows)]
+    return [*checks, _phases_check(rows), _passages_check(rows)]
 
 
 def _rows_check(model: Model, slider: Slider, speed: float, rows: Rows) -> Check:
@@ -53,9 +57,10 @@ def _rows_check(model: Model, slider: Slider, speed: float, rows: Rows) -> Check
     return notes.check()
 
 
-def _landmarks_check(slider: Slider, speed: float, rows: Rows) -> Check:
+def _landmarks_check(model: Model, slider: Slider, speed: float, rows: Rows) -> Check:
     """Compare each landmark with the one before it: later, of a kind that may follow, and sticks in closed form."""
     notes, before = Notes("landmarks"), None
+    last = rows.rows("slider") * model.tick / speed
     for panel in panels(rows, "landmarks"):
         names = ("time", "distance", "kind", "displacement")
         now = np.array([panel[name].astype(np.float64) for name in names])
@@ -65,6 +70,10 @@ def _landmarks_check(slider: Slider, speed: float, rows: Rows) -> Check:
         notes.equal("/landmarks/landmark", panel.first, panel["landmark"], np.arange(panel.first, panel.end))
         notes.equal("/landmarks/velocity", panel.first, panel["velocity"], speed)
         notes.holds("/landmarks/time", panel.first, time, time >= since, "at or after the landmark before it")
+        notes.holds("/landmarks/time", panel.first, time, (time >= 0.0) & (time <= last), "within the time of /slider")
+        travelled = speed * time - (place - model.equilibrium_displacement)
+        allowed = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
+        notes.near("/landmarks/distance", panel.first, distance, travelled, allowed)
         turns = np.zeros(kind.size, dtype=bool)
         for each, after in FOLLOWS.items():
             turns |= (what == each) & np.isin(kind, after)
@@ -74,8 +83,7 @@ def _landmarks_check(slider: Slider, speed: float, rows: Rows) -> Check:
         ends = kind == LandmarkKind.SLIP
         notes.near("/landmarks/distance", panel.first, distance, np.where(ends, there, distance), 0.0)
         ridden = np.where(ends, begin + speed * (time - since), place)
-        rounded = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
-        notes.near("/landmarks/displacement", panel.first, place, ridden, rounded)
+        notes.near("/landmarks/displacement", panel.first, place, ridden, allowed)
         force = panel["force_after"]
         held = np.where((kind == LandmarkKind.STICK) | ends, slider.stiffness * place + slider.damping * speed, force)
         # Where w and w' are 0 at once, which of two equal forces acts is decided within the tolerance.
@@ -83,6 +91,36 @@ def _landmarks_check(slider: Slider, speed: float, rows: Rows) -> Check:
         notes.near("/landmarks/force_after", panel.first, force, held, allowed)
         before = now[:, -1:]
     return notes.check()
+
+
+def _phases_check(rows: Rows) -> Check:
+    """Each row has the phase that the landmark before it began; at a landmark itself it may have either."""
+    notes, ahead = Notes("phases"), Ahead(rows)
+    for panel in panels(rows, "slider"):
+        time = panel["time"]
+        if not time.size:
+            continue
+        first = max(first_landmark(ahead, float(time[0])) - 1, 0)
+        end = first_landmark(ahead, float(np.nextafter(time[-1], np.inf)))
+        marks, kinds = (ahead.column("landmarks", name, first, end) for name in ("time", "kind"))
+        phases = np.concatenate([[Phase.SLIP], PHASES[np.minimum(kinds, len(PHASES) - 1)]])
+        near, right = 8.0 * np.spacing(time), np.zeros(time.size, dtype=bool)
+        for at in (time - near, time, time + near):
+            right |= phases[np.searchsorted(marks, at, side="right")] == panel["phase"]
+        notes.holds("/slider/phase", panel.first, panel["phase"], right, "what the landmark before it began")
+    return notes.check()
+
+
+def first_landmark(rows: Ahead, time: float) -> int:
+    """Return the number of the first landmark at or after a time in s."""
+    low, high = 0, rows.rows("landmarks")
+    while low < high:
+        middle = (low + high) // 2
+        if rows.column("landmarks", "time", middle, middle + 1)[0] < time:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 def _passages_check(rows: Rows) -> Check:

@@ -81,9 +81,30 @@
     }
   }
 
+  /** One side of the field: nodes outward from s = 0, each with its force once the node behind it is known. */
+  class Side {
+    constructor() {
+      Object.assign(this, { place: new Numbers(), force: new Numbers(), last: null });
+    }
+
+    /** Add a node: its force, and the integral of the force up to it from where that of the last node counts. */
+    put(place, force, sum) {
+      const { last } = this;
+      this.last = { place, force, sum, width: 0, miss: 0 };
+      if (!last) return;
+      const width = Math.abs(place - last.place);
+      const miss = Math.abs(sum - last.sum) / width - 0.5 * (force + last.force);
+      Object.assign(this.last, { width, miss });
+      const shift = (last.width * last.miss + width * miss) / (last.width + width);
+      this.place.push(last.place);
+      this.force.push(Math.max(0, last.force + shift));
+    }
+  }
+
   /**
-   * The field as a broken line: nodes lie a 200th of a life apart, and at every birth, mid-life and death besides. So
-   * corners of G are nodes, a triangle is exact, and a lens is so to some 1e-5 of its largest area.
+   * The field as a broken line: nodes lie a 200th of a life apart, and at every birth, mid-life and death besides, so
+   * that corners of G are nodes. Each is moved by what the line misses of the integral of G in the cells on its two
+   * sides: the work that a slip takes is then that of G. A triangle is exact.
    */
   class Field {
     /** source hands out junctions, rows are those that it has handed out, and end is where the last node lies. */
@@ -95,8 +116,8 @@
       this.longest = 2 * contact.sizes.high;
       source.until(0, rows);
       this.past = new Past(world, contact, rows, source);
-      this.ahead = { place: new Numbers(), force: new Numbers() };
-      this.behind = { place: new Numbers(), force: new Numbers() };
+      this.ahead = new Side();
+      this.behind = new Side();
       this.put(this.ahead, 0, this.alive(rows, 0, 0));
     }
 
@@ -112,27 +133,30 @@
 
     column(name, node) {
       if (node >= 0) {
-        while (node >= this.ahead.place.length) this.forward();
+        while (node >= this.ahead.force.length) this.forward();
         return this.ahead[name].values[node];
       }
-      while (-1 - node >= this.behind.place.length) this.backward();
-      return this.behind[name].values[-1 - node];
+      while (-node >= this.behind.force.length) this.backward();
+      return this.behind[name].values[-node];
     }
 
     forward() {
-      const from = this.ahead.place.last;
+      const from = this.ahead.last.place;
       const to = Math.min(from + CELLS_AT_ONCE * this.width, this.end + CELLS_AT_ONCE * this.width);
       this.source.until(to, this.rows);
       while (this.oldest < this.rows.length && this.rows[this.oldest].death <= from) this.oldest += 1;
       const alive = this.alive(this.rows, from, to, this.oldest);
+      this.ahead.last.sum = this.sum(alive, from);
       for (const place of this.nodes(alive, from, to)) if (place > from) this.put(this.ahead, place, alive);
     }
 
     backward() {
-      const to = this.behind.place.length ? this.behind.place.last : 0;
+      if (!this.behind.last) this.put(this.behind, 0, this.alive(this.rows, 0, 0));
+      const to = this.behind.last.place;
       const from = to - CELLS_AT_ONCE * this.width;
       this.past.until(from - this.longest);
       const alive = [...this.alive(this.rows, from, to), ...this.alive(this.past.rows, from, to)];
+      this.behind.last.sum = this.sum(alive, to);
       for (const place of this.nodes(alive, from, to).reverse()) if (place < to) this.put(this.behind, place, alive);
     }
 
@@ -160,9 +184,17 @@
       for (const row of alive) {
         if (place < row.death) force += row.strength * this.pulse.area(place - row.birth, row.diameter);
       }
-      side.place.push(place);
-      side.force.push(force);
-      this.work += 0.2 + 0.05 * alive.length;
+      side.put(place, force, this.sum(alive, place));
+      this.work += 0.2 + 0.1 * alive.length;
+    }
+
+    /** Return the integral of the force of some junctions from their births up to a place, in uN um. */
+    sum(alive, place) {
+      let total = 0;
+      for (const { birth, death, diameter, strength } of alive) {
+        if (place > birth) total += strength * this.pulse.sum(Math.min(place, death) - birth, diameter);
+      }
+      return total;
     }
   }
 

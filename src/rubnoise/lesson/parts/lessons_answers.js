@@ -113,7 +113,7 @@
     if (Object.hasOwn(known, name)) return known[name];
     if (unit === '') throw new Unread(`“${shown(written)}” is not expected here: the answer is a plain number.`);
     throw new Unread(
-      `“${shown(written)}” is not a unit for this answer; it is asked for in ${rub.lessons.words.unitName(unit)}.`,
+      `“${shown(written)}” is not a unit for this answer; answer in ${rub.lessons.words.unitName(unit)}.`,
     );
   }
 

@@ -100,7 +100,7 @@
   lessons.add({
     id: 'births',
     title: 'Births at random',
-    question: `Asperities meet at places that nobody arranged. Say that in every small step of sliding a junction is
+    question: `Asperities meet at random places. Say that in every small step of sliding a junction is
       born with the same small chance, whatever happened before. Look at the gaps between one birth and the next: which
       gaps are the most common?`,
     prediction: {

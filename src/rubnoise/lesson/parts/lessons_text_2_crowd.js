@@ -46,8 +46,8 @@
       ],
     },
     law: (f) => `
-      <p>A junction of diameter <var>d</var> is in contact over a path of 2<var>d</var>: whoever stops at a blindly
-        chosen place meets it with a chance in proportion to <var>d</var>. Those found alive therefore have the density
+      <p>A junction of diameter <var>d</var> is in contact over a path of 2<var>d</var>: at a random
+        place you meet it with a chance in proportion to <var>d</var>. Those found alive therefore have the density
         <var>d</var> <var>f</var>(<var>d</var>)/E[<var>d</var>], where <var>f</var> is that of those born:</p>
       <p class="formula">mean of those in contact = E[<var>d</var>²]/E[<var>d</var>] = E[<var>d</var>] +
         Var[<var>d</var>]/E[<var>d</var>] = ${um(f.lengthBiasedMean)}</p>

@@ -86,7 +86,7 @@
           [(f, world) => stuckFor(PULLS, 0, world), `That is how long the spring took to be drawn so far.`],
           [(f, world) => stuckFor(BEARS, -PULLS, world), `Both forces point the same way: the spring lacks the rest only.`],
           [(f, world) => stuckFor(BEARS, PULLS, world) * world.speed, `That is how far it is carried, in µm. At which speed?`],
-          [(f, world) => stuckFor(BEARS, PULLS, world) * 1000, `In ms, that is. It is asked for in s.`],
+          [(f, world) => stuckFor(BEARS, PULLS, world) * 1000, `This is in ms. Answer in s.`],
         ],
         hint: `By how much may the spring’s force still grow, and how fast does it grow when its end moves at
           <var>V</var>?`,

@@ -1,6 +1,5 @@
 'use strict';
-/*
- * A slider that pushes back: m x'' + c x' + k x = G(s) sign(w), w = V - x', s = V t - (x - x_0). At w = 0, with
+/* A slider that pushes back: m x'' + c x' + k x = G(s) sign(w), w = V - x', s = V t - (x - x_0). At w = 0, with
  * f = k x + c V: |f| <= G sticks, f > G goes forward, f < -G goes back. Static and kinetic friction are the same.
  *
  * From node to node of the field G is a straight line, and there the motion is a closed form (piece.js). So nothing

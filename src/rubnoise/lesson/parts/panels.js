@@ -84,7 +84,7 @@
     const reach = Math.max(4 * law.std, 0.1 * law.mean);
     const [low, high] = [Math.max(0, law.mean - reach), law.mean + reach];
     const top = law.std > 0 ? 1.5 * law.density(law.mean) : 2 / reach;
-    const titles = [`density of ${liveDiameters.length} looks at the living, 1/µm`, 'diameter, µm'];
+    const titles = [`histogram of ${liveDiameters.length} samples of live junctions, 1/µm`, 'diameter, µm'];
     const [x, y] = bars(liveDiameters, low, high, top, titles, ink.band);
     if (law.std === 0) return upright(law.mean, x, y, top);
     curve((d) => (d * law.density(d)) / law.moment(1), low, high, x, y, top);

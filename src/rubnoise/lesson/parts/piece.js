@@ -1,8 +1,7 @@
 'use strict';
-/*
- * One piece of slip, as long as the force on the way is a straight line: l'' + 2 a l' + b l = P + Q t, with l the
- * distance passed and u = l' the speed over the surface. It has a closed form, however stiff or damped, also where b < 0.
- * All that is searched for is when l reaches the end of the line, and whether u falls to 0 before.
+/* One piece of slip, as long as the force on the way is a straight line: l'' + 2 a l' + b l = P + Q t, with l the
+ * distance passed and u = l' the speed over the surface. It has a closed form, however stiff or damped, and where b < 0
+ * as well. All that is searched for is when l reaches the end of the line, and whether u falls to 0 before.
  */
 (() => {
   const rub = (globalThis.rub ??= {});

@@ -1,6 +1,5 @@
 'use strict';
-/*
- * The traces under the stage, drawn as they grow: real contact area, count, force, displacement, velocity. Those of a
+/* The traces under the stage, drawn as they grow: real contact area, count, force, displacement, velocity. Those of a
  * slider that pushes back are drawn over time, since it may stand still on the surface.
  */
 (() => {
@@ -10,6 +9,7 @@
   const PERIODS = 12; // of the slider's own motion, in a picture over time, but within these numbers of lives
   const LIVES = [4, 40];
   const MOST_POINTS = 2500;
+  const SLIP = 0;
   const traces = { pens: {} };
 
   /** Return the stretch of distance on show: the last lives up to now, or the first ones. */
@@ -93,6 +93,7 @@
     const { motion, time } = rub.run;
     const times = motion.columns.time.values;
     const { values } = motion.columns[name];
+    const phases = motion.columns.phase.values;
     const first = motion.columns.time.find(span()[0]);
     const last = motion.columns.time.find(time);
     const stride = Math.max(1, Math.ceil((last - first) / MOST_POINTS));
@@ -101,7 +102,10 @@
     ctx.lineJoin = 'round';
     ctx.beginPath();
     ctx.moveTo(x(1e3 * times[first]), y(values[first]));
-    for (let i = first - (first % stride) + stride; i <= last; i += stride) ctx.lineTo(x(1e3 * times[i]), y(values[i]));
+    for (let i = first + 1; i <= last; i += 1) {
+      const corner = phases[i] !== SLIP || phases[i - 1] !== SLIP; // where it turns, and both ends of a stick
+      if (corner || i % stride === 0) ctx.lineTo(x(1e3 * times[i]), y(values[i]));
+    }
     ctx.lineTo(x(1e3 * time), y(motion.at(name, time)));
     ctx.stroke();
   }

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.model import Model
+from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, Field
 from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
@@ -24,8 +25,8 @@ Integers = NDArray[np.int64]
 Earlier = Callable[[float, float], LiveRows]
 """All junctions that live between two distances (um), in order of birth: asked for where the slider runs far back."""
 
-FINENESS: Final = 100.0
-"""Cells to a diameter at least: from 96 on the kernels sum lives as series."""
+FINER: Final = 0.125
+"""Of the width of a cell elsewhere: the least of it for an over-damped slider."""
 
 _CELLS: Final = 131_072
 """Cells of a range: their moments are 3 MB."""
@@ -252,26 +253,19 @@ def look_back(model: Model) -> float:
     return 4.0 * deflection + 2.0 * model.sliding_speed / slider.natural_angular_frequency
 
 
-def spacing(model: Model) -> float:
-    """Return the width of a cell in um: the tick times a power of two."""
-    width = model.tick
-    while width * FINENESS > model.calibrated_diameter:
-        width *= 0.5
-    while 2.0 * width * FINENESS <= model.calibrated_diameter:
-        width *= 2.0
-    return width
-
-
 def constants(model: Model, tolerance: float) -> Doubles:
     """Return the numbers that stay the same through a run, at the places that `steps` and `rows` name."""
     slider, strengths, speed = model.slider, model.strengths, model.sliding_speed
     if slider is None or strengths is None or speed is None:
         raise ValueError("a slider moves where there is a strength and a sliding speed")
-    width = spacing(model)
     scale = strengths.moment(1) * model.stationary_mean_area / slider.stiffness
     error = tolerance * scale
-    crowd = sqrt(max(1.0, 4.0 * width * model.birth_rate))
-    kink = 3.0 * strengths.moment(1) * model.calibrated_diameter * crowd
+    width = coupled_spacing(model)
+    if slider.damping_ratio > 1.0:
+        # It slides at about V all the time: cells are to be so fine that they may be uniform there.
+        finest = width * FINER
+        while width > finest and speed * speed * _kink_limit(model, error, width) < 1.0:
+            width *= 0.5
     # Q may change by a fifth in uniform cells at a tolerance of 1e-9, whose error goes as its sixth power.
     bend = 0.4
     while _sixth_power(bend / 0.2) > tolerance / 1e-9:
@@ -282,10 +276,20 @@ def constants(model: Model, tolerance: float) -> Doubles:
     found[layout.ROW_TIME] = model.tick / speed
     found[layout.LIMIT] = 0.3 * error
     found[layout.BEND_LIMIT] = bend
-    found[layout.KINK_LIMIT] = 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
+    found[layout.KINK_LIMIT] = _kink_limit(model, error, width)
     found[layout.TOUCH] = min(found[layout.LIMIT] * slider.natural_angular_frequency, 1e-3 * speed)
     found[layout.LONGEST] = 1.0 / slider.natural_angular_frequency
     return found
+
+
+def _kink_limit(model: Model, error: float, width: float) -> float:
+    """Return cells^3 that uniform cells may have for each um^2/s^2 of w^2: 0.3 error m/(7e-4 kink h^3)."""
+    slider, strengths = model.slider, model.strengths
+    if slider is None or strengths is None:
+        raise ValueError("a slider moves where there is a strength")
+    crowd = sqrt(max(1.0, 4.0 * width * model.birth_rate))
+    kink = 3.0 * strengths.moment(1) * model.calibrated_diameter * crowd
+    return 0.3 * error * slider.mass / (7e-4 * kink * width * width * width)
 
 
 def _sixth_power(number: float) -> float:

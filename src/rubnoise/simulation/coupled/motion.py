@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled_bare
+from rubnoise.compiling import compiled_bare, compiled_into, compiled_within
 from rubnoise.simulation.coupled.field import AGE, GROUP, SIZE, Part, force_in_cell, gather, merged
 from rubnoise.simulation.coupled.layout import (
     BEND_LIMIT,
@@ -59,6 +59,8 @@ from rubnoise.simulation.coupled.rows import (
 )
 from rubnoise.simulation.coupled.steps import (
     PACE,
+    WEAK_DRAG,
+    WEAK_DRAG_OF_NODES,
     clock_at,
     event_cell,
     integral_to,
@@ -80,7 +82,7 @@ _AT_ONCE: Final = 1e-12
 _NOWHERE: Final = -(1 << 62)
 
 
-@compiled_bare
+@compiled_within
 def next_border(part: Part, offset: float, way: float, width: float, limit: float) -> tuple[float, int]:
     """Return the next birth, mid-life, death or edge in a gathered cell, and the clock of a step to there.
 
@@ -110,7 +112,7 @@ def next_border(part: Part, offset: float, way: float, width: float, limit: floa
     return border, clock
 
 
-@compiled_bare
+@compiled_within
 def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int) -> int:
     """Return how many cells of the grid may be taken together by a speed alone: a power of two, or 0.
 
@@ -126,14 +128,32 @@ def cells_at_once(constants: Doubles, u: float, cell: int, way: float, last: int
     return 0
 
 
-@compiled_bare
-def couples(constants: Doubles, size: float, u: float) -> float:
-    """Return k V h^2/(m u^3) + c h/(m u): by how much a pass over a step of a size h brings it nearer."""
+@compiled_within
+def couples(constants: Doubles, size: float, u: float, weak: float) -> float:
+    """Return k V h^2/(m u^3) + c h/(m u): by how much a pass over a step of a size h brings it nearer.
+
+    Where the second part is above ``weak``, the pass is one of Newton's for it, and it weakens the first.
+    """
     per_speed = size / (constants[MASS] * u)
-    return per_speed * (constants[STIFFNESS] * constants[DRIVE] * size / (u * u) + constants[DAMPING])
+    back, drag = per_speed * (constants[STIFFNESS] * constants[DRIVE] * size / (u * u)), per_speed * constants[DAMPING]
+    return back + drag if drag <= weak else back / (1.0 + drag)
 
 
-@compiled_bare
+@compiled_within
+def drag_fades(constants: Doubles, u: float, width: float, force: float) -> bool:
+    """Whether uniform cells are fine enough for how drag brings u to rest, after m u' has been off by a force (uN).
+
+    It fades as e^-z, z = c l/(m u), and of that three nodes miss about z^4/(z^4 + 15^4): over the length m u/c it makes
+    so much of force/c in the speed, and V/u^2 times as much in x.
+    """
+    decay = constants[MASS] * u / constants[DAMPING]
+    z = width / decay
+    share = (z / 15.0) * (z / 15.0) * (z / 15.0) * (z / 15.0)
+    late = force / constants[DAMPING] * decay * constants[DRIVE] / (u * u)
+    return late * share <= constants[LIMIT] * (1.0 + share)
+
+
+@compiled_within
 def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch: Scratch) -> int:
     """Pass uniform cells from an edge of the grid: MOVED, FULL or UNFIT."""
     whole, numbers, constants = motion
@@ -148,10 +168,15 @@ def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch
         mean, slope, bend = merged(stretch.moments, begin - stretch.first, cells)
         gain = width / constants[MASS] * (pull - mean)
         uneven = width / constants[MASS] * (abs(slope) + abs(bend))
+        drag = width / constants[MASS] * constants[DAMPING] / u
+        fades = True
+        if drag > WEAK_DRAG:
+            gain, uneven = gain / (1.0 + drag), uneven / (1.0 + drag)
+            fades = drag_fades(constants, u, width, abs(pull - mean) + abs(slope) + abs(bend))
         lowest = min(energy, energy + gain)
         even = abs(gain) + uneven <= constants[BEND_LIMIT] * lowest
         kinks = float(cells * cells * cells) <= 2.0 * lowest * constants[KINK_LIMIT]
-        if even and kinks and couples(constants, width, u) <= 0.02:
+        if even and kinks and fades and couples(constants, width, u, WEAK_DRAG) <= 0.02:
             start = Start(way, x, u, 0.0, 0.0, 0.0)
             after, duration = uniform_cell(constants, start, width, (mean, way * slope, bend), scratch.work)
             if after > 0.0:
@@ -173,14 +198,14 @@ def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch
     return UNFIT
 
 
-@compiled_bare
+@compiled_into
 def try_event_cell(
     constants: Doubles, start: Start, length: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float, int]:
     """Return speed, size, time and clock of an event cell to a border, or of a half, a quarter ...; speed 0: none."""
     size, u = length, start.speed
     for _ in range(_HALVINGS):
-        if size * abs(start.growth) <= 0.3 * u * u and couples(constants, size, u) <= 0.3:
+        if size * abs(start.growth) <= 0.3 * u * u and couples(constants, size, u, WEAK_DRAG_OF_NODES) <= 0.3:
             after, duration, error = event_cell(constants, start, size, clock, part, scratch)
             if after > 0.0 and error <= constants[LIMIT]:
                 return after, size, duration, clock
@@ -189,7 +214,7 @@ def try_event_cell(
     return 0.0, 0.0, 0.0, clock
 
 
-@compiled_bare
+@compiled_into
 def find_time_step(
     constants: Doubles, start: Start, step: float, length: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float, float, int, bool]:
@@ -224,7 +249,7 @@ def find_time_step(
     return 0.0, 0.0, 0.0, keep, MOVING, False
 
 
-@compiled_bare
+@compiled_into
 def take_part(
     motion: Motion, cell: int, offset: float, limit: float, met: Met, output: Output, part: Part, scratch: Scratch
 ) -> int:
@@ -274,7 +299,7 @@ def take_part(
     return MOVED
 
 
-@compiled_bare
+@compiled_within
 def wanting(motion: Motion, stretch: Stretch) -> int:
     """Return whether cells are wanted that are not there, or the run is over: AHEAD, BACK, DONE or MOVED.
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled_bare
+from rubnoise.compiling import compiled_within
 from rubnoise.simulation.coupled.field import Part, force_in_cell
 from rubnoise.simulation.coupled.layout import (
     BREAKAWAY,
@@ -60,7 +60,7 @@ _BISECTIONS: Final = 60
 _LANDINGS: Final = 12
 
 
-@compiled_bare
+@compiled_within
 def leave_stick(motion: Motion, output: Output) -> bool:
     """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was room."""
     whole, numbers, constants = motion
@@ -89,7 +89,7 @@ def leave_stick(motion: Motion, output: Output) -> bool:
     return True
 
 
-@compiled_bare
+@compiled_within
 def arrive(motion: Motion, marks: Doubles, force: float, ending: int) -> None:
     """Decide what follows at w = 0, where the contact can bear ``force`` uN.
 
@@ -97,29 +97,26 @@ def arrive(motion: Motion, marks: Doubles, force: float, ending: int) -> None:
     """
     whole, numbers, constants = motion
     f = constants[STIFFNESS] * numbers[DISPLACEMENT] + constants[DAMPING] * constants[DRIVE]
-    reversed_before = whole[PHASE] == REVERSED
-    before = -force if reversed_before else force
+    before = -force if whole[PHASE] == REVERSED else force
     numbers[RELATIVE] = 0.0
     if ending == TOUCHING:
         f = min(f, force)
+    phase, kind, after = STUCK, STICK, f
     if f > force:
-        if reversed_before:
-            tell_landmark(motion, marks, FORWARD, before, force)
-        whole[PHASE] = SLIP
+        phase, kind, after = SLIP, FORWARD, force
     elif f < -force:
-        if not reversed_before:
-            tell_landmark(motion, marks, REVERSAL, before, -force)
-        whole[PHASE] = REVERSED
-    else:
-        tell_landmark(motion, marks, STICK, before, f)
-        whole[PHASE] = STUCK
+        phase, kind, after = REVERSED, REVERSAL, -force
+    if phase != whole[PHASE]:
+        tell_landmark(motion, marks, kind, before, after)
+    whole[PHASE] = phase
+    if phase == STUCK:
         whole[REST_ROW] = whole[ROW]
         numbers[REST_OVER] = numbers[OVER]
         numbers[REST_PLACE] = numbers[DISPLACEMENT]
         numbers[REST] = (force - f) / (constants[STIFFNESS] * constants[DRIVE])
 
 
-@compiled_bare
+@compiled_within
 def standstill_between(u: float, low: float, high: float, work: Doubles) -> float:
     """Return q where u falls to 0 between two places of a step in time."""
     for _ in range(_BISECTIONS):
@@ -131,7 +128,7 @@ def standstill_between(u: float, low: float, high: float, work: Doubles) -> floa
     return 0.5 * (low + high)
 
 
-@compiled_bare
+@compiled_within
 def lowest_between(low: float, high: float, work: Doubles) -> float:
     """Return q where w' turns upwards between two places of a step in time."""
     for _ in range(_BISECTIONS):
@@ -143,7 +140,7 @@ def lowest_between(low: float, high: float, work: Doubles) -> float:
     return high
 
 
-@compiled_bare
+@compiled_within
 def first_standstill(start: Start, end: float, touch: float, scratch: Scratch) -> float:
     """Return q where u falls to 0 first in a step in time that begins with u > 0, or touches it; 2 if nowhere.
 
@@ -169,7 +166,7 @@ def first_standstill(start: Start, end: float, touch: float, scratch: Scratch) -
     return 2.0
 
 
-@compiled_bare
+@compiled_within
 def land(
     constants: Doubles, start: Start, duration: float, clock: int, part: Part, scratch: Scratch, ending: int
 ) -> tuple[float, float, float, int, bool]:

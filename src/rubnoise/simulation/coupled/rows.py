@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled_bare
+from rubnoise.compiling import compiled_within
 from rubnoise.simulation.coupled.field import Lives, Part, force_and_integral, force_in_cell
 from rubnoise.simulation.coupled.layout import (
     BORN,
@@ -73,7 +73,7 @@ Met = tuple[Lives, int, Integers, Doubles, Doubles]
 _NEWTON: Final = 40
 
 
-@compiled_bare
+@compiled_within
 def tell_row(
     whole: Integers, out: Doubles, distance: float, force: float, displacement: float, velocity: float, phase: int
 ) -> None:
@@ -87,7 +87,7 @@ def tell_row(
     whole[ROWS] = n + 1
 
 
-@compiled_bare
+@compiled_within
 def tell_landmark(motion: Motion, marks: Doubles, kind: int, before: float, after: float) -> None:
     """Put down a landmark at the state's time and place, where w = 0; before and after: the friction force in uN."""
     whole, numbers, constants = motion
@@ -102,7 +102,7 @@ def tell_landmark(motion: Motion, marks: Doubles, kind: int, before: float, afte
     whole[LANDMARKS] = n + 1
 
 
-@compiled_bare
+@compiled_within
 def pass_time(whole: Integers, numbers: Doubles, constants: Doubles, duration: float) -> None:
     """Let time pass: whole rows are counted, and what is left over stays below one."""
     over = numbers[OVER] + duration
@@ -115,7 +115,7 @@ def pass_time(whole: Integers, numbers: Doubles, constants: Doubles, duration: f
     numbers[OVER] = over - float(passed) * constants[ROW_TIME]
 
 
-@compiled_bare
+@compiled_within
 def _power_integral(powers: Doubles, y: float) -> float:
     """Return int_0^y of a polynomial of five coefficients."""
     return y * (
@@ -123,19 +123,19 @@ def _power_integral(powers: Doubles, y: float) -> float:
     )
 
 
-@compiled_bare
+@compiled_within
 def _power_double_integral(powers: Doubles, y: float) -> float:
     """Return int_0^y int_0^y' of a polynomial of five coefficients."""
     rest = powers[2] / 12.0 + y * (powers[3] / 20.0 + y * (powers[4] / 30.0))
     return y * y * (powers[0] / 2.0 + y * (powers[1] / 6.0 + y * rest))
 
 
-@compiled_bare
+@compiled_within
 def _power_value(powers: Doubles, y: float) -> float:
     return powers[0] + y * (powers[1] + y * (powers[2] + y * (powers[3] + y * powers[4])))
 
 
-@compiled_bare
+@compiled_within
 def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Doubles) -> None:
     """Note the first passages of births and deaths in uniform cells; powers: 1/u as a polynomial in the place."""
     whole, numbers, constants = motion
@@ -155,7 +155,7 @@ def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Do
         whole[DIED] += 1
 
 
-@compiled_bare
+@compiled_within
 def tell_cells(motion: Motion, met: Met, out: Doubles, step: Step, first: int, after: float, scratch: Scratch) -> None:
     """Tell the rows inside uniform cells that have just been worked out, from the state before them."""
     whole, numbers, constants = motion
@@ -189,7 +189,7 @@ def tell_cells(motion: Motion, met: Met, out: Doubles, step: Step, first: int, a
         n += 1
 
 
-@compiled_bare
+@compiled_within
 def sum_uniform(motion: Motion, way: float, width: float, mean: float, work: Doubles) -> None:
     """Add what uniform cells bring to the integrals over time and over the path."""
     _, numbers, constants = motion
@@ -207,7 +207,7 @@ def sum_uniform(motion: Motion, way: float, width: float, mean: float, work: Dou
         numbers[REVERSE_WORK] += mean * width
 
 
-@compiled_bare
+@compiled_within
 def place_in_step(time: float, step: Step, work: Doubles) -> float:
     """Return q at a time (s) after the beginning of an event cell, or of a step in time."""
     _, size, duration, clock, kind = step
@@ -233,7 +233,7 @@ def place_in_step(time: float, step: Step, work: Doubles) -> float:
     return q
 
 
-@compiled_bare
+@compiled_within
 def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step) -> None:
     """Note first passages in a step within a cell: they lie at its end, or at its beginning to within rounding."""
     whole, numbers, constants = motion
@@ -254,7 +254,7 @@ def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step)
         whole[DIED] += 1
 
 
-@compiled_bare
+@compiled_within
 def tell_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles) -> None:
     """Tell the rows of an event cell, or of a step in time, from the state before it."""
     whole, numbers, constants = motion
@@ -278,7 +278,7 @@ def tell_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step
         n += 1
 
 
-@compiled_bare
+@compiled_within
 def sum_part(motion: Motion, step: Step, scratch: Scratch) -> None:
     """Add what an event cell or a step in time brings to the integrals over time and over the path."""
     _, numbers, constants = motion

@@ -110,8 +110,8 @@ class CoupledState:
     def integrals(self) -> dict[str, float]:
         """What has been summed up since t = 0, step by step.
 
-        Named and in units as in /balance: time_stuck; int x dt; int x^2 dt; int x'^2 dt; friction_work int G |ds| over slip, and
-        reverse_work, its part in reversal.
+        Named and in units as in /balance: time_stuck; int x dt; int x^2 dt; int x'^2 dt; friction_work int G |ds| over
+        slip, and reverse_work, its part in reversal.
         """
         return {name: float(self.numbers[place]) for name, place in _INTEGRALS.items()}
 

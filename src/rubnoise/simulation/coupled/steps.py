@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.compiling import compiled_bare, inlined
+from rubnoise.compiling import compiled_bare, compiled_within, inlined
 from rubnoise.simulation.coupled.field import Part, force_in_lanes
 from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, Scratch, Start
 from rubnoise.simulation.coupled.quadrature import (
@@ -43,13 +43,21 @@ Doubles = NDArray[np.float64]
 SPEED, PASSED, TIME, FORCE, GROWTH, PUSH, PACE = 16, 24, 32, 40, 48, 56, 64
 """u, l, t, G and u' at the nodes; Legendre coefficients of what u or Q grows by, and of what l or t grows by."""
 _SCRATCH: Final = 72
-WORK: Final = 80
+_DRAG: Final = 80
+_MATRIX: Final = 88
+WORK: Final = 152
 """Numbers of room that steps need."""
 
 _MOST_PASSES: Final = 24
 _PASSES: Final = 8
 _LEAST: Final = 1e-300
 _SETTLED: Final = 1e-15
+_SETTLED_IN_DRAG: Final = 4e-15
+
+WEAK_DRAG: Final = 0.02
+"""Size of a uniform cell over the length m u/c in which drag brings u to rest: up to here a pass does without Newton."""
+WEAK_DRAG_OF_NODES: Final = 0.3
+"""The same of eight nodes, in length or in time."""
 
 _UP = tuple((2.0 * n + 1.0) / (n + 1.0) for n in range(NODES))
 _DOWN = tuple(n / (n + 1.0) for n in range(NODES))
@@ -72,6 +80,29 @@ def total_of(table: Doubles, work: Doubles, at: int) -> float:
     for n in range(NODES):
         total += table[WEIGHTS + n] * work[at + n]
     return total
+
+
+@compiled_within
+def _relax(table: Doubles, work: Doubles) -> None:
+    """Solve (1 + A diag(g)) y = r for y, in place of r, A being the integrals to the nodes and g what drag makes of y.
+
+    By Gauss and Jordan, column by column. With a pass that lacks r this is Newton's method for all that is linear in
+    drag, so that a step may be long beside the length, or time, in which drag brings the slider to rest.
+    """
+    for n in range(NODES):
+        store(work, _MATRIX + NODES * n, spread(work[_DRAG + n]) * load(table, INTEGRAL + NODES * n))
+        work[_MATRIX + NODES * n + n] += 1.0
+    for n in range(NODES):
+        column = _MATRIX + NODES * n
+        pivot = work[column + n]
+        work[column + n] = 0.0
+        work[_DRAG + n] = pivot
+        factor = load(work, column) / spread(pivot)
+        for k in range(n + 1, NODES):
+            other = _MATRIX + NODES * k
+            store(work, other, load(work, other) - factor * spread(work[other + n]))
+        store(work, _SCRATCH, load(work, _SCRATCH) - factor * spread(work[_SCRATCH + n]))
+    store(work, _SCRATCH, load(work, _SCRATCH) / load(work, _DRAG))
 
 
 @compiled_bare
@@ -134,6 +165,24 @@ def _known(y: float, net: float, pull: float, slope: float, bend: float) -> floa
     return net * y - pull * y * y - y * (y - 1.0) * (3.0 * slope + 5.0 * bend * (2.0 * y - 1.0))
 
 
+@compiled_within
+def _relaxed(g: tuple[float, float, float], r: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return what `_relax` does, of three nodes."""
+    (a, b, c), (d, e, f), (h, i, j) = THREE_INTEGRALS
+    a, b, c = 1.0 + a * g[0], b * g[1], c * g[2]
+    d, e, f = d * g[0], 1.0 + e * g[1], f * g[2]
+    h, i, j = h * g[0], i * g[1], 1.0 + j * g[2]
+    r0, r1, r2 = r
+    part = d / a
+    e, f, r1 = e - part * b, f - part * c, r1 - part * r0
+    part = h / a
+    i, j, r2 = i - part * b, j - part * c, r2 - part * r0
+    part = i / e
+    r2 = (r2 - part * r1) / (j - part * f)
+    r1 = (r1 - f * r2) / e
+    return (r0 - b * r1 - c * r2) / a, r1, r2
+
+
 @compiled_bare
 def uniform_cell(
     constants: Doubles, start: Start, width: float, moments: tuple[float, float, float], work: Doubles
@@ -156,12 +205,19 @@ def uniform_cell(
     u0, u1, u2 = u, u, u
     t0, t1, t2 = time * THREE_NODES[0], time * THREE_NODES[1], time * THREE_NODES[2]
     end = energy
+    drag = per_mass * damping
+    weak = drag <= WEAK_DRAG * u
     for _ in range(_PASSES):
         r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
         q0 = energy + per_mass * (k0 + _weighed(THREE_INTEGRALS[0], r0, r1, r2))
         q1 = energy + per_mass * (k1 + _weighed(THREE_INTEGRALS[1], r0, r1, r2))
         q2 = energy + per_mass * (k2 + _weighed(THREE_INTEGRALS[2], r0, r1, r2))
         end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
+        if not weak:
+            rest = (q0 - 0.5 * u0 * u0, q1 - 0.5 * u1 * u1, q2 - 0.5 * u2 * u2)
+            change = _relaxed((drag / u0, drag / u1, drag / u2), rest)
+            q0, q1, q2 = 0.5 * u0 * u0 + change[0], 0.5 * u1 * u1 + change[1], 0.5 * u2 * u2 + change[2]
+            end = energy
         if min(q0, q1, q2, end) <= 0.25 * energy:
             return 0.0, 0.0
         u0, u1, u2 = np.sqrt(2.0 * q0), np.sqrt(2.0 * q1), np.sqrt(2.0 * q2)
@@ -177,10 +233,12 @@ def uniform_cell(
     # Half a pass more, for the speed at the end.
     r0, r1, r2 = back * t0 - damping * u0, back * t1 - damping * u1, back * t2 - damping * u2
     end = energy + per_mass * ((net - pull) + _weighed(THREE_WEIGHTS, r0, r1, r2))
+    if end <= 0.25 * energy:
+        return 0.0, 0.0
     return np.sqrt(2.0 * end), time
 
 
-@compiled_bare
+@compiled_within
 def through_cell(before: float, after: float, power: float, work: Doubles, powers: Doubles) -> None:
     """Fill the coefficients of 1, y, ... y^4 of u^power, power 1 or -1, through both ends and the nodes of a cell."""
     u0, u1, u2 = work[SPEED], work[SPEED + 1], work[SPEED + 2]
@@ -214,14 +272,21 @@ def event_cell(
     time = passed / speed
     back, drag, least = spread(way * stiffness * drive), spread(-damping), spread(_LEAST)
     total, old = length / u, 0.0
+    weak = per_mass * damping <= WEAK_DRAG_OF_NODES * u
+    settled = _SETTLED if weak else _SETTLED_IN_DRAG
     for _ in range(_MOST_PASSES):
         store(work, PUSH, fused(drag, speed, fused(back, time, known)) * rate)
         square = fused(spread(2.0 * per_mass), _times(table, INTEGRAL, work, PUSH), spread(2.0 * energy))
+        if not weak:
+            store(work, _DRAG, spread(per_mass * damping) * rate / speed)
+            store(work, _SCRATCH, square - speed * speed)
+            _relax(table, work)
+            square = speed * speed + load(work, _SCRATCH)
         speed = root(larger(square, least))
         store(work, PACE, rate / speed)
         time = spread(length) * _times(table, INTEGRAL, work, PACE)
         old, total = total, length * total_of(table, work, PACE)
-        if abs(total - old) <= _SETTLED * total:
+        if abs(total - old) <= settled * total:
             break
     else:
         return 0.0, 0.0, 0.0
@@ -243,7 +308,7 @@ def event_cell(
     return np.sqrt(2.0 * end), total, error
 
 
-@compiled_bare
+@compiled_within
 def time_step(
     constants: Doubles, start: Start, duration: float, clock: int, part: Part, scratch: Scratch
 ) -> tuple[float, float, float, bool]:
@@ -260,7 +325,7 @@ def time_step(
     known = fused(spread(way * stiffness * drive), time, spread(way * (stiffness * x + damping * drive)))
     least = _SETTLED * 4.0 * (abs(stiffness * x) + abs(damping * drive)) / mass
     gain = fused(spread(start.jerk), time, spread(start.growth))
-    settled = False
+    weak, settled = damping * duration <= WEAK_DRAG_OF_NODES * mass, False
     for _ in range(_MOST_PASSES):
         store(work, GROWTH, gain)
         store(work, PUSH, gain * rate)
@@ -278,6 +343,11 @@ def time_step(
             break
         if not change < 1e290:
             break
+        if not weak:
+            store(work, _DRAG, spread(damping / mass) * rate)
+            store(work, _SCRATCH, gain - load(work, GROWTH))
+            _relax(table, work)
+            gain = load(work, GROWTH) + load(work, _SCRATCH)
     store(work, SPEED, speed)
     store(work, PASSED, passed)
     store(work, TIME, time)
