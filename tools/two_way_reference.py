@@ -14,7 +14,7 @@ KEPT: Final = FOLDER / "coupling.json"
 ANOTHER: Final = FOLDER / "two_way.json"
 """What another program found, with an integrator of its own."""
 
-SOURCE: Final = "rubnoise sweep scenarios/studies/coupling_reference.toml; of each figure the value and its standard error"
+SOURCE: Final = "rubnoise sweep scenarios/studies/coupling_reference.toml: of each figure value and standard error"
 
 FIGURES: Final = {
     "stick_fraction": ("stuck", "stick_fraction"),

@@ -155,6 +155,18 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("verify", ("verify", "two.h5", "--json")),
         ("swept", ("sweep", "sweep.toml", "-o", "swept", "--jobs", "1", "--merge", "--json")),
         ("folder", ("info", "swept", "--json")),
+        (
+            "folder",
+            (
+                "info",
+                "swept",
+                "--figures",
+                "real_contact_area_std",
+                "--over",
+                "interface.mean_junction_count=10",
+                "--json",
+            ),
+        ),
         ("unfinished", ("info", "stopped.h5.part", "--json")),
         ("unfinished", ("info", "growing.h5.part", "--json")),
         ("run", ("resume", "stopped.h5.part", "--json")),

@@ -1,7 +1,7 @@
-"""Statistics of two-way runs on fields of their own, against reference values and those of a program that shares no line.
+"""Statistics of two-way runs on fields of their own, against reference values and those of another program.
 
-`tests/reference/coupling.json` is what the sweep scenarios/studies/coupling_reference.toml came to, taken from its folder
-by `tools/generate_two_way.py --reference DIR`; `two_way.json` comes from elsewhere.
+`tests/reference/coupling.json` holds the values of the sweep scenarios/studies/coupling_reference.toml, taken from its
+folder by `tools/generate_two_way.py --reference DIR`; `two_way.json` comes from elsewhere.
 """
 
 from dataclasses import dataclass

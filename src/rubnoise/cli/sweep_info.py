@@ -117,7 +117,9 @@ def _table(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     for point in points:
         yield sentence(printable(", ".join(f"{key} = {value}" for key, value in point["values"].items())))
         for name, told in point["figures"].items():
-            ratio = f"; ratio {_with_interval(point['over'][name])}" if "over" in point else ""
+            over = point.get("over", {}).get(name, {"runs": 0})
+            # A point over itself is 1, which needs no telling.
+            ratio = f"; ratio {_with_interval(over)}" if over["runs"] and over["standard_error"] != 0.0 else ""
             runs = f" ({told['runs']} runs)" if told["runs"] else ""
             yield line(name.replace("_", " "), f"{_with_interval(told)}{runs}{ratio}")
 
@@ -129,5 +131,7 @@ def _with_interval(told: Mapping[str, Any]) -> str:
     if told["low"] is None:
         return f"{told['value']:.5g}"
     reach = 0.5 * (told["high"] - told["low"])
-    places = max(1 - floor(log10(reach)), 0) if reach > 0.0 else 6
+    if reach == 0.0:
+        return f"{told['value']:g}"
+    places = max(1 - floor(log10(reach)), 0)
     return f"{told['value']:.{places}f} +- {reach:.{places}f}"
