@@ -42,6 +42,7 @@ def test_the_contact_is_that_of_the_one_way_run(changes: dict[str, Any], engine:
     assert all(here[name] == there[name] for name in shared)
     assert {name for group, name in here if group == "blocks"} == {
         "block", "birth_distance", "first_junction", "first_tick",
+        "time", "distance", "phase", "displacement", "velocity",
     }  # fmt: skip
 
 

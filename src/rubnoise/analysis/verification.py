@@ -89,13 +89,13 @@ def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[C
 
 def _of_two_way(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[Check]:
     """Return what is asked of a two-way slider; its motion is made again where its rows agree with each other."""
-    checks = [*two_way_checks(model, run), balance_check(model, run)]
+    checks, balance = two_way_checks(model, run), balance_check(model, run)
     if all(check.holds for check in checks):
         motion, partly = motion_checks(model, run)
         left_out += partly
-        return checks + motion
+        return [*checks, balance, *motion]
     left_out.append(LeftOut(name="motion", reason="rows of the slider differ"))
-    return checks
+    return [*checks, balance]
 
 
 def _made_again(

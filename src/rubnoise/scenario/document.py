@@ -194,9 +194,9 @@ class Output(Section):
         Measure((LENGTH,), possible=Range(1e-9, 1e12), plausible=Range(1e-6, 1e6)),
         About(description="Distance between samples of the traces; default: mean life / 200."),
     ] = None
-    compression: Annotated[
-        str, Choice(("none", "gzip")), About(description="gzip: smaller files, but slower.")
-    ] = "none"
+    compression: Annotated[str, Choice(("none", "gzip")), About(description="gzip: smaller files, but slower.")] = (
+        "none"
+    )
 
 
 class SampledOutput(Output):

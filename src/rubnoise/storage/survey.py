@@ -85,10 +85,12 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         "slider": has_hard_link(file, "slider"),
         "two-way": has_hard_link(file, "landmarks"),
     }
-    if told["slider"] and not (told["speed"] and told["strength"]):
-        raise RunFileRefused("has a slider without a speed or a strength")
+    needed: tuple[tuple[Feature, str], ...] = (("speed", "birth_time"), ("strength", "shear_strength"))
+    for feature, column in needed:
+        if told["slider"] and not told[feature]:
+            raise RunFileRefused(f"has a slider without a {feature}: /junctions/{column} is missing")
     if told["two-way"] and not told["slider"]:
-        raise RunFileRefused("has landmarks without a slider")
+        raise RunFileRefused("has /landmarks without /slider")
     return frozenset(feature for feature, present in told.items() if present)
 
 
