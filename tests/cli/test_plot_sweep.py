@@ -68,7 +68,8 @@ def test_a_quantity_is_drawn(swept: Path, here: Path) -> None:
     [
         (("displacement_std",), '"displacement_std": no quantity of this sweep; there are real_contact_area_mean, '),
         (("trace",), '"trace": no quantity of this sweep; there are '),
-        ((STD, "--from", "5"), "--from and --to are for the stretch of one run"),
+        ((STD, "--from", "5"), "--from, --to, --of and --with are for the pictures of one run"),
+        ((STD, "--with", "x.h5"), "--from, --to, --of and --with are for the pictures of one run"),
         ((STD, "-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
     ],
 )

@@ -240,10 +240,9 @@ def test_junctions_and_tables_are_told(ran: Path) -> None:
     assert len(table) > 20
 
 
-def test_what_is_not_there_yet_is_refused(ran: Path) -> None:
-    lesson = call("teach", ran, "-o", "page.html")
-    assert lesson.code == 2
-    assert 'slider.coupling = "one-way"' in lesson.err
+def test_a_lesson_is_made_of_it(ran: Path, here: Path) -> None:
+    assert call("teach", ran, "-o", "page.html").code == 0
+    assert (here / "page.html").stat().st_size > 100_000
 
 
 def test_it_is_drawn_and_laid_over_the_one_way_run(ran: Path, here: Path) -> None:

@@ -62,7 +62,8 @@ def _shade(axes: "Axes", time: NDArray[np.float64], stuck: NDArray[np.bool_]) ->
 
 def _label(force: "Axes", displacement: "Axes", velocity: "Axes") -> None:
     force.set_ylabel("friction force (mN)")
-    force.set_ylim(bottom=0.0)
+    # A two-way slider that runs back feels the force from the other side.
+    force.set_ylim(bottom=min(0.0, force.get_ylim()[0]) if force.dataLim.y0 < 0.0 else 0.0)
     displacement.set_ylabel("displacement (µm)")
     velocity.set_ylabel("velocity (mm/s)")
     velocity.set_xlabel("time (s)")
