@@ -195,12 +195,12 @@ def _motion(found: Results) -> Iterator[str]:
 
 
 def _two_way(found: Results) -> Iterator[str]:
-    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). Ours is a whole run, all of"
-    yield "it in a file; peers are handed the junctions and keep displacements in memory, on shorter stretches of the same"
-    yield "motion, since it is chaotic, and a second of theirs is counted from its junctions. All are right to"
-    yield f"{two_way.BOUND:.0e} of the largest displacement, beside the slow reference at a tolerance of"
-    yield f"{two_way.REFERENCE_TOLERANCE:.0e}: ours by its default, a peer at the loosest tolerance of solve_ivp's (DOP853, begun"
-    yield "anew at each birth, mid-life and death), or the longest step of a few, that is."
+    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). Ours is a whole run into a"
+    yield "file. Peers are handed the junctions and keep displacements in memory; they move over short stretches of the"
+    yield "same motion, since it is chaotic, and what they take for a second of sliding is scaled from there. All are right"
+    yield f"to {two_way.BOUND:.0e} of the largest displacement, checked against the slow reference at a tolerance of"
+    yield f"{two_way.REFERENCE_TOLERANCE:.0e}: ours with its default tolerance, each peer with the loosest tolerance or longest"
+    yield "step that does it. solve_ivp (DOP853) begins anew at every birth, mid-life and death."
     for mean_count, coupled in found.two_way.items():
         yield ""
         yield from table((f"N_jm = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
