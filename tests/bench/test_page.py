@@ -9,6 +9,7 @@ import pytest
 from bench import __main__ as program
 from bench import clock, kernel, motion, startup, two_way
 from bench import results as results_module
+from bench.case import Case
 from bench.checks import Verdict, Wrong
 from bench.clock import Task, Timing, interleaved
 from bench.entrants import CIW, areas, births, runs
@@ -177,6 +178,14 @@ def test_time_is_not_taken_of_what_is_wrong(monkeypatch: pytest.MonkeyPatch, tmp
     monkeypatch.setattr("bench.speed.timed", lambda *_: pytest.fail("time was taken"))
     with pytest.raises(Wrong, match="runs, a peer, 20 junctions, 221 ticks a life: the area is off"):
         results_module.measured(QUICK, tmp_path, lambda _: None)
+
+
+def test_how_wrong_a_motion_is_stands_beside_its_time() -> None:
+    right = results()
+    coarse = [Verdict("runs", each.name, 1e-15, 4e-3, 0.0, Case(ticks_per_life=10.0)) for each in runs(ENGINES)]
+    text = page(replace(right, verdicts=(*right.verdicts, *coarse[2:])), date(2026, 11, 21))
+    assert f"| {coarse[-1].name} | 4e-03 | - | - | - |" in text
+    assert "| rubnoise, batch | - | - | - | - |" in text
 
 
 def test_a_two_way_slider_has_a_row_for_each_and_a_second_of_its_own() -> None:
