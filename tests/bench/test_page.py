@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 from bench import __main__ as program
-from bench import clock, kernel, motion, startup
+from bench import clock, kernel, motion, startup, two_way
 from bench import results as results_module
+from bench.case import Case
 from bench.checks import Verdict, Wrong
 from bench.clock import Task, Timing, interleaved
 from bench.entrants import CIW, areas, births, runs
@@ -19,6 +20,7 @@ from bench.page import number, page
 from bench.picture import picture
 from bench.plan import FULL, QUICK
 from bench.results import Results
+from bench.two_way import CoupledTimings
 
 ENGINES = ("events", "batch")
 PNG = b"\x89PNG"
@@ -26,6 +28,13 @@ PNG = b"\x89PNG"
 
 def timing(microseconds: float) -> Timing:
     return Timing((1e-6 * microseconds,) * 3, 1.0)
+
+
+def coupled(ours: float) -> CoupledTimings:
+    """Return a two-way slider of ours at some us a junction, beside peers of five ms and bounds that all keep."""
+    times = {two_way.OURS: timing(ours), **{name: timing(5000.0) for name in two_way.PEERS}}
+    ways = {name: peer.ways[-1] for name, peer in two_way.PEERS.items()}
+    return CoupledTimings(times, 1800.0, dict.fromkeys(times, 1e-10), ways)
 
 
 def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
@@ -49,6 +58,7 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
         kernel=KernelTimings(pulses, dict.fromkeys(pulses, 1e-15)),
         kernel_over_ticks=dict.fromkeys(FULL.kernel_ticks, KernelTimings(loops, dict.fromkeys(loops, 1e-15))),
         motion=MotionTimings({"lsim": timing(5.0), motion.OURS: timing(0.1)}, {"lsim": 1e-5, motion.OURS: 1e-14}),
+        two_way={count: coupled(2.5) for count in two_way.GOALS},
         growth={what: {name: dict.fromkeys(p, each) for name, each in whole.items()} for what, p in points.items()},
         memory={name: dict.fromkeys(FULL.memory, 150.0) for name in whole},
         startup=dict.fromkeys((startup.HELP, startup.RUN, startup.FIRST), startup.Wait(0.1, 0.1)),
@@ -70,7 +80,7 @@ def test_tasks_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_goal_of_both_engines_is_on_the_page() -> None:
     text = page(results(), date(2026, 11, 21))
     wanted = list(goals(results()))
-    assert len(wanted) == 19
+    assert len(wanted) == 22
     assert all(f"| {goal.what} |" in text for goal in wanted)
     assert "Every goal is reached here." in text
     assert "**no**" not in text
@@ -85,7 +95,7 @@ def test_a_goal_that_is_missed_is_said_to_be() -> None:
         "whole run: superposed-pulses and lsim over `batch`",
         "Ciw's births and deaths over a whole run of `batch`",
     ]
-    assert "Not reached here: 3 of 19." in page(slow, date(2026, 11, 21))
+    assert "Not reached here: 3 of 22." in page(slow, date(2026, 11, 21))
     assert page(slow, date(2026, 11, 21)).count("**no**") == 3
 
 
@@ -115,7 +125,22 @@ def _wrong_slider(name: str, error: float) -> Results:
     return replace(right, motion=replace(right.motion, errors=right.motion.errors | {name: error}))
 
 
+def _wrong_coupling(name: str, error: float | None) -> Results:
+    right = results()
+    few = right.two_way[5.0]
+    errors = {who: each for who, each in (few.errors | {name: error}).items() if each is not None}
+    return replace(right, two_way=right.two_way | {5.0: replace(few, errors=errors)})
+
+
 WRONG = {
+    "our two-way slider": (
+        _wrong_coupling(two_way.OURS, 2e-9),
+        "two-way slider, rubnoise, batch: the displacement is off by 2.0e-09, more than 1e-09",
+    ),
+    "a two-way peer unchecked": (
+        _wrong_coupling(two_way.SOLVER, None),
+        "two-way slider, solve_ivp, numpy force: the displacement was never checked",
+    ),
     "an area": (results(area_error=1e-3), "the area is off by 1.0e-03, more than 1e-09"),
     "no number": (results(area_error=float("nan")), "the area is off by nan"),
     "the kernel's area": (_wrong_kernel(4e-2), "pulse kernel, rubnoise: the area is off by 4.0e-02, more than 1e-09"),
@@ -155,11 +180,32 @@ def test_time_is_not_taken_of_what_is_wrong(monkeypatch: pytest.MonkeyPatch, tmp
         results_module.measured(QUICK, tmp_path, lambda _: None)
 
 
+def test_how_wrong_a_motion_is_stands_beside_its_time() -> None:
+    right = results()
+    coarse = [Verdict("runs", each.name, 1e-15, 4e-3, 0.0, Case(ticks_per_life=10.0)) for each in runs(ENGINES)]
+    text = page(replace(right, verdicts=(*right.verdicts, *coarse[2:])), date(2026, 11, 21))
+    assert f"| {coarse[-1].name} | 4e-03 | - | - | - |" in text
+    assert "| rubnoise, batch | - | - | - | - |" in text
+
+
+def test_a_two_way_slider_has_a_row_for_each_and_a_second_of_its_own() -> None:
+    text = page(results(), date(2026, 11, 21))
+    assert "| N_jm = 5 | us a junction | +- | times ours | s a second | junctions | error |" in text
+    assert "| rubnoise, batch | 2.5 | 0 % | 1 | 0.0045 | 1 | 1e-10 | default |" in text
+    assert "| solve_ivp, numpy force | 5e+03 | 0 % | 2e+03 | 9 | 1 | 1e-10 | 1e-13 |" in text
+    slow = replace(results(), two_way=dict.fromkeys(two_way.GOALS, coupled(20.0)))
+    assert [goal.what for goal in goals(slow) if not goal.reached] == [
+        "two-way slider, N_jm = 20: solve_ivp, numpy force over `batch`",
+        "two-way slider, N_jm = 5: solve_ivp, numpy force over `batch`",
+        "two-way slider, Figure 5: CPU of a junction, whole run of `batch`",
+    ]
+
+
 def test_a_goal_that_is_not_measured_is_not_reached() -> None:
     right = results()
     timings = {name: each for name, each in right.kernel.timings.items() if name != "C, the same polynomial"}
     text = page(replace(right, kernel=replace(right.kernel, timings=timings)), date(2026, 11, 21))
-    assert "Not reached here: 1 of 19, 1 of them not measured." in text
+    assert "Not reached here: 1 of 22, 1 of them not measured." in text
     assert "| pulse kernel: ours over C | - | at most 1.15 | **no** |" in text
 
 

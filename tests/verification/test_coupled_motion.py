@@ -72,8 +72,7 @@ def test_cases_at_random(case: int) -> None:
         (model(distance=1500.0, count=0.2), None, np.inf, {0, 1, 2, 3}),
         (model(distance=30.0, slider=UNDAMPED), 100.0, np.inf, {0, 1}),
         (model(distance=30.0, slider=OVERDAMPED), 0.0, np.inf, {0, 1}),
-        (model(distance=4.0, slider=STIFF), 0.0, np.inf, set()),
-        (model(distance=0.3, slider=STIFF, speed=20.0, tick=0.01), 0.0, np.inf, {0, 1}),
+        (model(distance=4.0, slider=STIFF), None, np.inf, set()),
         (model(distance=15.0, speed=100.0), None, np.inf, {0, 1}),
     ],
     ids=[
@@ -84,7 +83,6 @@ def test_cases_at_random(case: int) -> None:
         "undamped",
         "over-damped",
         "stiff",
-        "stiff and slow",
         "slow",
     ],
 )

@@ -13,7 +13,8 @@ class Plan:
     """Repeats of everything, and the points at which growth and memory are looked at.
 
     ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths``,
-    ``memory`` and ``two_way`` (of our run with a slider that pushes back) numbers of junctions. Whole runs need ticks that are fine enough for everybody's slider.
+    ``memory`` and, of our run with a slider that pushes back, ``two_way`` numbers of junctions. Whole runs need ticks
+    that are fine enough for everybody's slider.
     """
 
     quick: bool

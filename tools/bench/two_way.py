@@ -26,7 +26,7 @@ BOUND = 1e-9
 
 FIGURE_5_COUNT = 20.0
 GOALS = {FIGURE_5_COUNT: 1000.0, 5.0: 300.0}
-"""N_jm, of Figure 5 and of few junctions with long slips and reversals: how many times as long solve_ivp should take."""
+"""By N_jm, of Figure 5 and of few junctions that slip far: how many times as long as ours solve_ivp should take."""
 
 JUNCTIONS = {20.0: 150, 5.0: 40}
 """Of a stretch on which all are checked and peers are timed: too few for chaos to make much of an error."""

@@ -86,7 +86,7 @@ def rk4_compiled(stretch: Stretch, step: float) -> Doubles:
 
 
 def _solve(stretch: Stretch, tolerance: float, force: Forces) -> Doubles:
-    m, k, c, speed = stretch.mass, stretch.stiffness, stretch.damping, stretch.speed
+    k, c, speed = stretch.stiffness, stretch.damping, stretch.speed
     birth, d, strength, times = stretch.birth, stretch.diameter, stretch.strength, stretch.times
     cuts = np.unique(np.concatenate([birth, birth + d, birth + 2.0 * d, [-inf, inf]]))
     end, found, told = float(times[-1]), np.full(times.size, stretch.displacement), 0
@@ -148,7 +148,7 @@ def _solve(stretch: Stretch, tolerance: float, force: Forces) -> Doubles:
 
 
 class _Events:
-    """The slope and the events of a piece of slip: w = 0, the next birth, mid-life or death, and w turning away from 0."""
+    """The slope and the events of a piece of slip: w = 0, the next birth, mid-life or death, and w turning from 0."""
 
     def __init__(
         self,
@@ -197,7 +197,7 @@ class _Events:
 
 
 @numba.njit(cache=True)
-def _rk4(
+def _rk4(  # noqa: C901
     birth: Doubles,
     diameter: Doubles,
     strength: Doubles,
@@ -210,7 +210,7 @@ def _rk4(
     step: float,
     found: Doubles,
 ) -> None:
-    """Fill the displacements at the times, at which steps end, from rest at x; a step to w = 0 is found by bisection."""
+    """Fill displacements at the times, at which steps end, from rest at x; a step to w = 0 is found by bisection."""
     longest = 2.0 * diameter.max()
     start, t, v, way, told = x, 0.0, 0.0, 1.0, 0
     first, last = 0, 0

@@ -55,7 +55,7 @@ _SETTLED: Final = 1e-15
 _SETTLED_IN_DRAG: Final = 4e-15
 
 WEAK_DRAG: Final = 0.02
-"""Size of a uniform cell over the length m u/c in which drag brings u to rest: up to here a pass does without Newton."""
+"""Size of a uniform cell over the length m u/c in which drag stops the slider: up to here passes need no Newton."""
 WEAK_DRAG_OF_NODES: Final = 0.3
 """The same of eight nodes, in length or in time."""
 
