@@ -58,7 +58,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave tests and libraries out of garbage collection; a search would also copy their memory in forked processes."""
+    """Leave tests and libraries out of garbage collection; it would also copy their memory in forked processes."""
     gc.collect()
     gc.freeze()
 

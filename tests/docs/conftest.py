@@ -1,7 +1,7 @@
 """Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
 
-The daily tests leave two things to other folders: they do not settle claims again (tests/verification), and a film repeats
-its first frame (tests/figures). --all does both.
+The daily tests leave two things to other folders: they do not settle claims again (tests/verification), and a film
+repeats its first frame (tests/figures). --all does both.
 """
 
 import os
