@@ -11,9 +11,10 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
@@ -42,6 +43,9 @@ TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {
 }
 """Each with how often it is done by default, and to which runs; the cost is that of runs of its own."""
 
+BY_CALL = (full,)
+"""Tortures that go through every call of the disk, each process through a share of them."""
+
 
 def main() -> int:
     """Do what is asked and print what came of it; return the exit code."""
@@ -68,14 +72,20 @@ def main() -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """A torture and the runs that it is for; ``grown``: nobody counts their rows of /slider beforehand."""
+    """A torture and the runs that it is for; ``grown``: nobody counts their rows of /slider beforehand.
+
+    ``part``: which of how many processes does it. A torture that goes through every call takes its share of the calls.
+    """
 
     torture: Torture
     stories: tuple[Story, ...]
     grown: bool
+    part: tuple[int, int] = (0, 1)
 
     def __call__(self, count: int, seed: int) -> Outcome:
-        how = {"stories": self.stories} if self.stories else {}
+        how: dict[str, Any] = {"stories": self.stories} if self.stories else {}
+        if self.torture in BY_CALL:
+            how["first"], how["every"] = self.part
         with growing() if self.grown else nullcontext():
             return self.torture(count, seed, **how)
 
@@ -87,7 +97,10 @@ def _shared(task: _Task, count: int, jobs: int, seed: int) -> Outcome:
     outcome = Outcome()
     shares = [count // jobs + (job < count % jobs) for job in range(jobs)]
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for each in [pool.submit(task, share, 1000 * seed + job) for job, share in enumerate(shares)]:
+        parts = [replace(task, part=(job, jobs)) for job in range(jobs)]
+        for each in [
+            pool.submit(part, share, 1000 * seed + part.part[0]) for part, share in zip(parts, shares, strict=True)
+        ]:
             outcome.add(each.result())
     return outcome
 

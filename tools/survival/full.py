@@ -110,16 +110,24 @@ def _half(data: Any) -> memoryview:
 
 
 def full(
-    count: int, seed: int, stories: Sequence[Story] = SMALL, every: int = 1, calls: Sequence[int] | None = None
+    count: int,
+    seed: int,
+    stories: Sequence[Story] = SMALL,
+    every: int = 1,
+    calls: Sequence[int] | None = None,
+    first: int = 0,
 ) -> Outcome:
-    """Let each call fail in each way and be short, or each of some, and fill a disk so many times."""
+    """Let each call fail in each way and be short, or each of some, and fill a disk so many times.
+
+    ``first`` and ``every``: which calls, so that several processes can share them.
+    """
     outcome = Outcome()
     for story in stories:
-        for call in calls or range(0, calls_of(story), every):
+        for call in calls or range(first, calls_of(story), every):
             for way in range(4):
                 _failing(outcome, story, call, FAILURES[way % 2], for_ever=way > 1)
         for start in starts_of(story):
-            for call in calls or range(0, start.short_calls, every):
+            for call in calls or range(first, start.short_calls, every):
                 for for_ever in (False, True) if call % 8 == 0 else (False,):
                     _short(outcome, start, call, for_ever=for_ever)
     try:
