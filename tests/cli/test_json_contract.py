@@ -142,7 +142,6 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
-        ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
         ("dry run", ("run", full, "--dry-run", "--set", "slider.coupling=two-way", "--json")),
         ("run", ("run", full, "--json")),
         ("run", ("run", "bare.toml", "--json")),
