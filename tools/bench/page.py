@@ -224,9 +224,9 @@ def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
 def _growth(found: Results) -> Iterator[str]:
     yield "us a junction of whole runs, over one number at a time, the others as in Figure 5. Beside few ticks in a"
     yield "life two parts of our runs weigh most. One is the same for every run: exact theory, the file's structure,"
-    yield "hashes, and waiting for the disk, which the growth over length shows. The other is the motion, whose cells are"
-    yield f"then finer than ticks, as many as it takes to be right to {OUR_MOTION_BOUND:.0e}; peers move from tick to tick,"
-    yield "and check nothing. By 3 ticks in a life, which have no row, no peer's slider is right to 1 %."
+    yield "hashes, and waiting for the disk, which the growth over length shows. The other is the motion, whose cells"
+    yield f"are then finer than ticks, as many as it takes to be right to {OUR_MOTION_BOUND:.0e}; peers move from tick"
+    yield "to tick, and check nothing. By 3 ticks in a life, which have no row, no peer's slider is right to 1 %."
     words = {"count": "mean number of junctions N_jm", "ticks": "ticks in a mean life", "length": "junctions in a run"}
     for what, growth in found.growth.items():
         yield ""
