@@ -1,9 +1,9 @@
 """Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
 
-Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which `--sweep DIR`
-takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone. With `--reference
-DIR`, a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are taken from there and
-written, unless another program disagrees with them.
+Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which
+`--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone.
+With `--reference DIR`, a folder of the sweep scenarios/studies/coupling_reference.toml, only the reference values are
+taken from there and written, unless another program disagrees with them.
 """
 
 import argparse
@@ -229,7 +229,7 @@ def main() -> int:
 
 
 def take_reference(folder: Path) -> int:
-    """Take reference values from a sweep and write their table; where another program disagrees only say so, return 1."""
+    """Take reference values from a sweep and write their table; if another program disagrees, say so and return 1."""
     try:
         two_way_reference.keep(two_way_reference.reference_of(folder))
     except ValueError as problem:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,6 +58,11 @@ def force_at(rows: Rows, s: float, areas_of: Callable[[Doubles, Doubles], Double
     d = rows.diameter[live]
     x = np.minimum(np.abs(d - (s - rows.birth[live])), d)
     return float(rows.strength[live] @ areas_of(x, d))
+
+
+def _ride(begin: float, x: float, speed: float, time: float) -> tuple[float, float]:
+    """Return displacement and velocity in a stick, which the drive carries along."""
+    return x + speed * (time - begin), speed
 
 
 def motion(  # noqa: C901, PLR0915
@@ -152,7 +158,7 @@ def motion(  # noqa: C901, PLR0915
         if abs(f) <= bears:
             tell(STICK)
             rest = (bears - f) / (k * speed)
-            found.pieces.append((t, t + rest, lambda time, t=t, x=x: (x + speed * (time - t), speed)))
+            found.pieces.append((t, t + rest, partial(_ride, t, x, speed)))
             t, x = t + rest, x + speed * rest
             if t < duration:
                 tell(BREAKAWAY)
