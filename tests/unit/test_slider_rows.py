@@ -83,6 +83,9 @@ def test_a_block_begins_where_the_slider_was_last_before_it() -> None:
         birth_distance=places,
         first_junction=np.zeros(4, np.int64),
         first_tick=np.zeros(4, np.int64),
+        time=np.zeros(4),
+        distance=np.zeros(4),
+        phase=np.zeros(4, np.uint8),
         displacement=np.full(4, -1.0),
         velocity=np.full(4, -1.0),
     )

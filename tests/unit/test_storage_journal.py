@@ -140,7 +140,7 @@ def test_a_journal_of_another_version_is_refused(tmp_path: Path) -> None:
     journal = Journal(tmp_path / "j", json.dumps({"version": VERSION + 1}).encode())
     journal.append("rows", b"x", durable=False)
     journal.close()
-    with pytest.raises(RunFileRefused, match=f"of version {VERSION + 1}"):
+    with pytest.raises(RunFileRefused, match=f"has version {VERSION + 1}; this rubnoise resumes version {VERSION}"):
         History.read(tmp_path / "j")
 
 

@@ -85,7 +85,7 @@ def test_a_later_format_names_the_version_needed(path: Path) -> None:
 def test_a_version_that_never_was_is_refused(path: Path, version: int) -> None:
     with h5py.File(path, "r+") as file:
         file.attrs.modify("format_version", version)
-    assert_refused(path, "never was")
+    assert_refused(path, "does not exist")
 
 
 def replace(file: h5py.File, make: Callable[[h5py.Group, str], object]) -> None:

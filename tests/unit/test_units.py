@@ -294,5 +294,5 @@ def test_usual_units_do_not_load_pint() -> None:
 
 def test_the_page_on_scenarios_names_every_unit() -> None:
     page = (ROOT / "docs" / "scenarios.md").read_text(encoding="utf-8")
-    told = page.partition("**A unit is made of")[2].partition("\n- ")[0]
+    told = page.partition("**A unit consists of")[2].partition("\n- ")[0]
     assert {*OTHERS, "m", "g", "s", "N", "Pa", *RATIOS} <= set(re.findall(r"[A-Za-z]+|%", told))
