@@ -245,6 +245,7 @@ def _step(
     ahead = _time_to(border - start.path, start.speed, growth)
     landing = ahead < most
     h = ahead if landing else most
+    low, high = 0.0, np.inf
     for _ in range(_TRIES):
         path, u, found = _extrapolated(oscillator, start, h, clocks[int(landing)], shape, lives, count, table)
         beyond = path - border
@@ -252,14 +253,20 @@ def _step(
             h, landing = 0.5 * h, False
         elif landing and abs(beyond) <= least:
             return h, border, u, True
-        elif landing:
-            h -= beyond / max(u, 0.5 * start.speed)
-            if not 0.0 < h < most:
-                h, landing = most if h > 0.0 else 0.5 * ahead, False
-        elif beyond > least:
-            h, landing = h * max(0.1, (border - start.path) / (path - start.path)), True
-        else:
+        elif not landing and beyond <= least:
             return h, path, u, False
+        else:
+            if beyond > 0.0:
+                high = h
+            else:
+                low = h
+            h -= beyond / max(u, 0.5 * start.speed)
+            landing = h < most or high < np.inf
+            if not landing:
+                h = most
+            elif not low < h < min(high, most):
+                # A slip that begins with u = 0 and u' = 0 goes as t^3, where Newton's step leaves the bracket.
+                h = 0.5 * (low + min(high, most))
     return h, np.nan, np.nan, False
 
 
