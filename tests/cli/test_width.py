@@ -44,12 +44,12 @@ def test_help_of_every_command_keeps_within_the_terminal(columns: int, monkeypat
 
 
 def test_sentences_of_help_are_broken_by_the_terminal_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("COLUMNS", "60")
     said = call("sweep", "--help").out
-    lines = said[said.index(" What is done") : said.index(" Example")].strip().splitlines()
+    lines = said[said.index(" The same command") : said.index(" Example")].strip().splitlines()
     assert len(lines) > 2
     for text, following in pairwise(lines):
-        assert len(text.strip()) + len(following.split()[0]) > 76
+        assert len(text.strip()) + len(following.split()[0]) > 56
 
 
 @pytest.mark.parametrize("name", READING)

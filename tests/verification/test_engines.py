@@ -184,7 +184,7 @@ def test_an_intervention_needs_events() -> None:
         Refused, match='intervene: an intervention is a process among events: it needs the engine "events"'
     ):
         recorded(model(), engine="batch", intervene=lambda env, live: iter(()))
-    with pytest.raises(Refused, match='observe: an observer hears of events: it needs the engine "events"'):
+    with pytest.raises(Refused, match='observe: births, mid-lives and deaths are events: it needs the engine "events"'):
         recorded(model(), engine="batch", observe=Observer())
 
 

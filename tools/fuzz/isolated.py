@@ -17,7 +17,12 @@ SECONDS = 120.0
 MEMORY_BYTES = 1 << 30
 """Beside what the program has loaded."""
 
-FAILURES = ("Traceback", "internal error", "Segmentation fault")
+FAILURES = {
+    "Traceback": "Traceback",
+    "internal error": "internal error, which should not be",  # HDF5 has internal errors, too, and words for them
+    "Segmentation fault": "Segmentation fault",
+}
+"""What the program never says, by what is behind it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +41,7 @@ class Outcome:
             return "hangs"
         if self.code < 0:
             return f"crashes ({signal.Signals(-self.code).name})"
-        said = next((word for word in FAILURES if word in self.err), None)
+        said = next((name for name, words in FAILURES.items() if words in self.err), None)
         return said or ("" if self.code in codes else f"exit code {self.code}")
 
 

@@ -105,7 +105,7 @@ def _end(stop: Stop) -> str:
     """Return how a run ended, in words."""
     if stop.code == 0:
         return "was whole before"
-    if "goes on" in stop.said:
+    if "continues it" in stop.said:
         return f"exit code {stop.code}, and it can go on"
     return f"exit code {stop.code}, nothing kept" if stop.code > 0 else f"left by {signal.Signals(-stop.code).name}"
 
@@ -119,7 +119,7 @@ def _wrong(stop: Stop, folder: Path, number: int) -> Iterator[str]:
     if stop.cpu > CPU_SECONDS:
         yield f"worked for {stop.cpu:.2f} s more"
     parts = (folder / f"{NAME}.part").exists()
-    if ("goes on" in stop.said and not parts) or ("nothing was kept" in stop.said and parts):
+    if ("continues it" in stop.said and not parts) or ("nothing was kept" in stop.said and parts):
         yield f"{'a' if parts else 'no'} part is there, and it said {stop.said}"
 
 

@@ -81,8 +81,9 @@ def _sizes(found: Evidence) -> Claim:
         quantities=quantities,
         verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
         because="S(0) is proportional to E[d^6], mostly from the largest junctions. The spread of the paper is too "
-        f"small to show it, but {_WIDE} multiplies S(0) by {rise[0]:.2f}, and {_WIDEST} by {rise[1]:.2f}. At "
-        f"{_WIDEST} the mean area also grows, by a factor of {area:.2f}; over its square, S(0) still grows by "
-        f"{rise[1] / area**2:.2f}. The claim psd_same covers the size that changes with the number of junctions.",
+        f"small to show it, but one of {_WIDE} multiplies S(0) by {rise[0]:.2f}, and one of {_WIDEST} by "
+        f"{rise[1]:.2f}. At {_WIDEST} the mean area also grows, by a factor of {area:.2f}; over its square, S(0) still "
+        f"grows by {rise[1] / area**2:.2f}. The claim psd_same covers the size that changes with the number of "
+        "junctions.",
         scenario=SCENARIO,
     )
