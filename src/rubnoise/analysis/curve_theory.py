@@ -19,7 +19,7 @@ from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.estimated_spectrum import expected_periodogram, segment_wavenumbers
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.sampling import variance_of_time_mean
 
 Doubles = NDArray[np.float64]

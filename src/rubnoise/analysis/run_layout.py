@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.bands import bands_of
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.spectrum import spectral_density
 
 Doubles = NDArray[np.float64]

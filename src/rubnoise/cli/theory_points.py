@@ -13,7 +13,7 @@ from rubnoise.cli.layout import printable
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.reach import covariance_reach
+from rubnoise.theory.lags import covariance_reach
 
 Doubles = NDArray[np.float64]
 

@@ -17,8 +17,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.response import response
-from rubnoise.theory.response_spectrum import displacement_spectrum, velocity_spectrum
+from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
 from rubnoise.theory.spectrum import force_spectral_density
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.spectrum import spectral_density
-from rubnoise.theory.visible_lines import visible_lines
+from rubnoise.theory.spectrum import spectral_density, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -23,12 +23,9 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.one_sided import tail
-from rubnoise.theory.reach import covariance_reach
-from rubnoise.theory.response import response
-from rubnoise.theory.response_spectrum import displacement_spectrum_per_hertz
-from rubnoise.theory.spectrum import spectral_density
-from rubnoise.theory.visible_lines import visible_lines
+from rubnoise.theory.lags import covariance_reach
+from rubnoise.theory.response import displacement_spectrum_per_hertz, response
+from rubnoise.theory.spectrum import spectral_density, tail, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

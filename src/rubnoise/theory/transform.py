@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory import transform_lens, transform_triangle
-from rubnoise.theory.error_function import complementary_error
+from rubnoise.theory.quadrature import complementary_error
 
 Doubles = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

@@ -14,7 +14,7 @@ from rubnoise.theory.correlation import joint_cumulants
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.sampling import standard_errors
 
 _ROUNDING = 2.0**-50

@@ -17,7 +17,7 @@ from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
 from rubnoise.theory.drive import drive_of
 from rubnoise.theory.motion_errors import motion_errors
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import Response, response
 
 Doubles = NDArray[np.float64]

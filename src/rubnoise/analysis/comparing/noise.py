@@ -20,7 +20,7 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.occupancy import zero_share
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.sampling import variance_of_time_mean
 
 BANDS = 8

@@ -13,7 +13,7 @@ from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.theory.occupancy import mean_count
 from rubnoise.theory.quadrature import size_range
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 
 Doubles = NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import KEPT
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.motion_errors import mean_force_error
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 
 Doubles = NDArray[np.float64]
 
