@@ -15,7 +15,7 @@ from rubnoise.storage.journal import Journal
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from rubnoise.sweep import found
+from rubnoise.sweep import run_status
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
 BARE, COMPRESSED = SMALL[2], SMALL[3]
@@ -94,7 +94,7 @@ def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeyp
 
 
 def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(found, "clear_unsettled", lambda *_: None)
+    monkeypatch.setattr(run_status, "clear_unsettled", lambda *_: None)
     findings = sweeps.sweeps(30, seed=3, stories=(BARE,)).findings
     assert any("is not the result of this run" in finding for finding in findings)
     assert any(".h5.part: " in finding for finding in findings)

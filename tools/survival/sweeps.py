@@ -12,7 +12,7 @@ from rubnoise.scenario.points import Point
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.together import settle
 from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.found import found_run
+from rubnoise.sweep.run_status import found_run
 from survival.child import committing
 from survival.finding import Outcome
 from survival.recording import Recording

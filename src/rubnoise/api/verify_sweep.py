@@ -19,8 +19,7 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_settings import Keep
 from rubnoise.storage.named_run import name_of
 from rubnoise.storage.reader import open_run
-from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.identity import cases_of, identity, manifest_text
+from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text
 
 MANIFEST: Final = "sweep.json"
 OWN: Final = frozenset(("index.h5", "merged.h5", MANIFEST, "runs", "journal"))

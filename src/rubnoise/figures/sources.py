@@ -13,7 +13,7 @@ from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.serial import Measure, run_points
+from rubnoise.sweep.execution import Measure, run_points
 
 FOLDER: Final = "paper"
 MOST_POINTS: Final = 1600
