@@ -12,7 +12,7 @@ import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.points import Point
 from rubnoise.storage import disk, writer
-from rubnoise.storage import survey as survey_module
+from rubnoise.storage import read_structure as structure_module
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import Journal, RunRow, entries
@@ -42,7 +42,7 @@ def ledger(folder: SweepFolder) -> Iterator[StatusLog]:
 
 
 def _made(point: Point, folder: SweepFolder, ledger: StatusLog) -> Path:
-    ledger.done(keep_run(point, root=folder.root, command=("x",), durable=False), settled=False)
+    ledger.done(keep_run(point, root=folder.root, command=("x",), durable=False), synced=False)
     return folder.run(point.run_id)
 
 
@@ -73,10 +73,10 @@ def test_runs_wait_for_the_disk_together_and_are_written_down_then(
         _made(point, folder, ledger)
     assert calls == []
     assert _told(folder) == begun
-    assert not ledger.settle()
+    assert not ledger.sync()
     assert calls == ["sync 2", "sync 2", "sync_folder 2"]
     assert _told(folder) == begun + [(point.run_id, "done") for point in points[:2]]
-    assert not ledger.settle()
+    assert not ledger.sync()
     assert len(calls) == 3
 
 
@@ -102,7 +102,7 @@ def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
         return reopen(path)
 
     monkeypatch.setattr(disk, "reopen", failing)
-    assert ledger.settle()
+    assert ledger.sync()
     assert _told(folder)[2:] == [(good.stem, "done"), (bad.stem, "failed")]
     assert (set(ledger.stock.done), set(ledger.stock.failed)) == ({good.stem}, {bad.stem})
     *_, last = entries(folder.journal(None))
@@ -182,7 +182,7 @@ def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(
     ledger.begin(points)
     path = _left(points[0], folder)
     with monkeypatch.context() as patches:
-        patches.setattr(survey_module, "survey", lambda _: os.kill(os.getpid(), signal.SIGKILL))
+        patches.setattr(structure_module, "read_structure", lambda _: os.kill(os.getpid(), signal.SIGKILL))
         assert _recovered(points[0], folder, ledger) is None
     assert path.exists()
     assert _recovered(points[0], folder, ledger) is not None

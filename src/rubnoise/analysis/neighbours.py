@@ -11,7 +11,7 @@ from rubnoise.analysis.selection import PANEL_ROWS, gather
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
-from rubnoise.storage.pulse import stored_pulse
+from rubnoise.storage.life_curve import stored_pulse
 
 Doubles = NDArray[np.float64]
 

@@ -17,8 +17,7 @@ from rubnoise.api.columns import Columns
 from rubnoise.api.result import Run
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
-from rubnoise.storage.index_file import IndexFile, open_index
-from rubnoise.storage.named_run import open_named
+from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
 
 if TYPE_CHECKING:

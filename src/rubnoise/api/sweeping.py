@@ -19,7 +19,7 @@ from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.storage.budget import check_sweep_room, expected, together
+from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
 from rubnoise.sweep.conduct import SweepMeans, SweepOutcome, SweepProgress, conduct
@@ -86,7 +86,7 @@ def carry_out(
         recover=partial(found_run, root=place.root) if sweep.keep == "runs" else None,
         affordable=partial(_check_room, sweep, place, here),
         watch=watch,
-        settled=cluster is not None or sweep.keep == "summary",
+        synced=cluster is not None or sweep.keep == "summary",
     )
     return conduct(place, sweep, means, shard=part, command=join(command))
 
@@ -156,4 +156,4 @@ def _check_room(sweep: Sweep, folder: SweepFolder, jobs: int, points: Sequence[P
     budget = together((expected(one_of_each[model]), count) for model, count in counts.items())
     if sweep.keep == "summary":
         budget = replace(budget, result_bytes=0, disk_bytes=0)
-    check_sweep_room(budget, folder.root, jobs=min(jobs, len(points)))
+    check_sweep_space(budget, folder.root, jobs=min(jobs, len(points)))

@@ -17,7 +17,7 @@ from rubnoise.api.verify_journals import journal_check
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_settings import Keep
-from rubnoise.storage.named_run import name_of
+from rubnoise.storage.index_file import name_of
 from rubnoise.storage.reader import open_run
 from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text
 

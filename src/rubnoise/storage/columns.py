@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingPlace
-from rubnoise.storage.place import Place
+from rubnoise.storage.layout import Place
 
 PIECE_BYTES: Final = 1 << 15
 """Bytes that wait at most: to touch more memory for the first time costs more than the calls that it saves."""

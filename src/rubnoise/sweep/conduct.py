@@ -48,7 +48,7 @@ class SweepMeans:
 
     ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that nobody
     wrote down, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
-    ``watch`` is told how far the sweep is, several times a second, and may raise RunStopped. Unless it is ``settled``,
+    ``watch`` is told how far the sweep is, several times a second, and may raise RunStopped. Unless it is ``synced``,
     work leaves its files to the sweep to be seen onto the disk.
     """
 
@@ -57,7 +57,7 @@ class SweepMeans:
     recover: FindUnrecorded | None
     affordable: Callable[[Sequence[Point]], None]
     watch: Callable[[SweepProgress], None]
-    settled: bool
+    synced: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,10 +138,10 @@ class _Conductor:
         try:
             for point in self._wanted():
                 if (row := self._recover(point)) is not None:
-                    self._ledger.done(row, settled=not row.file)
+                    self._ledger.done(row, synced=not row.file)
                     self._look_up()
         finally:
-            self._ledger.settle()
+            self._ledger.sync()
 
     @property
     def imprecise(self) -> list[Unmet]:
@@ -164,7 +164,7 @@ class _Conductor:
         """Carry out the points of a round."""
         self._now = self._standing()
         self._means.watch(self._now)
-        if not self._means.settled:
+        if not self._means.synced:
             self._ledger.begin(points)
         course = Execution(points, self._means.work, workers, recover=self._recover, watch=self._look_up)
         try:
@@ -172,7 +172,7 @@ class _Conductor:
                 self._write_down(outcome)
                 self._renewal.if_due()
         finally:
-            self._ledger.settle()
+            self._ledger.sync()
         self._now = self._standing()
         self._means.watch(self._now)
 
@@ -182,13 +182,13 @@ class _Conductor:
         return self._means.recover(point, begun=point.run_id in self._ledger.stock.begun)
 
     def _look_up(self) -> None:
-        if self._ledger.settle_if_due():
+        if self._ledger.sync_if_due():
             self._now = self._standing()
         self._means.watch(self._now)
 
     def _write_down(self, outcome: Outcome[RunRow]) -> None:
         if outcome.result is not None:
-            self._ledger.done(outcome.result, settled=self._means.settled)
+            self._ledger.done(outcome.result, synced=self._means.synced)
             self._now = replace(self._now, done=self._now.done + 1)
         else:
             self._ledger.failed(outcome.point.run_id, _reason(outcome.problem))

@@ -17,7 +17,7 @@ from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_problems import in_words
 from rubnoise.storage import lock
-from rubnoise.storage.whole import whole_file
+from rubnoise.storage.output import whole_file
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.journal import Entry, Stamp, entries
 

@@ -17,9 +17,9 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.storage.index import Arrays, Filled, Index, Stack, write_index
 from rubnoise.storage.index_file import open_index
 from rubnoise.storage.layout import features_of
-from rubnoise.storage.merging import write_merged
+from rubnoise.storage.merged_sweep import write_merged
+from rubnoise.storage.output import whole_file
 from rubnoise.storage.schema import SLIDER, TRACE, Column
-from rubnoise.storage.whole import whole_file
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.run_status import DONE, RecordedRuns, RunStatus
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
@@ -122,7 +122,7 @@ def _points(sweep: Sweep, points: Sequence[Point]) -> Iterator[Filled]:
 
 
 def _plan(sweep: Sweep, points: Sequence[Point], of_points: Sequence[Point], numbers: list[int]) -> Iterator[Filled]:
-    """Yield what is settled before anything runs: names, points, swept values, seeds."""
+    """Yield what is synced before anything runs: names, points, swept values, seeds."""
     yield text("run_id", "name of the run", [point.run_id for point in points])
     yield whole("point", "number of the point", numbers)
     yield whole("replicate", "number of the replicate", [point.replicate for point in points])

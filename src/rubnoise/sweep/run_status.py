@@ -21,7 +21,7 @@ from rubnoise.scenario.precision import Precision
 from rubnoise.storage import disk
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.seal import INTERVENTION
-from rubnoise.storage.together import clear_unsettled, is_of_torn, settle
+from rubnoise.storage.sync_many import clear_unsynced, is_of_truncated, sync_many
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import SYNC_EVERY, Entry, Journal, RunRow
@@ -135,7 +135,7 @@ def found_run(point: Point, *, root: Path, begun: bool = False) -> RunRow | None
     path = folder.run(point.run_id)
     row, kind = _found(point, folder, begun=begun) if path.exists() else (None, None)
     if begun:
-        clear_unsettled(path, kind)
+        clear_unsynced(path, kind)
     return row
 
 
@@ -144,7 +144,7 @@ def _found(point: Point, folder: SweepFolder, *, begun: bool) -> tuple[RunRow | 
         with open_run(folder.run(point.run_id)) as file:
             kind, summary = _kind(point, file, begun=begun), file.summary
     except RunFileRefused as refusal:
-        return None, "torn" if is_of_torn(refusal) else "other"
+        return None, "torn" if is_of_truncated(refusal) else "other"
     if kind != "whole":
         return None, kind
     figures = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}
@@ -188,7 +188,7 @@ class StatusLog:
         self._folder = folder
         self._journal = journal
         self._waiting: list[RunRow] = []
-        self._settled_at = time.monotonic()
+        self._synced_at = time.monotonic()
 
     def begin(self, points: Iterable[Point]) -> None:
         """Write down, on the disk, that runs are to be made whose files the disk will have only later."""
@@ -198,10 +198,10 @@ class StatusLog:
         self._journal.add(*(Entry(run_id=name, state="begun") for name in fresh))
         self._journal.sync()
 
-    def done(self, row: RunRow, *, settled: bool) -> None:
-        """Take in a run that is done; unless it is ``settled``, its line waits until the disk has its file."""
+    def done(self, row: RunRow, *, synced: bool) -> None:
+        """Take in a run that is done; unless it is ``synced``, its line waits until the disk has its file."""
         self.stock.add(row)
-        if settled:
+        if synced:
             self._journal.add(self._entry(row))
         else:
             self._waiting.append(row)
@@ -211,24 +211,24 @@ class StatusLog:
         self.stock.fail(run_id)
         self._journal.add(Entry(run_id=run_id, state="failed", reason=reason))
 
-    def settle_if_due(self) -> bool:
+    def sync_if_due(self) -> bool:
         """Settle what waits, when the last time is long enough ago; return whether runs turned out to have failed."""
-        return time.monotonic() - self._settled_at >= SYNC_EVERY and self.settle()
+        return time.monotonic() - self._synced_at >= SYNC_EVERY and self.sync()
 
-    def settle(self) -> bool:
+    def sync(self) -> bool:
         """See the files onto the disk that wait for it, then write down their runs; return whether any failed by it.
 
         A file with which that went wrong goes: read again it might look whole, and never be on the disk.
         """
         rows = {self._folder.root / row.file: row for row in self._waiting}
-        wrong = settle(rows)
+        wrong = sync_many(rows)
         self._journal.add(*(self._entry(row) for path, row in rows.items() if path not in wrong))
         self._waiting.clear()
         for path, problem in wrong.items():
             with suppress(OSError):
                 disk.remove(path)
             self.failed(rows[path].run_id, f"{path}: writing failed: {problem.strerror or problem}")
-        self._settled_at = time.monotonic()
+        self._synced_at = time.monotonic()
         return bool(wrong)
 
     def _entry(self, row: RunRow) -> Entry:
