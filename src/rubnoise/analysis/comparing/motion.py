@@ -6,8 +6,7 @@ from math import hypot, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.comparing.findings import Finding, LeftOut
-from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
+from rubnoise.analysis.comparing.findings import Finding, LeftOut, judged, judged_mean, too_short
 from rubnoise.analysis.comparing.rows import panels, settled_tick
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.moments import needed_for_mean

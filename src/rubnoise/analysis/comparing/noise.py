@@ -6,8 +6,7 @@ import numpy as np
 
 from rubnoise.analysis.bands import band_powers
 from rubnoise.analysis.comparing.contact import settled_length
-from rubnoise.analysis.comparing.findings import Finding, LeftOut
-from rubnoise.analysis.comparing.judging import LARGEST_ERROR, judged, judged_mean, too_short
+from rubnoise.analysis.comparing.findings import LARGEST_ERROR, Finding, LeftOut, judged, judged_mean, too_short
 from rubnoise.analysis.comparing.tails import LARGEST_SKEWNESS, Tail, tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.covariance_errors import covariance_errors

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
-from rubnoise.analysis.comparing.judging import judged_mean, too_short
+from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged_mean, too_short
 from rubnoise.analysis.comparing.rows import panels
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.friction_path import FrictionIntegral

@@ -13,8 +13,7 @@ from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparing.findings import Identity
 from rubnoise.analysis.comparing.rows import panels as checked_panels
 from rubnoise.analysis.comparing.two_way import Path, two_way_identities
-from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.reading import panels
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model

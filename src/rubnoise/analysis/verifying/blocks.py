@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.lives import born_before
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import Ahead, Panel, panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import add_areas
-from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.reading import Junctions, Panel, Window, panels
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model

@@ -6,10 +6,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.forces import force_moments
 from rubnoise.analysis.verifying.motion import CellMotion, cell_motion
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import PANEL_ROWS, Ahead, Window, panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows

@@ -6,8 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check, LeftOut
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.analysis.verifying.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
 from rubnoise.analysis.verifying.two_way import PHASES, first_landmark
