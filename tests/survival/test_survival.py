@@ -88,7 +88,7 @@ def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> No
 
 
 def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeps, "settle", lambda _: {})
+    monkeypatch.setattr(sweeps, "sync_many", lambda _: {})
     assert any("unreadable" in finding for finding in sweeps.sweeps(9, seed=3, stories=(BARE,)).findings)
 
 

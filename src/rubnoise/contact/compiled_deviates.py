@@ -4,11 +4,9 @@ Every step rounds as it is written here, so that the bits are those of any proce
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, inlined
-
-Doubles = NDArray[np.float64]
 
 # ln 2 in two parts; the first has 32 trailing zero bits, so that exponent * HIGH is exact.
 LN2_HIGH = float.fromhex("0x1.62e42feep-1")

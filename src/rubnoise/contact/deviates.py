@@ -8,11 +8,9 @@ processors and versions, and with them the whole run.
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.streams import LARGEST_UNIFORM
-
-Doubles = NDArray[np.float64]
 
 _PER_LN2 = float.fromhex("0x1.71547652b82fep+0")
 _EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))

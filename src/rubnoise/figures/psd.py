@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
 from rubnoise.errors import Refused
@@ -26,7 +25,6 @@ LONGEST_LIVES: Final = 40.0
 MOST_LINES: Final = 30
 POINTS: Final = 600
 UNIT: Final = "µm⁴ per rad/µm"
-Doubles = NDArray[np.float64]
 
 
 def psd_figure(stretch: Stretch) -> "Figure":

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.record.sink import Sink
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import Point
@@ -19,7 +19,6 @@ FOLDER: Final = "paper"
 MOST_POINTS: Final = 1600
 """Points of a curve that a figure of the paper's width can show apart."""
 
-Doubles = NDArray[np.float64]
 Kept = TypeVar("Kept", bound=Sink)
 Result = TypeVar("Result")
 Watch = Callable[[int, int], None]

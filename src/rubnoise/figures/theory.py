@@ -4,8 +4,8 @@ from math import pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import AREA, printed
 from rubnoise.figures.style import (
@@ -38,7 +38,6 @@ LAGS: Final = 300
 LITTLE: Final = 0.01
 QUIET: Final = "#5a5a5a"
 RARE: Final = 1e-6
-Doubles = NDArray[np.float64]
 
 
 def theory_picture(model: Model, title: str, kind: Format) -> bytes:

@@ -9,6 +9,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Bytes
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingPlace
@@ -19,8 +20,6 @@ PIECE_BYTES: Final = 1 << 15
 
 READ_BYTES: Final = 1 << 20
 """Bytes that are read at a time, into the same memory, where a whole column is only hashed."""
-
-Bytes = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

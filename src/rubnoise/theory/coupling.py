@@ -9,8 +9,8 @@ from functools import lru_cache
 from math import ceil, hypot, inf, nan, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import strengths_of
@@ -22,8 +22,6 @@ from rubnoise.theory.quadrature import cut_size_rule, size_edges
 from rubnoise.theory.regular_births import are_at_random, phase_rule
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import force_spectral_density
-
-Doubles = NDArray[np.float64]
 
 _SIZES = 24
 _YOUNGEST = 1e-9  # age over diameter below which there is no junction to speak of

@@ -13,6 +13,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.inversion import NOTHING, Window, area_tails, windows
@@ -20,8 +21,6 @@ from rubnoise.theory.live_area import NODES, LiveArea, Piecewise, live_area, ser
 from rubnoise.theory.occupancy import mean_count
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.regular_births import need_random_births
-
-Doubles = NDArray[np.float64]
 
 _NODES = 24
 _TOLERANCE = 1e-11
@@ -110,8 +109,6 @@ def few_live(live: LiveArea, mean_count: float) -> FewLive:
     cdf, density = pair_area(live)
     return FewLive(mean_count=mean_count, live=live, pair_cdf=cdf, pair_density=density)
 
-
-Complexes = NDArray[np.complex128]
 
 _NAME = "the distribution of real contact area"
 _POINTS = 2049

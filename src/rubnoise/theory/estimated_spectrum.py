@@ -11,6 +11,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
@@ -19,9 +20,6 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import size_range, size_rule
 from rubnoise.theory.regular_births import are_at_random, need_random_births
 from rubnoise.theory.spectrum import spectral_density
-
-Doubles = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 _NOTHING = 1e-17
 _NEARER, _TRIALS = 0.8, 120
@@ -49,7 +47,7 @@ def correlation_reach(model: Model) -> float:
     return float(lags[max(int(np.argmax(correlated)) - 1, 0)])
 
 
-def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend: bool) -> Complex:
+def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend: bool) -> Complexes:
     """Return E[X(k) conj X'(k)] in um^4 at the n // 2 + 1 wavenumbers of a segment of n ticks.
 
     X(k) = sum_j w_j (x_j - mean x) exp(-2 pi i p j / n) over one segment and X' the same over one that begins ``shift``
@@ -67,7 +65,7 @@ def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend:
     folded = np.zeros(n)
     folded[0] = products[n - 1]
     folded[1:] = products[n:] + products[: n - 1]
-    plain: Complex = np.fft.rfft(folded)
+    plain: Complexes = np.fft.rfft(folded)
     if not detrend:
         return plain
     sums = np.cumsum(np.concatenate([np.zeros(1), around]))
@@ -79,7 +77,7 @@ def cross_spectrum(covariance: Doubles, window: Doubles, shift: int, *, detrend:
 
 def bin_covariances(
     covariance: Doubles, window: Doubles, shift: int, bins: NDArray[np.int64], *, detrend: bool
-) -> tuple[Complex, Complex]:
+) -> tuple[Complexes, Complexes]:
     """Return E[X(k) conj X'(k')] and E[X(k) X'(k')] in um^4, matrices over the bins p of k = 2 pi p / (n h).
 
     X and X' as in `cross_spectrum`, on segments ``shift`` >= 0 ticks apart; exact, by one Toeplitz product a bin.

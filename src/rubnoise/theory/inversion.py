@@ -8,12 +8,10 @@ from math import exp, expm1, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.theory.live_area import LiveArea
 from rubnoise.theory.quadrature import complementary_error, panels
-
-Doubles = NDArray[np.float64]
 
 _SLOWEST, _FASTEST_UP, _FASTEST_DOWN = 1e-8, 600.0, 1e6
 _RATES = 500
@@ -60,8 +58,6 @@ def area_tails(live: LiveArea, mean_count: float) -> AreaTails:
 
     return AreaTails(furthest=float(area[-1]), up=bounds(_FASTEST_UP, 1.0), down=bounds(_FASTEST_DOWN, -1.0))
 
-
-Complexes = NDArray[np.complex128]
 
 _WIDTH = 16
 _SHAPE = 2.3 * _WIDTH

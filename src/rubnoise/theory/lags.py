@@ -5,11 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import hard_ends, panels, size_range
-
-Doubles = NDArray[np.float64]
 
 _PANELS = 8
 _NODES = 10

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory.quadrature import panels, size_edges
-
-Doubles = NDArray[np.float64]
 
 NODES = 20
 _AT_ONCE = 32_768

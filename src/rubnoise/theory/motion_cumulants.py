@@ -9,8 +9,8 @@ from functools import cache, lru_cache
 from math import ceil, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
@@ -18,8 +18,6 @@ from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_range
 from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import mean_displacement
-
-Doubles = NDArray[np.float64]
 
 _SMALL = 1e-2
 

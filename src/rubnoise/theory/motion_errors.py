@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import hypot, inf, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
@@ -17,8 +17,6 @@ from rubnoise.theory.response import Rule, mean_displacement, response, response
 from rubnoise.theory.sampling import variance_of_mean_force
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
-
-Doubles = NDArray[np.float64]
 
 _SIZES = 32
 

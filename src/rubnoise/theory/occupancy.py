@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from math import exp, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.quadrature import cut_size_rule
@@ -18,8 +19,6 @@ from rubnoise.theory.regular_births import (
     unphased_count_covariance,
     variance_of_line_mean,
 )
-
-Doubles = NDArray[np.float64]
 
 _NODES = 24
 

@@ -6,11 +6,10 @@ from math import erfc, exp, log
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
-
-Doubles = NDArray[np.float64]
 
 
 def complementary_error(x: Doubles) -> Doubles:

@@ -9,8 +9,8 @@ from math import ceil, comb, floor, pi, sqrt
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
@@ -36,7 +36,6 @@ def are_at_random(model: Model) -> bool:
     raise Refused("exact results are known for Poisson and for regular births alone (birth.law)")
 
 
-Doubles = NDArray[np.float64]
 Lines = tuple[Doubles, Doubles]
 
 _FEWEST = 4096

@@ -5,8 +5,9 @@ from functools import lru_cache
 from math import inf, pi, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import force_cumulants
@@ -16,7 +17,6 @@ from rubnoise.theory.quadrature import panels, size_range
 from rubnoise.theory.regular_births import spectral_lines
 from rubnoise.theory.spectrum import force_spectral_density
 
-Doubles = NDArray[np.float64]
 Rule = tuple[Doubles, Doubles]
 
 _NODES = 16

@@ -5,15 +5,13 @@ from itertools import product
 from math import comb, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants, strengths_of
 from rubnoise.theory.correlation import Powers, joint_cumulants, unphased_covariance
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.regular_births import need_random_births, resolved_error, spectral_lines, variance_of_line_mean
-
-Doubles = NDArray[np.float64]
 
 _ORDER = 4
 _SIZES = 12  # an error of an error: seven digits are plenty

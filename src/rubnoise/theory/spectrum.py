@@ -6,15 +6,14 @@ Conventions are spelled out at each function: S(k) is two-sided, G(k) one-sided.
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.pulse_energy import energy_spread, mean_energy
 from rubnoise.theory.regular_births import are_at_random, need_random_births, spectral_lines
-
-Doubles = NDArray[np.float64]
 
 
 def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:

@@ -8,10 +8,9 @@ from functools import cache
 from math import factorial, prod
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Doubles = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from rubnoise.arrays import Complexes, Doubles
 
 _TERMS = 18
 # a_n(1) = prod over j of (4 - (2j - 1)^2) / (n! 8^n), DLMF 10.17.1.

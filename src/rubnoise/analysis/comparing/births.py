@@ -11,8 +11,6 @@ from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 
-Doubles = NDArray[np.float64]
-
 FEWEST_GAPS = 1000
 """Births from which the spread of their gaps, a mean of squares of exponentials, has a score."""
 

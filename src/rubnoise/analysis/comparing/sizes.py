@@ -20,6 +20,7 @@ from rubnoise.analysis.comparing.findings import (
 from rubnoise.analysis.comparing.tails import Drawn, tail_of_squares
 from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure, sample_distance
 from rubnoise.analysis.records import longer
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
@@ -27,8 +28,6 @@ from rubnoise.record.tally import Moments
 from rubnoise.theory.occupancy import mean_count
 from rubnoise.theory.quadrature import panels, size_range
 from rubnoise.theory.regular_births import need_random_births
-
-Doubles = NDArray[np.float64]
 
 _CELLS = 8192
 _NODES = 6

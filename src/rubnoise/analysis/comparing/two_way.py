@@ -16,6 +16,7 @@ from rubnoise.analysis.comparing.rows import panels
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.friction_path import FrictionIntegral
 from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
@@ -24,8 +25,6 @@ from rubnoise.record.tally import KEPT
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.regular_births import need_random_births
-
-Doubles = NDArray[np.float64]
 
 FIELD: Final = 1e-11
 """Relative: where a slider hardly moves, the force is a polynomial of a cell's eight nodes."""

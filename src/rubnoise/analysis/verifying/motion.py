@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from math import ceil, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Slider
 from rubnoise.theory.motion_cumulants import free_motion
 from rubnoise.theory.quadrature import panels
-
-Doubles = NDArray[np.float64]
 
 _NODES = 20
 _HALVINGS = 60
