@@ -19,8 +19,12 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "src")]
 
 from rubnoise.analysis.agreement import Agreement, family_wise_bound  # noqa: E402
-from rubnoise.analysis.comparing.findings import Finding  # noqa: E402
-from rubnoise.analysis.comparing.judging import judged, judged_mean, poisson_figure  # noqa: E402
+from rubnoise.analysis.comparing.findings import (  # noqa: E402
+    Finding,
+    judged,
+    judged_mean,
+    poisson_figure,
+)
 from rubnoise.analysis.comparing.sizes import central_moments  # noqa: E402
 from rubnoise.analysis.comparing.tails import NORMAL  # noqa: E402
 from rubnoise.analysis.comparison import compare  # noqa: E402

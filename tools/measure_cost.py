@@ -28,7 +28,7 @@ from rubnoise.api import run  # noqa: E402
 from rubnoise.scenario import Scenario, load  # noqa: E402
 from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, seconds  # noqa: E402
 from rubnoise.simulation.yardstick import Pace, pace  # noqa: E402
-from rubnoise.storage.budget import Budget, counted  # noqa: E402
+from rubnoise.storage.forecast import Budget, counted  # noqa: E402
 
 WITH_SLIDER = ROOT / "scenarios" / "paper" / "fig5.toml"
 CONTACT_ALONE = ROOT / "scenarios" / "paper" / "fig4.toml"

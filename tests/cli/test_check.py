@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rubnoise.storage import budget
+from rubnoise.storage import forecast
 from tests.cli.terminal import PAPER, call, names
 
 SHORT = Path("../given/contact.toml")
@@ -207,7 +207,7 @@ def test_memory_and_time_are_foreseen(here: Path) -> None:
 
 
 def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(budget, "disk_room", lambda path: 1000)
+    monkeypatch.setattr(forecast, "free_disk_bytes", lambda path: 1000)
     answer = call("check", SHORT)
     assert answer.code == 0
     assert "note: contact.h5: the result may take" in answer.out

@@ -12,7 +12,7 @@ import pytest
 from rubnoise.storage import writer
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.resuming import examined
+from rubnoise.storage.resume import examined
 from tests.cli.terminal import Answer, call, columns, names, spawn_program, start, stop
 
 SLIDER = Path("../given/slider.toml")

@@ -8,11 +8,11 @@ from rubnoise.cli import sweep_progress
 from rubnoise.cli.progress import SIGNALS
 from rubnoise.cli.sweep_progress import watching_sweep
 from rubnoise.errors import RunStopped
-from rubnoise.sweep.conducting import Standing
+from rubnoise.sweep.conduct import SweepProgress
 
 
-def _standing(done: int, *, failed: int = 0, before: int = 0) -> Standing:
-    return Standing(runs=1000, done=done, failed=failed, before=before)
+def _standing(done: int, *, failed: int = 0, before: int = 0) -> SweepProgress:
+    return SweepProgress(runs=1000, done=done, failed=failed, before=before)
 
 
 def test_the_line_tells_runs_failures_and_the_time_to_go(

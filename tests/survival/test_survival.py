@@ -8,14 +8,13 @@ from survival import cost, flips, full, kills, power, signals, sweeps, writes
 from survival.recording import Recording
 from survival.stories import SHORT, SMALL, Story, growing, two_way
 
-from rubnoise.storage import disk, resuming, writer
+from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.history import History
-from rubnoise.storage.journal import Journal
+from rubnoise.storage.journal import History, Journal
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
-from rubnoise.sweep import found
+from rubnoise.sweep import run_status
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the scripts read what Linux tells")
 BARE, COMPRESSED = SMALL[2], SMALL[3]
@@ -31,7 +30,7 @@ def test_kills_lose_nothing() -> None:
 
 
 def test_commits_that_are_forgotten_are_found_by_kills(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(resuming, "_history", lambda *_: History())
+    monkeypatch.setattr(resume, "_history", lambda *_: History())
     outcome = kills.kills(6, seed=3, stories=(SHORTEST,))
     assert any("had been committed, and it went on from 0" in finding for finding in outcome.findings)
 
@@ -89,12 +88,12 @@ def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> No
 
 
 def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeps, "settle", lambda _: {})
+    monkeypatch.setattr(sweeps, "sync_many", lambda _: {})
     assert any("unreadable" in finding for finding in sweeps.sweeps(9, seed=3, stories=(BARE,)).findings)
 
 
 def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(found, "clear_unsettled", lambda *_: None)
+    monkeypatch.setattr(run_status, "clear_unsynced", lambda *_: None)
     findings = sweeps.sweeps(30, seed=3, stories=(BARE,)).findings
     assert any("is not the result of this run" in finding for finding in findings)
     assert any(".h5.part: " in finding for finding in findings)
@@ -113,7 +112,7 @@ def test_a_gate_that_lets_all_pass_is_found_by_bits_that_turn(monkeypatch: pytes
 
     monkeypatch.setattr(flips, "_metadata", summary)
     monkeypatch.setattr("rubnoise.api.resuming._check", lambda _: None)
-    monkeypatch.setattr(resuming, "open_run", lambda path, strict=False: open_run(path))
+    monkeypatch.setattr(resume, "open_run", lambda path, strict=False: open_run(path))
     assert any("published, and verify says 2" in finding for finding in flips.flips(9, 3, (BARE,)).findings)
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.comparing.findings import LeftOut
-from rubnoise.analysis.comparing.judging import judged_mean
+from rubnoise.analysis.comparing.findings import LeftOut, judged_mean
 from rubnoise.analysis.comparing.tails import LARGEST_SKEWNESS, NORMAL, Tail, tail_of, tail_of_squares
 from rubnoise.analysis.comparison import compare
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal

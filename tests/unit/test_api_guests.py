@@ -21,7 +21,7 @@ from rubnoise.simulation.intervention import Intervening
 from rubnoise.storage import writer
 from rubnoise.storage.reader import open_run
 from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.found import found_run
+from rubnoise.sweep.run_status import found_run
 from tests.cli.terminal import call, names
 from tests.unit.tampering import tell
 

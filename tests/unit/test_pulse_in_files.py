@@ -12,8 +12,7 @@ from rubnoise.analysis.life import life_of
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.figures.life import life_png
-from rubnoise.storage.life_curve import life_curve
-from rubnoise.storage.pulse import pulse_of, stored_pulse
+from rubnoise.storage.life_curve import life_curve, pulse_of, stored_pulse
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
 

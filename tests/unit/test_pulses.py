@@ -7,8 +7,8 @@ import pytest
 from rubnoise.analysis.verifying import areas, forces
 from rubnoise.contact.pulses import PULSES
 from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
+from rubnoise.theory.live_area import unit_density
 from rubnoise.theory.transform import transform_of
-from rubnoise.theory.unit_area import unit_density
 
 every_pulse = pytest.mark.parametrize("pulse", PULSES.values(), ids=PULSES)
 AGES = np.linspace(0.0, 1.0, 101)

@@ -16,10 +16,10 @@ from pathlib import Path
 import h5py
 import pytest
 
-import rubnoise.storage.vetting
+import rubnoise.storage.sandbox
 from rubnoise.errors import RunFileRefused
-from rubnoise.storage.attendant import PROGRAM, Attendant
 from rubnoise.storage.reader import open_run
+from rubnoise.storage.sandbox import PROGRAM, SandboxWorker
 from tests.format.runs import attempt
 
 USER = """
@@ -43,7 +43,7 @@ def beside_a_thread(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     def refuse(*arguments: object) -> None:
         raise AssertionError("a process with threads was copied")
 
-    monkeypatch.setattr(rubnoise.storage.vetting, "vetted", refuse)
+    monkeypatch.setattr(rubnoise.storage.sandbox, "sandboxed", refuse)
     done = threading.Event()
     thread = threading.Thread(target=done.wait)
     thread.start()
@@ -72,7 +72,7 @@ def test_threads_may_open_files_at_once(path: Path) -> None:
         assert set(pool.map(rows, range(20))) == {11}
 
 
-def processes_of(attendant: Attendant) -> list[int]:
+def processes_of(attendant: SandboxWorker) -> list[int]:
     """Return the children of this process that hold the other end of an attendant's channel: all of them here."""
     tasks = Path("/proc/self/task").iterdir()
     return [int(pid) for task in tasks for pid in (task / "children").read_text().split()]
@@ -80,7 +80,7 @@ def processes_of(attendant: Attendant) -> list[int]:
 
 @pytest.mark.skipif(not Path(f"/proc/self/task/{os.getpid()}/children").exists(), reason="only Linux names children")
 def test_a_process_that_was_ended_is_started_again(path: Path) -> None:
-    attendant = Attendant()
+    attendant = SandboxWorker()
     before = set(processes_of(attendant))
     with path.open("rb") as file:
         first = attendant.ask(file.fileno())
@@ -91,7 +91,7 @@ def test_a_process_that_was_ended_is_started_again(path: Path) -> None:
         (child,) = set(processes_of(attendant)) - before
     del attendant  # with its user it goes by itself, and is waited for
     deadline = time.monotonic() + 60.0
-    while child in processes_of(Attendant()):
+    while child in processes_of(SandboxWorker()):
         assert time.monotonic() < deadline
         time.sleep(0.01)
 
@@ -109,7 +109,7 @@ def is_free_after(path: Path, ask: Callable[[int], object]) -> bool:
 
 
 def test_it_holds_no_lock_of_its_user(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    attendant, careless = Attendant(), Attendant()
+    attendant, careless = SandboxWorker(), SandboxWorker()
     assert is_free_after(path, attendant.ask)
     monkeypatch.setattr(subprocess, "Popen", partial(subprocess.Popen, close_fds=False))
     assert not is_free_after(path, careless.ask)

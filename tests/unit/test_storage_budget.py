@@ -11,12 +11,12 @@ from rubnoise.api.running import run, simulate
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario import Scenario, loads
 from rubnoise.simulation.cost import PROGRAM_BYTES
-from rubnoise.storage import budget
-from rubnoise.storage.budget import (
+from rubnoise.storage import forecast
+from rubnoise.storage.forecast import (
     Budget,
+    check_disk_space,
     check_memory,
-    check_room,
-    check_sweep_room,
+    check_sweep_space,
     counted,
     expected,
     together,
@@ -54,13 +54,13 @@ def _with(text: str, *overrides: str) -> Scenario:
 
 
 def _with_room(monkeypatch: pytest.MonkeyPatch, *, disk: int = 10**18, memory: int = 10**18) -> None:
-    monkeypatch.setattr(budget, "disk_room", lambda path: disk)
-    monkeypatch.setattr(budget, "memory_room", lambda: memory)
+    monkeypatch.setattr(forecast, "free_disk_bytes", lambda path: disk)
+    monkeypatch.setattr(forecast, "free_memory_bytes", lambda: memory)
 
 
 def _refusal(scenario: Scenario, told: Budget) -> str:
     with pytest.raises(Refused) as refused:
-        check_room(scenario, told, "run.h5")
+        check_disk_space(scenario, told, "run.h5")
     return str(refused.value)
 
 
@@ -111,7 +111,7 @@ def test_what_fits_exactly_is_allowed_and_a_byte_less_is_not(monkeypatch: pytest
     scenario = loads(WHOLE)
     told = counted(scenario)
     _with_room(monkeypatch, disk=told.disk_bytes)
-    check_room(scenario, told, "run.h5")
+    check_disk_space(scenario, told, "run.h5")
     _with_room(monkeypatch, disk=told.disk_bytes - 1)
     said = _refusal(scenario, told)
     assert said.startswith(f"run.h5: the result may take {told.disk_bytes:,} bytes")
@@ -161,7 +161,7 @@ def test_rows_that_grow_need_their_room_twice(monkeypatch: pytest.MonkeyPatch) -
     grown = told.disk_bytes - told.result_bytes
     assert 41 * told.slider_rows_at_most <= grown < told.result_bytes
     _with_room(monkeypatch, disk=told.disk_bytes)
-    check_room(scenario, told, "run.h5")
+    check_disk_space(scenario, told, "run.h5")
     _with_room(monkeypatch, disk=told.disk_bytes - 1)
     assert "the rows that grow beside it may take" in _refusal(scenario, told)
 
@@ -179,7 +179,7 @@ def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytes
     events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
     more = expected(batch).peak_bytes + 10**7
     _with_room(monkeypatch, memory=more)
-    check_room(batch, expected(batch), "run.h5")
+    check_disk_space(batch, expected(batch), "run.h5")
     assert 'run.engine = "batch"' in _refusal(events, expected(events))
     _with_room(monkeypatch, memory=1_000_000)
     for scenario in (events, batch):
@@ -188,7 +188,7 @@ def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytes
 
 
 def test_where_memory_is_not_known_nothing_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(budget, "memory_room", lambda: None)
+    monkeypatch.setattr(forecast, "free_memory_bytes", lambda: None)
     check_memory(loads(WHOLE), expected(loads(WHOLE)))
 
 
@@ -203,7 +203,7 @@ def test_a_run_asks_before_it_makes_anything(tmp_path: Path, monkeypatch: pytest
 
 
 def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(budget, "memory_in_use", lambda: 0)  # it may be more than the result takes
+    monkeypatch.setattr(forecast, "memory_in_use", lambda: 0)  # it may be more than the result takes
     scenario = loads(whole(distance='"500 mm"'))
     _with_room(monkeypatch, memory=expected(scenario).peak_bytes)
     check_memory(scenario, expected(scenario))
@@ -234,19 +234,19 @@ def test_a_sweep_has_to_fit_as_a_whole(tmp_path: Path, monkeypatch: pytest.Monke
     one = expected(loads(WHOLE))
     runs = together([(one, 10)])
     _with_room(monkeypatch, disk=10 * one.disk_bytes)
-    check_sweep_room(runs, tmp_path, jobs=1)
+    check_sweep_space(runs, tmp_path, jobs=1)
     _with_room(monkeypatch, disk=10 * one.disk_bytes - 1)
     with pytest.raises(OutputRefused, match=r"sweep\.keep .* sliding\.distance .* sweep\.replicates"):
-        check_sweep_room(runs, tmp_path, jobs=1)
+        check_sweep_space(runs, tmp_path, jobs=1)
 
 
 def test_as_many_runs_at_once_as_memory_holds_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one = expected(loads(WHOLE))
     each = PROGRAM_BYTES + one.working_bytes
     _with_room(monkeypatch, memory=3 * each)
-    check_sweep_room(one, tmp_path, jobs=3)
+    check_sweep_space(one, tmp_path, jobs=3)
     with pytest.raises(Refused, match=r"--jobs 3 fits"):
-        check_sweep_room(one, tmp_path, jobs=4)
+        check_sweep_space(one, tmp_path, jobs=4)
     _with_room(monkeypatch, memory=each - 1)
     with pytest.raises(Refused, match=r"interface\.mean_junction_count"):
-        check_sweep_room(one, tmp_path, jobs=1)
+        check_sweep_space(one, tmp_path, jobs=1)

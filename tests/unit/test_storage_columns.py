@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rubnoise.storage import columns, disk
 from rubnoise.storage.columns import ColumnFile, Mark
-from rubnoise.storage.place import Place
+from rubnoise.storage.layout import Place
 
 ROWS = 300
 VALUES = np.random.default_rng(5).normal(size=ROWS)

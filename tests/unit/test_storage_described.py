@@ -18,7 +18,7 @@ from rubnoise.simulation import draws
 from rubnoise.storage import writer
 from rubnoise.storage.journal import Journal, frames
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.unfinished import look
+from rubnoise.storage.resume import look
 from tests.format.runs import names
 from tests.unit.test_storage_resuming import WHOLE, scenario, stop_after
 

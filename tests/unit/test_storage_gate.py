@@ -14,10 +14,9 @@ import rubnoise
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
-from rubnoise.storage.output import OutputPaths, OutputSwappedError, give_final_name
+from rubnoise.storage.output import OutputPaths, OutputSwappedError, give_final_name, whole_file
 from rubnoise.storage.part import open_part
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.whole import whole_file
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import Compression, attempt, names
 from tests.unit.test_storage_resuming import GZIP, WHOLE, datasets, stop_after

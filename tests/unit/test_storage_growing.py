@@ -22,16 +22,13 @@ from rubnoise.scenario import build
 from rubnoise.simulation import draws
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.storage import disk, growing, writer
-from rubnoise.storage.ending import Ending
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.history import History
-from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.journal import Ending, History
+from rubnoise.storage.layout import Place, RunDescription
 from rubnoise.storage.output import OutputPaths, sole_writer
-from rubnoise.storage.place import Place
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.resuming import settle
-from rubnoise.storage.together import clear_unsettled
-from rubnoise.storage.unfinished import look
+from rubnoise.storage.resume import look, publish_complete
+from rubnoise.storage.sync_many import clear_unsynced
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import Compression, Rows, describe, names, random_rows
 from tests.verification.seeds import seed_of
@@ -62,7 +59,7 @@ def small_steps_and_a_commit_every_block(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
 
 
-def described(compression: Compression = "none") -> RunDescription:
+def description_of(compression: Compression = "none") -> RunDescription:
     description = describe(5 * BLOCKS, 8 * BLOCKS, BLOCKS, None, compression=compression)
     return replace(description, scenario_resolved={"run": {"seed": 1}, "output": {"compression": compression}})
 
@@ -110,7 +107,7 @@ def gone_on(folder: Path, description: RunDescription) -> None:
     paths = OutputPaths.of(path)
     if paths.part.exists():
         with sole_writer(paths):
-            whole = settle(paths, lambda _: None, force=False)
+            whole = publish_complete(paths, lambda _: None, force=False)
         if not whole:
             make(path, None)
     elif not path.exists():
@@ -125,7 +122,7 @@ def recorded(folder: Path, compression: Compression = "none") -> Iterator[Record
     folder.mkdir()
     recording = Recording(folder)
     with recording.recording():
-        make(folder / "x.h5", described(compression))
+        make(folder / "x.h5", description_of(compression))
     yield recording
 
 
@@ -137,7 +134,7 @@ def stopped_after(path: Path, blocks: int) -> str:
         if state.block == blocks:
             raise RunStopped(2)
 
-    with pytest.raises(RunStopped) as stopped, RunWriter(path, described()) as file:
+    with pytest.raises(RunStopped) as stopped, RunWriter(path, description_of()) as file:
         play(file, START, stopping)
     return str(stopped.value)
 
@@ -148,13 +145,13 @@ def test_rows_that_grow_end_in_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression, seconds: float
 ) -> None:
     monkeypatch.setattr(writer, "COMMIT_SECONDS", seconds)
-    make(tmp_path / "x.h5", described(compression))
+    make(tmp_path / "x.h5", description_of(compression))
     assert names(tmp_path) == ["x.h5"]
     assert_whole(tmp_path / "x.h5")
 
 
 def test_a_run_knows_its_own_file_whose_rows_have_grown(tmp_path: Path) -> None:
-    with RunWriter(tmp_path / "x.h5", described()) as file:
+    with RunWriter(tmp_path / "x.h5", description_of()) as file:
         play(file, START, file.commit)
         file.publish({})
     assert file.written is not None
@@ -184,7 +181,7 @@ def test_before_the_end_the_rows_lie_beside_the_part(tmp_path: Path) -> None:
     with open_run(tmp_path / "x.h5.part", strict=True) as run:
         assert run.rows("slider") == 0
         assert run.extent.slider is None
-    gone_on(tmp_path, described())
+    gone_on(tmp_path, description_of())
 
 
 @pytest.mark.parametrize("compression", ["none", pytest.param("gzip", marks=pytest.mark.torture)])
@@ -200,7 +197,7 @@ def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, c
                 folder = tmp_path / f"{moment}{torn}"
                 folder.mkdir()
                 recording.after_kill(folder, moment, torn=torn)
-                gone_on(folder, described(compression))
+                gone_on(folder, description_of(compression))
 
 
 def test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path: Path) -> None:
@@ -224,7 +221,7 @@ def test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_pa
                 with RunWriter(paths.final, None, force=True) as file:
                     assert file.state is not None
                     assert file.state.block >= committed
-            gone_on(folder, described())
+            gone_on(folder, description_of())
 
 
 def test_growing_rows_that_never_reach_the_disk_are_missed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -255,7 +252,7 @@ def test_growing_rows_lost_behind_a_commit_send_it_back_to_an_earlier_one(tmp_pa
     with RunWriter(paths.final, None) as again:
         assert again.state is not None
         assert (again.state.block, again.state.slider_rows) == (4, 347)
-    gone_on(tmp_path, described())
+    gone_on(tmp_path, description_of())
 
 
 @pytest.mark.parametrize("gone", ["x.h5.part.rows", "x.h5.part.journal"])
@@ -264,14 +261,14 @@ def test_without_its_rows_or_its_journal_a_part_begins_at_the_start(tmp_path: Pa
     (tmp_path / gone).unlink()
     with RunWriter(tmp_path / "x.h5", None) as again:
         assert again.state is None
-    gone_on(tmp_path, described())
+    gone_on(tmp_path, description_of())
 
 
 @pytest.mark.parametrize("garbage", [b"", b"rng1", b"rng1\xff\0\0\0" + bytes(5000), bytes(20_000), b"x" * 20_000])
 def test_a_file_of_rows_that_is_none_counts_as_without(tmp_path: Path, garbage: bytes) -> None:
     stopped_after(tmp_path / "x.h5", 5)
     (tmp_path / "x.h5.part.rows").write_bytes(garbage)
-    gone_on(tmp_path, described())
+    gone_on(tmp_path, description_of())
 
 
 def failing(call: str, after: int, suffix: str = ".rows") -> Callable[..., object]:
@@ -295,9 +292,9 @@ def test_a_disk_that_fills_up_in_the_middle_leaves_something_to_go_on_with(
     with monkeypatch.context() as patch:
         patch.setattr(disk, call, failing(call, after))
         with pytest.raises(RubnoiseError, match=r"x\.h5: .*No space left on device; after you fix this, rubno"):
-            make(tmp_path / "x.h5", described())
+            make(tmp_path / "x.h5", description_of())
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
-    gone_on(tmp_path, described())
+    gone_on(tmp_path, description_of())
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="asks Linux for the name of an open file")
@@ -306,15 +303,15 @@ def test_a_disk_that_fills_up_while_rows_are_copied_in_leaves_all_of_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str
 ) -> None:
     path = tmp_path / "x.h5"
-    with RunWriter(path, described()) as file, monkeypatch.context() as patch:
+    with RunWriter(path, description_of()) as file, monkeypatch.context() as patch:
         play(file, START, file.commit)
         patch.setattr(disk, call, failing(call, 0 if call == "allocate" else 3, suffix=".h5.part"))
         with pytest.raises(RubnoiseError, match=r"No space left on device; after you fix this, rubno"):
             file.publish({})
         with pytest.raises(RunFileRefused, match="no space left on device"):
-            settle(OutputPaths.of(path), lambda _: None, force=False)
+            publish_complete(OutputPaths.of(path), lambda _: None, force=False)
     assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
-    gone_on(tmp_path, described())
+    gone_on(tmp_path, description_of())
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="asks Linux for the name of an open file")
@@ -324,14 +321,14 @@ def test_a_run_that_fails_before_its_first_commit_leaves_nothing(
     monkeypatch.setattr(disk, "allocate", failing("allocate", 2))
     monkeypatch.setattr(writer, "COMMIT_SECONDS", 1e9)
     with pytest.raises(RubnoiseError, match="writing failed: No space left"):
-        make(tmp_path / "x.h5", described())
+        make(tmp_path / "x.h5", description_of())
     assert names(tmp_path) == []
 
 
 def test_force_starts_over_and_removes_the_rows_of_before(tmp_path: Path) -> None:
     stopped_after(tmp_path / "x.h5", 5)
     with pytest.raises(OutputRefused, match="running or stopped run"):
-        make(tmp_path / "x.h5", described())
+        make(tmp_path / "x.h5", description_of())
     fixed = describe(2, 3)
     with RunWriter(tmp_path / "x.h5", fixed, force=True) as file:
         assert not (tmp_path / "x.h5.part.rows").exists()
@@ -344,7 +341,7 @@ def test_force_starts_over_and_removes_the_rows_of_before(tmp_path: Path) -> Non
 def test_what_nothing_can_be_made_of_is_cleared_with_its_rows(tmp_path: Path) -> None:
     stopped_after(tmp_path / "x.h5", 2)
     (tmp_path / "x.h5.part").unlink()
-    clear_unsettled(tmp_path / "x.h5", None)
+    clear_unsynced(tmp_path / "x.h5", None)
     assert names(tmp_path) == []
 
 
@@ -352,7 +349,7 @@ def test_rows_are_no_link_to_elsewhere(tmp_path: Path) -> None:
     (tmp_path / "precious").write_bytes(b"of somebody")
     (tmp_path / "x.h5.part.rows").symlink_to(tmp_path / "precious")
     with pytest.raises(OutputRefused, match=r"x\.h5\.part\.rows: exists and is not a regular file"):
-        make(tmp_path / "x.h5", described())
+        make(tmp_path / "x.h5", description_of())
     assert (tmp_path / "precious").read_bytes() == b"of somebody"
 
 
@@ -370,7 +367,7 @@ def test_a_part_that_was_whole_and_is_damaged_is_made_again(tmp_path: Path) -> N
                 file.seek(place + 800)
                 file.write(b"\xff")
             (folder / "x.h5.part.rows").unlink(missing_ok=True)
-            gone_on(folder, described())
+            gone_on(folder, description_of())
 
 
 def test_commits_are_those_of_the_growing_rows(tmp_path: Path) -> None:
@@ -414,7 +411,7 @@ def test_rows_of_a_hostile_ending_are_not_copied(tmp_path: Path) -> None:
 
 
 def test_a_record_in_memory_grows(tmp_path: Path) -> None:
-    record = MemoryRecord(described().extent)
+    record = MemoryRecord(description_of().extent)
     play(record, START, lambda _: None)
     for group, columns in ROWS.items():
         for name, values in columns.items():

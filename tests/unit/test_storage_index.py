@@ -14,7 +14,7 @@ from rubnoise.storage.index import Filled, Index, Stack, write_index
 from rubnoise.storage.index_file import open_index
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.schema import Column, Feature
-from rubnoise.sweep.table import figure, text, whole
+from rubnoise.sweep.index import figure, text, whole
 
 COUNT = 5
 

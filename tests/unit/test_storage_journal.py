@@ -9,10 +9,19 @@ from hypothesis import strategies as st
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.storage import history
+from rubnoise.storage import journal
 from rubnoise.storage.columns import Mark
-from rubnoise.storage.history import VERSION, History, identity, packed_commit, packed_run, state_at
-from rubnoise.storage.journal import Frame, Journal, frames
+from rubnoise.storage.journal import (
+    VERSION,
+    Frame,
+    History,
+    Journal,
+    frames,
+    identity,
+    packed_commit,
+    packed_run,
+    state_at,
+)
 from tests.format.runs import describe
 
 CONTENTS = (b"", b"x", b"some rows", bytes(range(256)) * 3)
@@ -117,7 +126,7 @@ def test_history_tells_of_run_commits_and_states(tmp_path: Path) -> None:
 
 
 def test_of_commits_long_ago_every_other_one_is_forgotten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(history, "MOST_COMMITS", 20)
+    monkeypatch.setattr(journal, "MOST_COMMITS", 20)
     commits(tmp_path / "j", 100)
     blocks = [state_at(tmp_path / "j", commit).block for commit in History.read(tmp_path / "j").commits]
     assert 10 < len(blocks) <= 20

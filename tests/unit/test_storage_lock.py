@@ -12,7 +12,7 @@ from rubnoise.errors import OutputRefused
 from rubnoise.storage import disk
 from rubnoise.storage.lock import Held, holding, is_held, remove_stale
 from rubnoise.storage.output import OutputPaths, sole_writer
-from rubnoise.storage.together import clear_unsettled
+from rubnoise.storage.sync_many import clear_unsynced
 from tests.format.runs import attempt, names
 
 SOON = 0.02
@@ -118,7 +118,7 @@ def test_what_a_kill_left_of_a_run_of_a_sweep_goes_when_it_is_found_whole(tmp_pa
     attempt(paths.final)
     paths.lock.touch()
     paths.making.touch()
-    clear_unsettled(paths.final, "whole")
+    clear_unsynced(paths.final, "whole")
     assert names(tmp_path) == ["run.h5"]
 
 

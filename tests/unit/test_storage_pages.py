@@ -57,7 +57,7 @@ def test_unfailing_is_the_file_on_disk(tmp_path: Path) -> None:
         file.seek(2)
         assert file.read(12) == b"23xy6789\0\0\0\0"
         file.truncate(8)
-        file.settle()
+        file.raise_first_error()
     assert (tmp_path / "file").read_bytes() == b"0123xy67"
 
 
@@ -69,7 +69,7 @@ def test_unfailing_keeps_the_first_failure(tmp_path: Path) -> None:
         assert file.write(b"def") == 3
         assert file.tell() == 6
         with pytest.raises(OSError, match="Bad file descriptor"):
-            file.settle()
+            file.raise_first_error()
     assert (tmp_path / "file").read_bytes() == b""
 
 

@@ -19,10 +19,10 @@ from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefuse
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
-from rubnoise.storage.history import History, state_at
+from rubnoise.storage.journal import History, state_at
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.unfinished import look
+from rubnoise.storage.resume import look
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import names
 from tests.verification.seeds import seed_of

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rubnoise.storage import room
-from rubnoise.storage.room import disk_room, memory_in_use, memory_room
+from rubnoise.storage import forecast
+from rubnoise.storage.forecast import free_disk_bytes, free_memory_bytes, memory_in_use
 
 MEMORY = "MemTotal:        8000 kB\nMemFree:         1000 kB\nMemAvailable:    5000 kB\nHugePages_Total:       0\n"
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -25,8 +25,8 @@ def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def _left(machine: Path) -> int | None:
-    room._limits.cache_clear()  # a process keeps the limits that it finds first
-    return memory_room(machine)
+    forecast._limits.cache_clear()  # a process keeps the limits that it finds first
+    return free_memory_bytes(machine)
 
 
 def _write(root: Path, name: str, text: str) -> None:
@@ -99,8 +99,8 @@ def test_a_system_without_such_files_has_the_memory_that_is_built_in(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _limited(monkeypatch)
-    here = memory_room()
-    built_in = memory_room(tmp_path)
+    here = free_memory_bytes()
+    built_in = free_memory_bytes(tmp_path)
     assert here is not None
     assert built_in is not None
     assert built_in >= here
@@ -108,19 +108,21 @@ def test_a_system_without_such_files_has_the_memory_that_is_built_in(
 
 
 def test_a_disk_has_what_is_free_and_what_a_part_gives_back(tmp_path: Path) -> None:
-    free = disk_room(tmp_path / "run.h5")
+    free = free_disk_bytes(tmp_path / "run.h5")
     assert free > 0
     with (tmp_path / "run.h5.part").open("wb") as part:
         part.write(bytes(40_000_000))
     # Whoever else writes to this disk meanwhile may be let off some of it.
-    assert disk_room(tmp_path / "run.h5") - disk_room(tmp_path / "other.h5") == pytest.approx(40_000_000, rel=0.5)
+    assert free_disk_bytes(tmp_path / "run.h5") - free_disk_bytes(tmp_path / "other.h5") == pytest.approx(
+        40_000_000, rel=0.5
+    )
 
 
 def test_a_file_may_be_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _limited(monkeypatch, RLIMIT_FSIZE=5000)
-    assert disk_room(tmp_path / "run.h5") == 5000
+    assert free_disk_bytes(tmp_path / "run.h5") == 5000
 
 
 def test_a_folder_that_is_not_there_has_no_room_to_tell_of(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
-        disk_room(tmp_path / "nowhere" / "run.h5")
+        free_disk_bytes(tmp_path / "nowhere" / "run.h5")

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rubnoise.storage import vetting
+from rubnoise.storage import sandbox
 from rubnoise.storage.rows import REMEDY
-from rubnoise.storage.vetting import vetted
+from rubnoise.storage.sandbox import sandboxed
 
 GIGABYTE = 1 << 30
 
@@ -47,7 +47,7 @@ def test_a_lock_of_this_process_is_not_held_by_the_child(descriptor: int, tmp_pa
         return b'"held"'
 
     with (tmp_path / "lock").open("w") as lock:
-        assert vetted(descriptor, look) == b'"let go"'
+        assert sandboxed(descriptor, look) == b'"let go"'
 
 
 def refusal(answer: bytes) -> str:
@@ -55,9 +55,9 @@ def refusal(answer: bytes) -> str:
 
 
 def test_what_the_child_finds_is_handed_on(descriptor: int) -> None:
-    assert vetted(descriptor, lambda it: os.pread(it, 7, 0)) == b"content"
-    assert vetted(descriptor, lambda it: b"x" * 10_000_000) == b"x" * 10_000_000
-    assert vetted(descriptor, lambda it: str(os.getpid()).encode()) != str(os.getpid()).encode()
+    assert sandboxed(descriptor, lambda it: os.pread(it, 7, 0)) == b"content"
+    assert sandboxed(descriptor, lambda it: b"x" * 10_000_000) == b"x" * 10_000_000
+    assert sandboxed(descriptor, lambda it: str(os.getpid()).encode()) != str(os.getpid()).encode()
 
 
 @pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS])
@@ -67,12 +67,12 @@ def test_a_crash_is_a_reason(descriptor: int, number: signal.Signals, capfd: pyt
         os.kill(os.getpid(), number)
         return b""
 
-    assert refusal(vetted(descriptor, crash)) == f"damaged: HDF5 crashes ({number.name}) on its structure"
+    assert refusal(sandboxed(descriptor, crash)) == f"damaged: HDF5 crashes ({number.name}) on its structure"
     assert capfd.readouterr() == ("", "")
 
 
 def test_an_error_that_nobody_foresaw_is_a_reason(descriptor: int, capfd: pytest.CaptureFixture[str]) -> None:
-    assert refusal(vetted(descriptor, lambda it: bytes(1 // (it - it)))) == "damaged: HDF5 fails on its structure"
+    assert refusal(sandboxed(descriptor, lambda it: bytes(1 // (it - it)))) == "damaged: HDF5 fails on its structure"
     assert capfd.readouterr() == ("", "")
 
 
@@ -82,8 +82,8 @@ def test_a_loop_ends(descriptor: int, monkeypatch: pytest.MonkeyPatch) -> None:
             pass
         return b""
 
-    monkeypatch.setattr(vetting, "CPU_SECONDS", 1)
-    assert refusal(vetted(descriptor, loop)) == "damaged: HDF5 loops on its structure"
+    monkeypatch.setattr(sandbox, "CPU_SECONDS", 1)
+    assert refusal(sandboxed(descriptor, loop)) == "damaged: HDF5 loops on its structure"
 
 
 def test_waiting_ends(descriptor: int) -> None:
@@ -91,18 +91,18 @@ def test_waiting_ends(descriptor: int) -> None:
         time.sleep(60.0)
         return b""
 
-    assert "takes more time" in refusal(vetted(descriptor, wait, patience=0.2))
+    assert "takes more time" in refusal(sandboxed(descriptor, wait, patience=0.2))
 
 
 def test_an_answer_without_end_is_cut_off(descriptor: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(vetting, "ANSWER_BYTES", 1_000_000)
-    assert "takes more time or memory" in refusal(vetted(descriptor, lambda it: bytes(10_000_000)))
+    monkeypatch.setattr(sandbox, "ANSWER_BYTES", 1_000_000)
+    assert "takes more time or memory" in refusal(sandboxed(descriptor, lambda it: bytes(10_000_000)))
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="only Linux limits the memory of a process")
 def test_memory_is_limited(descriptor: int) -> None:
     assert np.ones(GIGABYTE // 8).nbytes == GIGABYTE  # here there is as much
-    assert "fails" in refusal(vetted(descriptor, lambda it: bytes(np.ones(GIGABYTE // 8)[:1])))
+    assert "fails" in refusal(sandboxed(descriptor, lambda it: bytes(np.ones(GIGABYTE // 8)[:1])))
 
 
 def test_no_other_file_can_be_opened_and_none_written(descriptor: int, tmp_path: Path) -> None:
@@ -120,14 +120,14 @@ def test_no_other_file_can_be_opened_and_none_written(descriptor: int, tmp_path:
                 told.append(problem.strerror)
         return json.dumps(told).encode()
 
-    assert json.loads(vetted(descriptor, touch)) == [*["Too many open files"] * 3, "File too large"]
+    assert json.loads(sandboxed(descriptor, touch)) == [*["Too many open files"] * 3, "File too large"]
     assert (tmp_path / "file").read_bytes() == b"content"
 
 
 def test_the_limits_of_this_process_stay_as_they_were(descriptor: int) -> None:
     limits = (resource.RLIMIT_CPU, resource.RLIMIT_NOFILE, resource.RLIMIT_AS, resource.RLIMIT_FSIZE)
     before = [resource.getrlimit(what) for what in limits]
-    vetted(descriptor, lambda it: b"")
+    sandboxed(descriptor, lambda it: b"")
     assert [resource.getrlimit(what) for what in limits] == before
 
 
@@ -145,6 +145,6 @@ def test_an_interrupt_leaves_no_child_behind(descriptor: int) -> None:
     signal.setitimer(signal.ITIMER_REAL, 0.3)
     try:
         with pytest.raises(KeyboardInterrupt):
-            vetted(descriptor, wait)
+            sandboxed(descriptor, wait)
     finally:
         signal.signal(signal.SIGALRM, before)

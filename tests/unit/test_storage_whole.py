@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
-from rubnoise.storage.output import OutputAppearedError
-from rubnoise.storage.whole import whole_file
+from rubnoise.storage.output import OutputAppearedError, whole_file
 from tests.format.runs import names
 
 

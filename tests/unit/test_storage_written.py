@@ -1,4 +1,4 @@
-"""What is told of a file that has just been written is what a survey finds in it."""
+"""What is told of a file that has just been written is what a read_structure finds in it."""
 
 import json
 import os
@@ -9,8 +9,8 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import RunStopped
+from rubnoise.storage.read_structure import read_structure
 from rubnoise.storage.reader import open_run
-from rubnoise.storage.survey import survey
 
 PLAIN: dict[str, Any] = {
     "format": 1,
@@ -30,7 +30,7 @@ MOVING = PLAIN | {
 def found(path: Path) -> dict[str, Any]:
     descriptor = os.open(path, os.O_RDONLY)
     try:
-        told: dict[str, Any] = json.loads(survey(descriptor))
+        told: dict[str, Any] = json.loads(read_structure(descriptor))
         return told
     finally:
         os.close(descriptor)

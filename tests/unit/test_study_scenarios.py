@@ -10,7 +10,7 @@ from rubnoise.analysis.replicates import Pooled, pooled, ratio
 from rubnoise.record.tally import Tally
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.sweep.serial import Measure, run_points
+from rubnoise.sweep.execution import Measure, run_points
 from tests.architecture.sources import ROOT
 
 STUDIES = ROOT / "scenarios" / "studies"

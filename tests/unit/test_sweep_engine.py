@@ -14,8 +14,7 @@ from rubnoise.errors import Refused, RubnoiseError, RunStopped
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import expand
 from rubnoise.sweep import pool as pool_module
-from rubnoise.sweep.engine import Attempt, Course, Here, Outcome, WorkLost
-from rubnoise.sweep.pace import LONGEST, SECONDS, Pace
+from rubnoise.sweep.execution import LONGEST, SECONDS, Attempt, Execution, Here, MessageSize, Outcome, WorkLost
 from rubnoise.sweep.pool import Pool, Worker, WorkerDied
 from tests.unit import errands
 from tests.unit.sweeps import sweep_of
@@ -45,7 +44,7 @@ def _results(outcomes: Iterator[Outcome[Any]]) -> dict[str, Any]:
 
 def test_every_point_is_carried_out_once_in_other_processes(pool: Pool, tmp_path: Path) -> None:
     points = _points(tmp_path, 60)
-    found = _results(Course(points, errands.name_and_process, pool).outcomes())
+    found = _results(Execution(points, errands.name_and_process, pool).outcomes())
     assert found.keys() == {point.run_id for point in points}
     assert all(name == own for name, (own, _) in found.items())
     assert os.getpid() not in {process for _, process in found.values()}
@@ -56,7 +55,7 @@ def test_every_point_is_carried_out_once_in_other_processes(pool: Pool, tmp_path
 def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(
     pool: Pool, points: tuple[Point, ...], *, here: bool
 ) -> None:
-    outcomes = list(Course(points, errands.fail_some, Here() if here else pool).outcomes())
+    outcomes = list(Execution(points, errands.fail_some, Here() if here else pool).outcomes())
     assert len(outcomes) == len(points)
     for outcome in outcomes:
         if outcome.point.replicate % 2:
@@ -67,10 +66,12 @@ def test_a_problem_is_told_of_its_point_and_keeps_no_other_from_being_tried(
 
 
 def test_a_problem_that_cannot_travel_is_told_in_words(pool: Pool, points: tuple[Point, ...]) -> None:
-    told = {outcome.point.replicate: outcome.problem for outcome in Course(points, errands.be_awkward, pool).outcomes()}
+    told = {
+        outcome.point.replicate: outcome.problem for outcome in Execution(points, errands.be_awkward, pool).outcomes()
+    }
     assert {type(problem) for problem in told.values()} == {RubnoiseError}
     assert str(told[2]) == "Awkward: replicate 2"
-    [here, *_] = Course(points, errands.be_awkward, Here()).outcomes()
+    [here, *_] = Execution(points, errands.be_awkward, Here()).outcomes()
     assert isinstance(here.problem, errands.Awkward)
 
 
@@ -78,7 +79,7 @@ def test_a_point_whose_worker_is_killed_is_tried_once_more(
     pool: Pool, points: tuple[Point, ...], tmp_path: Path
 ) -> None:
     before = pool.processes
-    outcomes = list(Course(points, partial(errands.die_once, folder=tmp_path), pool).outcomes())
+    outcomes = list(Execution(points, partial(errands.die_once, folder=tmp_path), pool).outcomes())
     assert {outcome.point.run_id: outcome.result for outcome in outcomes} == {p.run_id: p.run_id for p in points}
     assert len(outcomes) == len(points)
     assert len(set(before) & set(pool.processes)) == 1
@@ -87,7 +88,7 @@ def test_a_point_whose_worker_is_killed_is_tried_once_more(
 def test_a_point_that_kills_its_worker_twice_has_failed_and_the_others_have_not(
     pool: Pool, points: tuple[Point, ...], tmp_path: Path
 ) -> None:
-    outcomes = {o.point.replicate: o for o in Course(points, partial(errands.die, folder=tmp_path), pool).outcomes()}
+    outcomes = {o.point.replicate: o for o in Execution(points, partial(errands.die, folder=tmp_path), pool).outcomes()}
     died = outcomes.pop(3)
     assert isinstance(died.problem, WorkerDied)
     assert str(died.problem) == "its process was killed by SIGSEGV"
@@ -104,7 +105,7 @@ def test_what_was_done_before_the_worker_died_is_not_done_again(pool: Pool, tmp_
         return f"found {point.run_id}" if (done / point.run_id).exists() else None
 
     found = _results(
-        Course(points, partial(errands.leave_a_result_and_die, folder=done), pool, recover=recover).outcomes()
+        Execution(points, partial(errands.leave_a_result_and_die, folder=done), pool, recover=recover).outcomes()
     )
     assert found.keys() == {point.run_id for point in points}
     assert found[points[3].run_id] == f"found {points[3].run_id}"
@@ -112,7 +113,7 @@ def test_what_was_done_before_the_worker_died_is_not_done_again(pool: Pool, tmp_
 
 
 def test_a_process_that_just_ends_is_told_by_its_exit_code(pool: Pool, points: tuple[Point, ...]) -> None:
-    [outcome] = Course(points[:1], errands.leave, pool).outcomes()
+    [outcome] = Execution(points[:1], errands.leave, pool).outcomes()
     assert str(outcome.problem) == "its process ended with exit code 7"
     assert str(WorkerDied(-250)) == "its process was killed by signal 250"
 
@@ -129,13 +130,13 @@ def test_a_worker_ends_without_a_word_where_its_parent_is_gone(answers: int, cap
 
 
 def test_a_function_that_cannot_be_sent_fails_each_point(pool: Pool, points: tuple[Point, ...]) -> None:
-    outcomes = list(Course(points[:2], lambda point: point, pool).outcomes())
+    outcomes = list(Execution(points[:2], lambda point: point, pool).outcomes())
     assert all("pickle" in str(outcome.problem).lower() for outcome in outcomes)
     assert len(outcomes) == 2
 
 
 def test_workers_are_told_to_use_one_thread(pool: Pool, points: tuple[Point, ...]) -> None:
-    [outcome] = Course(points[:1], errands.threads, pool).outcomes()
+    [outcome] = Execution(points[:1], errands.threads, pool).outcomes()
     assert outcome.result == {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
 
 
@@ -151,7 +152,7 @@ def test_who_watches_may_stop_it_and_no_process_stays(
 
     with pytest.raises(RunStopped), Pool(2) as workers:  # noqa: PT012  (leaving the pool is what is tested)
         processes += workers.processes
-        list(Course(points, partial(errands.sleep, folder=tmp_path), workers, watch=stop_once_begun).outcomes())
+        list(Execution(points, partial(errands.sleep, folder=tmp_path), workers, watch=stop_once_begun).outcomes())
     assert not list(tmp_path.glob("* awake"))
     for process in processes:
         with pytest.raises(ProcessLookupError):
@@ -169,11 +170,11 @@ class Deserted(Here):
 
 def test_work_that_nobody_has_any_more_ends_the_sweep(points: tuple[Point, ...]) -> None:
     with pytest.raises(WorkLost, match="the same command resumes the sweep"):
-        list(Course(points, errands.fail_some, Deserted()).outcomes())
+        list(Execution(points, errands.fail_some, Deserted()).outcomes())
 
 
 def test_messages_bring_a_second_of_work_and_shares_get_smaller_towards_the_end() -> None:
-    pace = Pace()
+    pace = MessageSize()
     assert pace.size(1000, 2) == 1
     pace.took(1, 0.02)
     assert pace.size(1000, 2) == int(SECONDS / 0.02)
@@ -181,7 +182,7 @@ def test_messages_bring_a_second_of_work_and_shares_get_smaller_towards_the_end(
     for _ in range(6):
         pace.took(4, 4.0)
     assert pace.size(1000, 2) == 1
-    pace = Pace()
+    pace = MessageSize()
     pace.took(1, 0.0)
     assert pace.size(100_000, 2) == LONGEST
 

@@ -8,8 +8,8 @@ from random import Random
 from rubnoise.record.tally import Tally
 from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
-from rubnoise.sweep.further import Further
-from rubnoise.sweep.serial import Measure, measured
+from rubnoise.sweep.execution import Measure, measured
+from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.unit.sweeps import sweep_of
 
 TABLE = """\
@@ -42,7 +42,7 @@ def _figures(point: Point) -> dict[str, float]:
 
 
 def _carried_out(sweep: Sweep, run: Callable[[Point], dict[str, float]] = _figures, shuffle: int = 0) -> Figures:
-    further = Further(sweep)
+    further = AdaptiveReplicates(sweep)
     ended: Figures = {}
     while points := list(further(ended)):
         Random(shuffle).shuffle(points)  # noqa: S311  (any order will do)
@@ -52,23 +52,23 @@ def _carried_out(sweep: Sweep, run: Callable[[Point], dict[str, float]] = _figur
 
 def test_the_first_round_is_the_sweep(tmp_path: Path) -> None:
     sweep = _sweep(tmp_path)
-    assert Further(sweep)({}) == expand(sweep)
+    assert AdaptiveReplicates(sweep)({}) == expand(sweep)
     assert len(expand(sweep)) == 16
-    assert Further(sweep).points == expand(sweep)
+    assert AdaptiveReplicates(sweep).points == expand(sweep)
 
 
 def test_without_a_precision_there_is_one_round(tmp_path: Path) -> None:
     sweep = sweep_of(tmp_path, "[sweep]\nreplicates = 3\n")
     ended: Figures = {point.run_id: {} for point in expand(sweep)}
-    assert Further(sweep)({}) == expand(sweep)
-    assert Further(sweep)(ended) == ()
-    assert Further(sweep).unmet(ended) == []
+    assert AdaptiveReplicates(sweep)({}) == expand(sweep)
+    assert AdaptiveReplicates(sweep)(ended) == ()
+    assert AdaptiveReplicates(sweep).unmet(ended) == []
 
 
 def test_every_point_gets_to_its_precision(tmp_path: Path) -> None:
     sweep = _sweep(tmp_path)
     ended = _carried_out(sweep)
-    assert Further(sweep).unmet(ended) == []
+    assert AdaptiveReplicates(sweep).unmet(ended) == []
     assert len(ended) > 16
     for case in sweep.cases:
         points = points_of([case], 200)
@@ -85,10 +85,10 @@ def test_neither_order_nor_restarts_change_what_is_run(tmp_path: Path) -> None:
     assert _carried_out(sweep, shuffle=7) == straight
     ended: Figures = {}
     # A restart after every third run.
-    while points := Further(sweep)(ended):
+    while points := AdaptiveReplicates(sweep)(ended):
         ended |= {point.run_id: _figures(point) for point in points[:3]}
     assert ended == straight
-    again = Further(sweep)
+    again = AdaptiveReplicates(sweep)
     assert again(ended) == ()
     assert {point.run_id for point in again.points} == set(straight)
     assert [point.replicate for point in again.points].count(0) == len(sweep.cases)
@@ -107,7 +107,7 @@ def test_a_point_that_never_gets_there_ends_at_the_most_and_is_told(tmp_path: Pa
     sweep = _sweep(tmp_path, precision=0.001, most=20)
     ended = _carried_out(sweep)
     assert len(ended) == 40
-    unmet = Further(sweep).unmet(ended)
+    unmet = AdaptiveReplicates(sweep).unmet(ended)
     assert [point.values for point in unmet] == [case.values for case in sweep.cases]
     assert all(point.replicates == 20 and 0.001 < point.reached < 0.2 for point in unmet)
 

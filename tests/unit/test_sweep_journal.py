@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from rubnoise.sweep import journal as journals
-from rubnoise.sweep.journal import Entry, Journal, entries
-from rubnoise.sweep.rows import Row
+from rubnoise.sweep.journal import Entry, Journal, RunRow, entries
 
 FIGURES = {"real_contact_area_mean": pi, "real_contact_area_std": 0.1 + 0.2, "far": 1e-300}
 DONE = Entry(
-    run_id="0123456789abcdef", state="done", row=Row(run_id="0123456789abcdef", file="runs/a.h5", figures=FIGURES)
+    run_id="0123456789abcdef", state="done", row=RunRow(run_id="0123456789abcdef", file="runs/a.h5", figures=FIGURES)
 )
 FAILED = Entry(run_id="fedcba9876543210", state="failed", reason='no room: "a\nb" \u00b5')
 
@@ -33,7 +32,7 @@ def test_entries_come_back_to_the_last_bit(tmp_path: Path) -> None:
 
 def test_arrays_come_back_too(tmp_path: Path) -> None:
     arrays = {"spectrum": np.array([1.5, np.nan, inf]), "counts": np.arange(6, dtype=np.int64).reshape(2, 3)}
-    row = Row(run_id="a", arrays=arrays, of_point={"place": np.linspace(0.0, 1.0, 3)})
+    row = RunRow(run_id="a", arrays=arrays, of_point={"place": np.linspace(0.0, 1.0, 3)})
     _written(tmp_path / "j", Entry(run_id="a", state="done", row=row))
     [found] = entries(tmp_path / "j")
     assert found.row is not None

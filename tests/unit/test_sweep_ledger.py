@@ -12,14 +12,11 @@ import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.points import Point
 from rubnoise.storage import disk, writer
-from rubnoise.storage import survey as survey_module
+from rubnoise.storage import read_structure as structure_module
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.found import found_run
-from rubnoise.sweep.journal import Journal, entries
-from rubnoise.sweep.ledger import Ledger
-from rubnoise.sweep.rows import Row
-from rubnoise.sweep.stock import Stock
+from rubnoise.sweep.journal import Journal, RunRow, entries
+from rubnoise.sweep.run_status import RunStatus, StatusLog, found_run
 from tests.unit.sweeps import sweep_of
 
 SHORT = "[sweep]\nreplicates = 3\n"
@@ -39,13 +36,13 @@ def folder(tmp_path: Path) -> SweepFolder:
 
 
 @pytest.fixture
-def ledger(folder: SweepFolder) -> Iterator[Ledger]:
+def ledger(folder: SweepFolder) -> Iterator[StatusLog]:
     with Journal(folder.journal(None)) as journal:
-        yield Ledger(folder, journal, Stock.of(folder, None))
+        yield StatusLog(folder, journal, RunStatus.of(folder, None))
 
 
-def _made(point: Point, folder: SweepFolder, ledger: Ledger) -> Path:
-    ledger.done(keep_run(point, root=folder.root, command=("x",), durable=False), settled=False)
+def _made(point: Point, folder: SweepFolder, ledger: StatusLog) -> Path:
+    ledger.done(keep_run(point, root=folder.root, command=("x",), durable=False), synced=False)
     return folder.run(point.run_id)
 
 
@@ -54,7 +51,7 @@ def _left(point: Point, folder: SweepFolder) -> Path:
     return folder.root / keep_run(point, root=folder.root, command=("x",), durable=False).file
 
 
-def _recovered(point: Point, folder: SweepFolder, ledger: Ledger) -> Row | None:
+def _recovered(point: Point, folder: SweepFolder, ledger: StatusLog) -> RunRow | None:
     return found_run(point, root=folder.root, begun=point.run_id in ledger.stock.begun)
 
 
@@ -63,7 +60,7 @@ def _told(folder: SweepFolder) -> list[tuple[str, str]]:
 
 
 def test_runs_wait_for_the_disk_together_and_are_written_down_then(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger, monkeypatch: pytest.MonkeyPatch
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     calls: list[str] = []
     monkeypatch.setattr(writer, "COMMIT_SECONDS", 1e9)  # a run that others keep from the processor would wait itself
@@ -76,10 +73,10 @@ def test_runs_wait_for_the_disk_together_and_are_written_down_then(
         _made(point, folder, ledger)
     assert calls == []
     assert _told(folder) == begun
-    assert not ledger.settle()
+    assert not ledger.sync()
     assert calls == ["sync 2", "sync 2", "sync_folder 2"]
     assert _told(folder) == begun + [(point.run_id, "done") for point in points[:2]]
-    assert not ledger.settle()
+    assert not ledger.sync()
     assert len(calls) == 3
 
 
@@ -93,7 +90,7 @@ def test_a_run_alone_waits_for_the_disk(
 
 
 def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger, monkeypatch: pytest.MonkeyPatch
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ledger.begin(points[:2])
     good, bad = (_made(point, folder, ledger) for point in points[:2])
@@ -105,7 +102,7 @@ def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
         return reopen(path)
 
     monkeypatch.setattr(disk, "reopen", failing)
-    assert ledger.settle()
+    assert ledger.sync()
     assert _told(folder)[2:] == [(good.stem, "done"), (bad.stem, "failed")]
     assert (set(ledger.stock.done), set(ledger.stock.failed)) == ({good.stem}, {bad.stem})
     *_, last = entries(folder.journal(None))
@@ -114,17 +111,17 @@ def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
 
 
 def test_only_what_had_no_file_is_begun_and_once(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog
 ) -> None:
     folder.run(points[0].run_id).write_bytes(b"mine")
     ledger.begin(points)
     ledger.begin(points)
     assert _told(folder) == [(point.run_id, "begun") for point in points[1:]]
-    assert Stock.of(folder, None).begun == {point.run_id for point in points[1:]}
+    assert RunStatus.of(folder, None).begun == {point.run_id for point in points[1:]}
 
 
 def test_torn_results_of_runs_that_were_begun_go_and_others_stay(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog
 ) -> None:
     stranger, torn, whole = (folder.run(point.run_id) for point in points)
     stranger.write_bytes(b"mine")
@@ -142,7 +139,7 @@ def test_torn_results_of_runs_that_were_begun_go_and_others_stay(
 
 
 def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog
 ) -> None:
     path = _left(points[0], folder)
     with rubnoise.open(path) as run:
@@ -160,7 +157,7 @@ def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
 
 
 def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog
 ) -> None:
     ledger.begin(points)
     path = _left(points[0], folder)
@@ -180,18 +177,18 @@ def test_parts_without_a_commit_go_and_second_names_too_unless_somebody_writes(
 
 
 def test_a_whole_result_stays_when_whoever_looks_at_it_is_killed(
-    points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger, monkeypatch: pytest.MonkeyPatch
+    points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ledger.begin(points)
     path = _left(points[0], folder)
     with monkeypatch.context() as patches:
-        patches.setattr(survey_module, "survey", lambda _: os.kill(os.getpid(), signal.SIGKILL))
+        patches.setattr(structure_module, "read_structure", lambda _: os.kill(os.getpid(), signal.SIGKILL))
         assert _recovered(points[0], folder, ledger) is None
     assert path.exists()
     assert _recovered(points[0], folder, ledger) is not None
 
 
-def test_a_whole_result_of_another_run_stays(points: tuple[Point, ...], folder: SweepFolder, ledger: Ledger) -> None:
+def test_a_whole_result_of_another_run_stays(points: tuple[Point, ...], folder: SweepFolder, ledger: StatusLog) -> None:
     ledger.begin(points)
     path = _left(points[1], folder).rename(folder.run(points[0].run_id))
     assert _recovered(points[0], folder, ledger) is None

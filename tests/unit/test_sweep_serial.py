@@ -11,7 +11,7 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.scenario.sweep import expand
-from rubnoise.sweep.serial import Measure, measured, run_points
+from rubnoise.sweep.execution import Measure, measured, run_points
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit.sweeps import sweep_of

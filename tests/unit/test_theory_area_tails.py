@@ -5,8 +5,8 @@ import pytest
 
 from rubnoise.contact.laws import Fixed, Law, Lognormal, Normal
 from rubnoise.contact.pulses import LENS
-from rubnoise.theory.area_tails import area_tails
 from rubnoise.theory.distribution import distribution
+from rubnoise.theory.inversion import area_tails
 from rubnoise.theory.live_area import live_area
 from tests.unit.theory_models import model_of
 

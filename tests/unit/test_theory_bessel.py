@@ -4,8 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.theory.bessel import hankel_modulus, hankel_without_swing, y1
-from rubnoise.theory.error_function import complementary_error
+from rubnoise.theory.quadrature import complementary_error
+from rubnoise.theory.transform_lens import hankel_modulus, hankel_without_swing, y1
 
 PLACES = np.array([32.0, 33.3, 40.0, 77.7, 160.0, 1e3, 12345.6, 1e6])
 

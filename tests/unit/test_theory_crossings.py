@@ -15,8 +15,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.junction_response import junction_response
-from rubnoise.theory.motion_cumulants import motion_cumulants
+from rubnoise.theory.motion_cumulants import junction_response, motion_cumulants
 from rubnoise.theory.response import response
 from tests.models import model as scenario_model
 from tests.models import recorded

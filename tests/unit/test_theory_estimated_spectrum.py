@@ -9,11 +9,17 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.estimated_spectrum import (
+    Segments,
+    bin_covariances,
+    correlation_reach,
+    cross_spectrum,
+    expected_periodogram,
+    tick_covariance,
+    welch_errors,
+)
 from rubnoise.theory.quadrature import size_range
-from rubnoise.theory.segments import bin_covariances, correlation_reach, cross_spectrum, tick_covariance
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
-from rubnoise.theory.welch import Segments, welch_errors
 from tests.unit.drawn_records import Doubles, drawn_trace, periodograms
 from tests.unit.theory_models import model_of, one_size
 from tests.verification.seeds import seed_of

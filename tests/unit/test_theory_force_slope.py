@@ -9,7 +9,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.correlation import force_autocovariance
-from rubnoise.theory.force_slope import force_slope_std
+from rubnoise.theory.coupling import force_slope_std
 from tests.unit.regular_models import regular
 from tests.unit.theory_models import model_of, one_size, paper_model
 

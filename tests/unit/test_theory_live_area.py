@@ -7,8 +7,8 @@ import pytest
 from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal
 from rubnoise.contact.overlap import junction_area
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.theory.distribution import pair_area
 from rubnoise.theory.live_area import live_area
-from rubnoise.theory.pair_area import pair_area
 from tests.oracle.slow_distribution import level
 
 ONE_SIZE = Fixed(value=2.0)

@@ -8,9 +8,15 @@ from rubnoise.contact.laws import Normal
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.one_sided import half_power_wavenumber, one_sided_density, one_sided_density_per_cycle, tail
 from rubnoise.theory.quadrature import panels
-from rubnoise.theory.spectrum import density_at_zero, spectral_density
+from rubnoise.theory.spectrum import (
+    density_at_zero,
+    half_power_wavenumber,
+    one_sided_density,
+    one_sided_density_per_cycle,
+    spectral_density,
+    tail,
+)
 from tests.unit.theory_models import model_of, one_size, paper_model
 
 PULSES = pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from rubnoise.theory.piecewise import NODES, Piecewise, series
-from rubnoise.theory.point_transform import point_transform
+from rubnoise.theory.inversion import point_transform
+from rubnoise.theory.live_area import NODES, Piecewise, series
 from rubnoise.theory.quadrature import panels
 
 

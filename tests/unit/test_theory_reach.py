@@ -5,7 +5,7 @@ import pytest
 
 from rubnoise.contact.laws import Normal
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.reach import covariance_reach
+from rubnoise.theory.lags import covariance_reach
 from tests.unit.theory_models import paper_model
 
 

@@ -10,9 +10,9 @@ from rubnoise.contact.laws import Lognormal
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory import phases
+from rubnoise.theory import regular_births
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
-from rubnoise.theory.lines import spectral_lines
+from rubnoise.theory.regular_births import spectral_lines
 from rubnoise.theory.sampling import standard_errors
 from tests.unit.regular_models import drawn, regular
 from tests.unit.size_laws import Gamma, LogNormal
@@ -126,8 +126,8 @@ def test_cumulants_grow_with_the_number_of_lives(law: LogNormal, count: int) -> 
 
 def ripple(model: Model) -> tuple[Doubles, Doubles]:
     """Return the mean area given the phase, about its mean, and the probabilities of the phases."""
-    places, probabilities = phases.phase_rule(model)
-    found = phases.cumulant_ripple(model, places, (1.0,) * 7)[0]
+    places, probabilities = regular_births.phase_rule(model)
+    found = regular_births.cumulant_ripple(model, places, (1.0,) * 7)[0]
     return found - found @ probabilities, probabilities
 
 
@@ -136,7 +136,7 @@ def ripple(model: Model) -> tuple[Doubles, Doubles]:
 def test_old_lives_may_be_left_out_of_the_ripple(count: float, spread: float, monkeypatch: pytest.MonkeyPatch) -> None:
     model = regular(count, spread)
     windowed = ripple(model)[0]
-    monkeypatch.setattr(phases, "_sharp_until", lambda model: 1e9)
+    monkeypatch.setattr(regular_births, "_sharp_until", lambda model: 1e9)
     np.testing.assert_allclose(windowed, ripple(model)[0], atol=1e-12 * area_cumulants(model).mean)
 
 

@@ -7,15 +7,15 @@ from numpy.typing import NDArray
 from rubnoise.contact.laws import Lognormal
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
-from rubnoise.theory import regular_count
+from rubnoise.theory import regular_births
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance, force_autocovariance, unphased_covariance
 from rubnoise.theory.exact import exact
 from rubnoise.theory.lags import lag_edges, longest_life
-from rubnoise.theory.lines import line_covariance, spectral_lines
 from rubnoise.theory.motion_errors import mean_displacement_error, mean_force_error
 from rubnoise.theory.occupancy import count_covariance, count_variance, mean_count, mean_count_error
 from rubnoise.theory.quadrature import panels
+from rubnoise.theory.regular_births import line_covariance, spectral_lines
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import mean_area_error, variance_of_time_mean
 from rubnoise.theory.spectrum import density_at_zero, force_spectral_density, spectral_density
@@ -70,7 +70,7 @@ def test_lives_of_many_spacings_are_summed_as_lines(spread: float, monkeypatch: 
     model = regular(200.0, spread)
     lags = np.array([0.0, 0.013, 0.05, 1.0, 5.0])
     summed = count_covariance(model, lags)
-    monkeypatch.setattr(regular_count, "_MOST_SUMMED", 10)
+    monkeypatch.setattr(regular_births, "_MOST_SUMMED", 10)
     np.testing.assert_allclose(count_covariance(model, lags), summed, atol=1e-9)
 
 

@@ -8,12 +8,12 @@ from rubnoise.contact.laws import Lognormal
 from rubnoise.errors import Refused
 from rubnoise.model import Slider
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.lines import spectral_lines
 from rubnoise.theory.quadrature import panels
-from rubnoise.theory.response import response
-from rubnoise.theory.response_spectrum import (
+from rubnoise.theory.regular_births import spectral_lines
+from rubnoise.theory.response import (
     displacement_spectrum,
     displacement_spectrum_per_hertz,
+    response,
     velocity_spectrum,
 )
 from rubnoise.theory.spectrum import density_at_zero

@@ -6,7 +6,7 @@ import pytest
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Model
-from rubnoise.theory.visible_lines import visible_lines
+from rubnoise.theory.spectrum import visible_lines
 from tests.unit.theory_models import one_size
 
 

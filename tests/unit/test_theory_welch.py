@@ -7,8 +7,7 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.welch import Segments, welch_covariance, welch_errors
+from rubnoise.theory.estimated_spectrum import Segments, expected_periodogram, welch_covariance, welch_errors
 from tests.unit.drawn_records import Doubles, drawn_trace, periodograms
 from tests.unit.theory_models import model_of, one_size
 from tests.verification.seeds import seed_of

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from rubnoise.analysis.verifying import forces
 from rubnoise.analysis.verifying.areas import add_areas, lens_fraction
 from rubnoise.analysis.verifying.contact import FORMULA
+from rubnoise.analysis.verifying.findings import Notes
 from rubnoise.analysis.verifying.forces import force_moments
 from rubnoise.analysis.verifying.motion import cell_motion
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Slider
 from rubnoise.simulation.propagator import propagator

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rubnoise.analysis.where import DEEPEST, ConditionRefused, condition
-from rubnoise.analysis.where_tokens import LONGEST
+from rubnoise.analysis.where import DEEPEST, LONGEST, ConditionRefused, condition
 from rubnoise.storage.schema import JUNCTIONS
 
 ROWS: dict[str, Any] = {

@@ -20,7 +20,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.run import extent
-from rubnoise.storage.budget import _when_grown
+from rubnoise.storage.forecast import _when_grown
 from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.response import response

@@ -32,7 +32,7 @@ MUTANTS = (
     one(
         "runs written down before the disk has them",
         "test_runs_wait_for_the_disk_together_and_are_written_down_then",
-        "if settled: self._journal.add(",
+        "if synced: self._journal.add(",
         "if True:\n    self._journal.add(",
     ),
     one(

@@ -10,9 +10,9 @@ import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.points import Point
 from rubnoise.storage.output import OutputPaths
-from rubnoise.storage.together import settle
+from rubnoise.storage.sync_many import sync_many
 from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.found import found_run
+from rubnoise.sweep.run_status import found_run
 from survival.child import committing
 from survival.finding import Outcome
 from survival.recording import Recording
@@ -62,7 +62,7 @@ def recorded(story: Story, seconds: float) -> Recording:
             done = 0
             for number in TOGETHER:
                 waiting = [_made(next(points), folder) for _ in range(number)]
-                settle(waiting)
+                sync_many(waiting)
                 recording.note("done", done := done + number)
         return recording
 

@@ -7,12 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, shared_variance
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.spectrum import spectral_density
-
-Doubles = NDArray[np.float64]
 
 _FIRST_BIN = 3
 _SIZES = 32

@@ -4,12 +4,10 @@ from collections.abc import Callable
 from math import ceil, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.records import RecordTooShort
-
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 FEWEST_BATCHES = 30
 """Batches from which a standard error is told: it is then known to 13 %, 1/sqrt(2 n)."""

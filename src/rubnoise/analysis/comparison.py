@@ -11,8 +11,7 @@ from rubnoise.analysis.comparing.lives import Lives, life_findings
 from rubnoise.analysis.comparing.motion import first_tick, motion_findings
 from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
 from rubnoise.analysis.comparing.rows import panels
-from rubnoise.analysis.comparing.sizes import Marks, mark_findings
-from rubnoise.analysis.comparing.start import Start, start_findings
+from rubnoise.analysis.comparing.sizes import Marks, Start, mark_findings, start_findings
 from rubnoise.analysis.comparing.trace import TraceSums, read_trace
 from rubnoise.analysis.comparing.two_way import Path, mean_force_findings, two_way_identities
 from rubnoise.analysis.records import RecordTooShort

@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 
 def autocovariance(values: Doubles, reach: int) -> Doubles:

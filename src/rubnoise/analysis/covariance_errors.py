@@ -5,18 +5,16 @@ from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.batch_means import batch_length, error_of_mean
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.analysis.records import RecordTooShort
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import size_rule
-
-Doubles = NDArray[np.float64]
 
 _GRID = 1024
 _SIZES = 32

@@ -1,9 +1,8 @@
 """The autocovariance of a stream of values at every lag up to some reach, by transforms of one stretch at a time."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 _STRETCHES_A_REACH = 4
 _SHORTEST = 4096

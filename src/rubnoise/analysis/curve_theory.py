@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.bands import Band, band_powers
 from rubnoise.analysis.covariance_errors import covariance_errors
@@ -14,15 +13,14 @@ from rubnoise.analysis.run_layout import BANDS, BINS, LAGS, RunLayout
 from rubnoise.analysis.run_summary import filled_up
 from rubnoise.analysis.spectra import Spectrum, hann
 from rubnoise.analysis.summary import FEWEST_LIVES
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.estimated_spectrum import expected_periodogram, segment_wavenumbers
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.sampling import variance_of_time_mean
-
-Doubles = NDArray[np.float64]
 
 FEWEST_TICKS_A_LIFE = 8
 """Ticks to a mean life below which errors of autocovariance and spectrum, made for a continuous record, do not hold."""

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
-
-Doubles = NDArray[np.float64]
 
 
 class FrictionIntegral:

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rubnoise.analysis.batch_means import batch_length, error_of_mean
-
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 BINS = 60
 

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.batch_means import FEWEST_BATCHES
 from rubnoise.analysis.histogram import Histogram
-
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 
 class HistogramSum:

@@ -3,11 +3,9 @@
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement, normal_deviate
-
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 FEWEST = 10
 """Independent values from which a distance is told at all."""

@@ -6,9 +6,10 @@ from math import ceil, isnan
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from rubnoise.analysis.neighbours import Neighbours, check_lives, neighbours
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
@@ -17,8 +18,6 @@ from rubnoise.units import LENGTH, QuantityError, read_quantity
 
 STEPS: Final = 100
 """Points of a curve to a diameter of sliding, so that a whole life has 201 with mid-life among them."""
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

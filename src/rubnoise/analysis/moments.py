@@ -4,15 +4,13 @@ from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.batch_means import batch_length, error_of_mean
 from rubnoise.analysis.records import Estimate, RecordTooShort, longer
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.record.tally import Moments
 from rubnoise.theory.sampling import StandardErrors, standard_errors
-
-Doubles = NDArray[np.float64]
 
 FEWEST_LIVES = 50
 FEWEST_BIRTHS = 1000

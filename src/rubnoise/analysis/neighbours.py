@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.selection import PANEL_ROWS, gather
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
-from rubnoise.storage.pulse import stored_pulse
-
-Doubles = NDArray[np.float64]
+from rubnoise.storage.life_curve import stored_pulse
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

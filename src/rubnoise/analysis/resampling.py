@@ -6,7 +6,8 @@ from math import ceil
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+
+from rubnoise.arrays import Doubles
 
 MOST: Final = 4096
 """Numerator and denominator of a ratio of sample rates at most."""
@@ -21,7 +22,6 @@ RIPPLE: Final = 2e-5
 _SHAPE: Final = 10.06  # Kaiser's beta for 100 dB, 0.1102 (100 - 8.7)
 _OUTPUTS: Final = 65_536
 _SPARED: Final = 4
-Doubles = NDArray[np.float64]
 
 
 def rate_ratio(source: float, target: float) -> Fraction:

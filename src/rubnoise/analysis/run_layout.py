@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.bands import bands_of
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.spectrum import spectral_density
-
-Doubles = NDArray[np.float64]
 
 BINS: Final = 64
 BANDS: Final = 128

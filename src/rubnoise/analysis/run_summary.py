@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.covariance_sum import CovarianceSum
@@ -12,12 +11,11 @@ from rubnoise.analysis.histogram_sum import HistogramSum
 from rubnoise.analysis.run_layout import BANDS, BINS, LAGS, RunLayout
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.analysis.summary import summarise
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.record.tally import Tally
 from rubnoise.theory.campbell import area_cumulants
-
-Doubles = NDArray[np.float64]
 
 CURVES: Final = {"histogram": BINS, "histogram_standard_error": BINS, "spectrum": BANDS, "autocovariance": LAGS}
 """The curves of a summary, and how many numbers each has; those left over are nan."""

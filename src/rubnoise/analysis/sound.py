@@ -6,11 +6,11 @@ from fractions import Fraction
 from typing import Final, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.resampling import MOST, input_count, output_count, rate_ratio, resampled
 from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.analysis.stored_model import stored_model
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.record.tally import Moments
@@ -29,7 +29,6 @@ PANEL_ROWS: Final = 65_536
 _SEGMENTS: Final = 8
 _MOST_TICKS: Final = 1 << 17
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
-Doubles = NDArray[np.float64]
 Between = Callable[[], None]
 
 

@@ -5,11 +5,9 @@ from math import inf, sqrt
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from rubnoise.analysis.records import RecordTooShort
-
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 FEWEST_SEGMENTS = 30
 """Segments from which a spectrum has standard errors of its own, from the differences between them."""

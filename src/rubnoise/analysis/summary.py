@@ -23,7 +23,7 @@ from rubnoise.theory.motion_errors import (
     motion_errors,
 )
 from rubnoise.theory.occupancy import mean_count_error
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
 

@@ -15,7 +15,7 @@ from rubnoise.api.contents import Contents
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused, ScenarioRefused
 from rubnoise.record.reader import Rows
-from rubnoise.storage.pulse import stored_pulse
+from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
 

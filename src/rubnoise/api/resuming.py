@@ -18,11 +18,10 @@ from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import Engine, check_guests, extent
 from rubnoise.simulation.state import State
-from rubnoise.storage.budget import expected
+from rubnoise.storage.forecast import expected
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, check_output, sole_writer
-from rubnoise.storage.resuming import examined, settle
-from rubnoise.storage.unfinished import paths_of
+from rubnoise.storage.resume import examined, paths_of, publish_complete
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
 
@@ -109,7 +108,7 @@ def go_on(
     paths = OutputPaths.of(path)
     try:
         with sole_writer(paths):
-            whole = settle(paths, _check, force=force)
+            whole = publish_complete(paths, _check, force=force)
         if not whole:
             scenario = _scenario(description, f"{path}.part", engine)
             check_guests(scenario.model(), cast(Engine, scenario.run.engine), observe, intervene)

@@ -20,7 +20,7 @@ from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import Engine, check_guests, extent
 from rubnoise.simulation.run import simulate as run_model
-from rubnoise.storage.budget import check_memory, check_room, expected
+from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.output import check_output
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
@@ -80,7 +80,7 @@ def run(
     check_output(path, force=force, unfinished=True)
     scenario = _seeded(scenario, seed)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
-    check_room(scenario, expected(scenario), path)
+    check_disk_space(scenario, expected(scenario), path)
     begun = None if force else interrupted(scenario, path)
     if begun is not None:
         return go_on(path, begun, engine=scenario.run.engine, watch=watch, observe=observe, intervene=intervene)

@@ -10,11 +10,11 @@ from rubnoise.model import Model
 from rubnoise.scenario.points import Point
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.run import Engine, simulate
-from rubnoise.sweep.orders import ORDERS
-from rubnoise.sweep.rows import Row
+from rubnoise.sweep.journal import RunRow
+from rubnoise.sweep.pool import CANCELLATION
 
 
-def keep_summary(point: Point, *, watch: Watch = ORDERS.check) -> Row:
+def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
     """Carry out one run of a sweep and return what it comes to, without a trace of it anywhere.
 
     The arrays are those of `rubnoise.analysis.run_summary.CURVES`; ``watch`` is told after each panel and may raise,
@@ -28,7 +28,7 @@ def keep_summary(point: Point, *, watch: Watch = ORDERS.check) -> Row:
     for figure in summary.figures:
         figures |= figure.as_attributes()
     of_point = summary_theory(model) if point.replicate == 0 else {}
-    return Row(run_id=point.run_id, figures=figures, arrays=summary.curves, of_point=of_point)
+    return RunRow(run_id=point.run_id, figures=figures, arrays=summary.curves, of_point=of_point)
 
 
 def summary_theory(model: Model) -> dict[str, NDArray[Any]]:

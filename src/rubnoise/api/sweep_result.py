@@ -1,4 +1,4 @@
-"""The folder of a sweep, opened."""
+"""The folder of a sweep, opened: its points, runs and figures as columns, and as a labelled array of xarray."""
 
 import json
 import os
@@ -17,8 +17,7 @@ from rubnoise.api.columns import Columns
 from rubnoise.api.result import Run
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
-from rubnoise.storage.index_file import IndexFile, open_index
-from rubnoise.storage.named_run import open_named
+from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
 
 if TYPE_CHECKING:
@@ -203,8 +202,7 @@ class SweepResult:
         has all runs in one row instead. Raises ExtraMissing without xarray.
         """
         with needing("analysis", "to_xarray"):
-            from rubnoise.api import sweep_labelled
-        return sweep_labelled.dataset(self)
+            return labelled(self)
 
     def __repr__(self) -> str:
         if self._file.closed:
@@ -232,3 +230,72 @@ def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
     except OSError as problem:
         raise RunFileRefused(f"{index}: {str(problem.strerror).lower()}") from problem
     return SweepResult(open_index(index))
+
+
+REPLICATE: Final = "replicate"
+SIDE_BY_SIDE: Final = "side_by_side"
+TEXTS: Final = ("run_id", "file", "state")
+NUMBERS: Final = ("seed",)
+
+
+def labelled(sweep: "SweepResult") -> Any:
+    """Return the runs of a sweep on the grid of its keys and replicates, as xarray has it."""
+    import xarray as xr
+
+    axes = {key: _axis(sweep.points[key][:]) for key in sweep.grid}
+    if sweep.side_by_side:
+        axes[SIDE_BY_SIDE] = _rows_of(sweep)
+    point = sweep.runs["point"][:]
+    places = {name: places[point] for name, (_, places) in axes.items()}
+    places[REPLICATE] = sweep.runs[REPLICATE][:]
+    shape = {name: len(values) for name, (values, _) in axes.items()} | {
+        REPLICATE: int(places[REPLICATE].max(initial=0)) + 1
+    }
+    variables = {
+        name: xr.Variable(tuple(shape), _spread(sweep.runs[name][:], shape, places), sweep.runs[name].attributes)
+        for name in (*TEXTS, *NUMBERS, *_figures(sweep))
+    }
+    return xr.Dataset(variables, coords=_coordinates(sweep, axes), attrs={"title": sweep.title})
+
+
+def _figures(sweep: "SweepResult") -> list[str]:
+    return [name for name in sweep.runs.names if name.startswith(sweep.figures)] if sweep.figures else []
+
+
+def _axis(values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Return the values of a key in the order in which they come, and which of them every point has."""
+    _, first, inverse = np.unique(values, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return values[first[order]], np.argsort(order)[inverse]
+
+
+def _rows_of(sweep: "SweepResult") -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """Return the rows of the keys that go side by side, numbered in the order in which they come."""
+    numbers: dict[tuple[Any, ...], int] = {}
+    columns = (sweep.points[key][:] for key in sweep.side_by_side)
+    places = [numbers.setdefault(row, len(numbers)) for row in zip(*columns, strict=True)]
+    return np.arange(len(numbers)), np.array(places, dtype=np.int64)
+
+
+def _spread(values: NDArray[Any], shape: Mapping[str, int], places: Mapping[str, NDArray[np.int64]]) -> NDArray[Any]:
+    """Return values on the grid; where no run is, nan, an empty text, or -1."""
+    missing: Any = np.nan if values.dtype.kind == "f" else "" if values.dtype.kind == "U" else -1
+    grid: NDArray[Any] = np.full(tuple(shape.values()), missing, dtype=values.dtype)
+    grid[tuple(places[name] for name in shape)] = values
+    return grid
+
+
+def _coordinates(sweep: "SweepResult", axes: Mapping[str, tuple[NDArray[Any], NDArray[np.int64]]]) -> dict[str, Any]:
+    import xarray as xr
+
+    coordinates: dict[str, Any] = {
+        name: xr.Variable((name,), values, sweep.points[name].attributes if name in sweep.keys else {})
+        for name, (values, _) in axes.items()
+    }
+    if sweep.side_by_side:
+        _, places = axes[SIDE_BY_SIDE]
+        _, first = np.unique(places, return_index=True)
+        for key in sweep.side_by_side:
+            column = sweep.points[key]
+            coordinates[key] = xr.Variable((SIDE_BY_SIDE,), column[:][first], column.attributes)
+    return coordinates

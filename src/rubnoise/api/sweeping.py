@@ -19,23 +19,22 @@ from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.storage.budget import check_sweep_room, expected, together
+from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
-from rubnoise.sweep.conducting import Ending, Means, Standing, conduct
-from rubnoise.sweep.engine import Workers
+from rubnoise.sweep.conduct import SweepMeans, SweepOutcome, SweepProgress, conduct
+from rubnoise.sweep.execution import Workers
 from rubnoise.sweep.folder import Shard, SweepFolder
-from rubnoise.sweep.found import found_run
-from rubnoise.sweep.orders import ORDERS
-from rubnoise.sweep.pool import Pool
-from rubnoise.sweep.rows import Row
+from rubnoise.sweep.journal import RunRow
+from rubnoise.sweep.pool import CANCELLATION, Pool
+from rubnoise.sweep.run_status import found_run
 
 MOST_JOBS: Final = 1024
 PATIENCE: Final = 60.0
 BETWEEN: Final = 0.2
 """Seconds that a run waits for another process to be done with its file, and between two looks at it."""
 
-Watch = Callable[[Standing], None]
+Watch = Callable[[SweepProgress], None]
 
 
 def run_sweep(
@@ -70,7 +69,7 @@ def carry_out(
     security: Any = None,
     command: Sequence[str] | None = None,
     watch: Watch = lambda _standing: None,
-) -> Ending:
+) -> SweepOutcome:
     """Carry out a sweep, and return what became of it; see run_sweep.
 
     ``command`` is what its results say was called, ``watch`` is told how far it is, and may raise RunStopped.
@@ -81,13 +80,13 @@ def carry_out(
     place.check()
     command = tuple(command or [Path(sys.argv[0]).name, *sys.argv[1:]])
     here = 0 if cluster is not None else jobs or processors()
-    means = Means(
+    means = SweepMeans(
         work=_work(sweep, place, command, durable=cluster is not None),
         workers=workers,
         recover=partial(found_run, root=place.root) if sweep.keep == "runs" else None,
         affordable=partial(_check_room, sweep, place, here),
         watch=watch,
-        settled=cluster is not None or sweep.keep == "summary",
+        synced=cluster is not None or sweep.keep == "summary",
     )
     return conduct(place, sweep, means, shard=part, command=join(command))
 
@@ -109,7 +108,7 @@ def _workers(jobs: int | None, cluster: str | None, security: Any) -> Callable[[
     return partial(Pool, processors() if jobs is None else index(jobs))
 
 
-def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Callable[[Point], Row]:
+def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Callable[[Point], RunRow]:
     if sweep.keep == "summary":
         return keep_summary
     return partial(keep_run, root=folder.root, command=tuple(command), durable=durable)
@@ -117,7 +116,7 @@ def _work(sweep: Sweep, folder: SweepFolder, command: Sequence[str], *, durable:
 
 def keep_run(
     point: Point, *, root: Path, command: Sequence[str], patience: float = PATIENCE, durable: bool = True
-) -> Row:
+) -> RunRow:
     """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
 
     What an earlier attempt left unfinished is gone on with. A file that somebody writes just now, such as a worker that
@@ -132,22 +131,22 @@ def keep_run(
         except OutputInUse:
             if time.monotonic() >= last:
                 raise
-            ORDERS.check(0.0, 0, 0)
+            CANCELLATION.check(0.0, 0, 0)
             time.sleep(BETWEEN)
     return row
 
 
-def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> Row:
+def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable: bool) -> RunRow:
     path = folder.run(point.run_id)
     if path.exists():
         if (row := found_run(point, root=folder.root)) is not None:
             return row  # somebody else has just made it
         raise OutputRefused(f"{path}: is not the result of this run; move it away, and the same command makes it")
-    with run(point.scenario, path, command=command, watch=ORDERS.check, durable=durable) as result:
+    with run(point.scenario, path, command=command, watch=CANCELLATION.check, durable=durable) as result:
         figures: dict[str, float] = {}
         for figure in result.summary:
             figures |= figure.as_attributes()
-    return Row(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures)
+    return RunRow(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures)
 
 
 def _check_room(sweep: Sweep, folder: SweepFolder, jobs: int, points: Sequence[Point]) -> None:
@@ -157,4 +156,4 @@ def _check_room(sweep: Sweep, folder: SweepFolder, jobs: int, points: Sequence[P
     budget = together((expected(one_of_each[model]), count) for model, count in counts.items())
     if sweep.keep == "summary":
         budget = replace(budget, result_bytes=0, disk_bytes=0)
-    check_sweep_room(budget, folder.root, jobs=min(jobs, len(points)))
+    check_sweep_space(budget, folder.root, jobs=min(jobs, len(points)))

@@ -8,10 +8,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut
+from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes
 from rubnoise.analysis.verifying.forms import command_form, digits_form, moment_form, source_form
 from rubnoise.analysis.verifying.inventories import compare_attributes, compare_structure, shown
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.scenario_text import asked_by
 from rubnoise.errors import RunFileRefused, ScenarioRefused
 from rubnoise.scenario.points import Case, Point, points_of
@@ -22,11 +21,10 @@ from rubnoise.storage.index_file import IndexFile, open_index
 from rubnoise.storage.inventory import expected_index
 from rubnoise.storage.reader import Unseen
 from rubnoise.storage.schema import HASH
-from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.identity import identity
-from rubnoise.sweep.indexing import index_of
+from rubnoise.sweep.folder import SweepFolder, identity
+from rubnoise.sweep.index import index_of
 from rubnoise.sweep.journal import Entry
-from rubnoise.sweep.known import DONE, Known
+from rubnoise.sweep.run_status import DONE, RecordedRuns
 
 INDEX: Final = "index.h5"
 
@@ -101,7 +99,7 @@ def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: 
     points = _points(cases, index)
     states = dict(zip(*(map(str, index.read(RUNS, name)) for name in ("run_id", "state")), strict=True))
     then = AsOfIndex(folder.root, states)
-    known = Known.of(then, points, counts=lambda _entry: True)
+    known = RecordedRuns.of(then, points, counts=lambda _entry: True)
     right, values = expected_index(index_of(then, told, points, known, attributes["command"]))
     found = index.inventory()
     compare_structure(notes, found, right)
@@ -147,9 +145,9 @@ def _points(cases: tuple[Case, ...], index: IndexFile) -> tuple[Point, ...]:
     return tuple(point for case, count in zip(cases, counts, strict=True) for point in points_of([case], int(count)))
 
 
-def _since(folder: SweepFolder, points: tuple[Point, ...], known: Known) -> bool:
+def _since(folder: SweepFolder, points: tuple[Point, ...], known: RecordedRuns) -> bool:
     """Whether the journals call runs done that an index does not."""
-    now = Known.of(folder, points, counts=lambda _entry: True)
+    now = RecordedRuns.of(folder, points, counts=lambda _entry: True)
     return any(state == DONE != before for state, before in zip(now.states, known.states, strict=True))
 
 

@@ -4,8 +4,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from rubnoise.analysis.verifying.findings import Check, LeftOut
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.sweep.folder import SweepFolder
 from rubnoise.sweep.journal import Entry, numbered
 

@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import Any, Final, get_args
 
 from rubnoise.analysis.verification import ResultFile, verify
-from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
+from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes, Verification
 from rubnoise.analysis.verifying.inventories import shown
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.api.verify_index import index_checks
 from rubnoise.api.verify_journals import journal_check
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.scenario.sweep_settings import Keep
-from rubnoise.storage.named_run import name_of
+from rubnoise.storage.index_file import name_of
 from rubnoise.storage.reader import open_run
-from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.identity import cases_of, identity, manifest_text
+from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text
 
 MANIFEST: Final = "sweep.json"
 OWN: Final = frozenset(("index.h5", "merged.h5", MANIFEST, "runs", "journal"))

@@ -9,7 +9,7 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.serial import Measure, run_points
+from rubnoise.sweep.execution import Measure, run_points
 
 Read = Callable[[Model, MemoryRecord], dict[str, float]]
 """Finds named numbers in the record of one run."""

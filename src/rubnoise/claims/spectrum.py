@@ -4,17 +4,15 @@ from collections.abc import Sequence
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import welch
+from rubnoise.arrays import Doubles
 from rubnoise.claims.claim import Claim, Quantity, Verdict, ratio, settled
 from rubnoise.claims.evidence import Evidence, Found, Tell, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
-
-Doubles = NDArray[np.float64]
 
 SCENARIO = "claims/spectrum.toml"
 TAIL = "claims/spectrum_tail.toml"

@@ -39,7 +39,7 @@ def command(
     from rubnoise.figures.animation import Film
     from rubnoise.figures.film import write_film
     from rubnoise.figures.stretch import Stretch
-    from rubnoise.storage.whole import whole_file
+    from rubnoise.storage.output import whole_file
 
     ends = distance("--from", start), distance("--to", stop)
     path = output or Path(f"{file.stem}.gif")

@@ -21,7 +21,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cells import cells_per_tick
-from rubnoise.storage.budget import check_room, counted, expected
+from rubnoise.storage.forecast import check_disk_space, counted, expected
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
@@ -74,7 +74,7 @@ def cost(scenario: Scenario) -> dict[str, float]:
 def shortages(scenario: Scenario, file: Path) -> list[str]:
     """Return what this machine lacks for a run of a scenario file into this folder, if anything."""
     try:
-        check_room(scenario, expected(scenario), f"{file.stem}.h5")
+        check_disk_space(scenario, expected(scenario), f"{file.stem}.h5")
     except Refused as lack:
         return [str(lack)]
     return []

@@ -113,7 +113,7 @@ def _check_places(folder: Path, files: Sequence[Path], *, force: bool) -> None:
 
 
 def _write(file: Path, picture: bytes, *, force: bool) -> None:
-    from rubnoise.storage.whole import whole_file
+    from rubnoise.storage.output import whole_file
 
     with whole_file(file, force=force) as part:
         part.write_bytes(picture)

@@ -1,6 +1,6 @@
 """How an answer tells what a run will take."""
 
-from rubnoise.storage.budget import Budget
+from rubnoise.storage.forecast import Budget
 
 
 def told(budget: Budget) -> dict[str, float]:

@@ -41,7 +41,7 @@ def command(
 
     from rubnoise import api
     from rubnoise.regular_file import is_folder
-    from rubnoise.storage.unfinished import SUFFIX, refusal
+    from rubnoise.storage.resume import SUFFIX, refusal
 
     if is_folder(file):
         _tell_of_sweep(file, figures, over, as_json=as_json)

@@ -6,7 +6,7 @@ from typing import Any
 from rubnoise.cli.layout import grouped, line, printable, size
 from rubnoise.cli.terminal import sentence
 from rubnoise.errors import resume_hint
-from rubnoise.storage.unfinished import look
+from rubnoise.storage.resume import look
 
 
 def contents(file: Path) -> dict[str, Any]:

@@ -111,8 +111,7 @@ def _row(number: str) -> int:
 def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
     from rubnoise.cli.layout import printable
     from rubnoise.figures.life import life_png
-    from rubnoise.storage.output import check_output
-    from rubnoise.storage.whole import whole_file
+    from rubnoise.storage.output import check_output, whole_file
 
     check_output(path, force=force)
     picture = life_png(life, printable(file.name))

@@ -52,9 +52,8 @@ def command(
     from rubnoise.cli.listen_text import comments, told
     from rubnoise.cli.progress import watching
     from rubnoise.cli.results import finished_run
-    from rubnoise.storage.output import check_output
+    from rubnoise.storage.output import check_output, whole_file
     from rubnoise.storage.wave_file import check_length, write_wave
-    from rubnoise.storage.whole import whole_file
 
     for option, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):

@@ -19,7 +19,7 @@ def command(
     from rubnoise.cli.terminal import sentence
     from rubnoise.errors import OutputRefused
     from rubnoise.scenario.template import template
-    from rubnoise.storage.whole import whole_file
+    from rubnoise.storage.output import whole_file
 
     if os.path.lexists(file):
         raise OutputRefused(f"{file}: exists already; choose another name")

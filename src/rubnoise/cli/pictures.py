@@ -25,7 +25,7 @@ def check_picture(path: Path, *, force: bool) -> "Format":
 
 def write_picture(path: Path, draw: "Callable[[Format], bytes]", *, force: bool) -> None:
     """Draw a picture in the format of its file's ending, write the file whole or not at all, and print its name."""
-    from rubnoise.storage.whole import whole_file
+    from rubnoise.storage.output import whole_file
 
     picture = draw(check_picture(path, force=force))
     with whole_file(path, force=force) as part:

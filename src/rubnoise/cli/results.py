@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.unfinished import refusal
+from rubnoise.storage.resume import refusal
 
 
 @contextmanager

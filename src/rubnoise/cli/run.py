@@ -86,7 +86,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
 def _tell_of_going_on(scenario: "Scenario", path: Path) -> None:
     """Say on stderr that a run of this scenario did not finish there, and from where it goes on."""
     from rubnoise.api.resuming import interrupted
-    from rubnoise.storage.unfinished import SUFFIX, look
+    from rubnoise.storage.resume import SUFFIX, look
 
     if interrupted(scenario, path) is not None:
         part = f"{path}{SUFFIX}"
@@ -98,13 +98,13 @@ def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, qu
 
     from rubnoise.cli.foresight import told
     from rubnoise.cli.layout import duration, grouped, line, size
-    from rubnoise.storage.budget import check_room, counted, expected
+    from rubnoise.storage.forecast import check_disk_space, counted, expected
     from rubnoise.storage.output import check_output
 
     check_output(path, force=force, unfinished=True)
-    check_room(scenario, expected(scenario), path)  # births beyond any disk are not even counted
+    check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
-    check_room(scenario, budget, path)
+    check_disk_space(scenario, budget, path)
     foreseen = told(budget)
     if as_json:
         print(json.dumps({"output": str(path), "dry_run": True} | foreseen | {"warnings": list(scenario.warnings)}))

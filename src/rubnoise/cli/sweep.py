@@ -11,7 +11,7 @@ from rubnoise.cli.progress import interrupted_at_once
 
 if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
-    from rubnoise.sweep.conducting import Ending
+    from rubnoise.sweep.conduct import SweepOutcome
 
 
 @interrupted_at_once
@@ -121,12 +121,14 @@ def _security(authority: Path | None, certificate: Path | None, key: Path | None
 
 def _merged(folder: Path) -> Path:
     from rubnoise.sweep.folder import SweepFolder
-    from rubnoise.sweep.merging import merge
+    from rubnoise.sweep.index import merge
 
     return merge(SweepFolder(folder))
 
 
-def _tell(sweep: "Sweep", folder: Path, ending: "Ending", *, merged: Path | None, as_json: bool, quiet: bool) -> None:
+def _tell(
+    sweep: "Sweep", folder: Path, ending: "SweepOutcome", *, merged: Path | None, as_json: bool, quiet: bool
+) -> None:
     import json
 
     answer = contents(sweep, folder, ending, merged)
@@ -138,7 +140,7 @@ def _tell(sweep: "Sweep", folder: Path, ending: "Ending", *, merged: Path | None
         print("\n".join(failures(answer["failures"])), file=sys.stderr)
 
 
-def contents(sweep: "Sweep", folder: Path, ending: "Ending", merged: Path | None) -> dict[str, Any]:
+def contents(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged: Path | None) -> dict[str, Any]:
     """Return what became of a sweep, by name."""
     known = ending.known
     failed = [

@@ -12,7 +12,7 @@ from rubnoise.cli.status import StatusLine
 from rubnoise.errors import RunStopped
 
 if TYPE_CHECKING:
-    from rubnoise.sweep.conducting import Standing
+    from rubnoise.sweep.conduct import SweepProgress
 
 
 class SweepWatcher:
@@ -24,7 +24,7 @@ class SweepWatcher:
         self._began: float | None = None
         self.stopped_by: int | None = None
 
-    def __call__(self, standing: "Standing") -> None:
+    def __call__(self, standing: "SweepProgress") -> None:
         """Take note of how far the sweep is."""
         if self.stopped_by is not None:
             raise RunStopped(self.stopped_by)
@@ -40,7 +40,7 @@ class SweepWatcher:
             raise RunStopped(number)
 
 
-def _text(standing: "Standing", seconds: float) -> str:
+def _text(standing: "SweepProgress", seconds: float) -> str:
     ended = standing.done + standing.failed
     text = f"{ended / max(standing.runs, 1):4.0%}  {ended:,} of {standing.runs:,} runs"
     if standing.failed:

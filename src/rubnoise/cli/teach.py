@@ -35,8 +35,7 @@ def command(
     from rubnoise.lesson.page import page
     from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario.shipped import shipped
-    from rubnoise.storage.output import check_output
-    from rubnoise.storage.whole import whole_file
+    from rubnoise.storage.output import check_output, whole_file
 
     check_output(output, force=force)
     source = file or shipped("paper/fig5.toml")

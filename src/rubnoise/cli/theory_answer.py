@@ -15,8 +15,7 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.lags import longest_life
-from rubnoise.theory.spectrum import spectral_density
-from rubnoise.theory.visible_lines import visible_lines
+from rubnoise.theory.spectrum import spectral_density, visible_lines
 
 CONVENTION: Final = (
     "two-sided, um^4 per rad/um: R(lag) = 1/(2 pi) * integral of S(k) exp(i k lag) dk over k from -inf to inf"

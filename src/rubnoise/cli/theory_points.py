@@ -7,15 +7,13 @@ from math import isfinite
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.cli.layout import printable
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
-from rubnoise.theory.reach import covariance_reach
-
-Doubles = NDArray[np.float64]
+from rubnoise.theory.lags import covariance_reach
 
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 LONGEST_SHOWN: Final = 40

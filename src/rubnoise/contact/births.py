@@ -6,9 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import exponential
-
-Doubles = NDArray[np.float64]
 
 
 class BirthLaw(Protocol):

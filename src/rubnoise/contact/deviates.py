@@ -8,15 +8,10 @@ processors and versions, and with them the whole run.
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.streams import LARGEST_UNIFORM
 
-Doubles = NDArray[np.float64]
-
-# ln 2 in two parts; the first has 32 trailing zero bits, so that exponent * HIGH is exact.
-LN2_HIGH = float.fromhex("0x1.62e42feep-1")
-LN2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 _PER_LN2 = float.fromhex("0x1.71547652b82fep+0")
 _EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))
 
@@ -34,7 +29,7 @@ def _polynomial(coefficients: tuple[float, ...], x: Doubles) -> Doubles:
 def logarithm(x: Doubles) -> Doubles:
     """Return ln x for positive normal numbers, within 2 ulp."""
     # Only who draws waits for the compiler to be loaded, and no one who asks theory.
-    from rubnoise.contact.inversion import logarithms
+    from rubnoise.contact.compiled_deviates import logarithms
 
     result = np.empty(x.shape)
     logarithms(np.ravel(x), result.reshape(-1))
@@ -46,6 +41,8 @@ def antilogarithm(x: Doubles) -> Doubles:
 
     x = k ln 2 + r with |r| <= ln 2 / 2, e^r by its series, and 2^k by exact scaling.
     """
+    from rubnoise.contact.compiled_deviates import LN2_HIGH, LN2_LOW
+
     x = np.maximum(x, -708.0)
     power = np.rint(x * _PER_LN2)
     r = (x - power * LN2_HIGH) - power * LN2_LOW
@@ -61,7 +58,7 @@ def exponential(uniform: Doubles) -> Doubles:
 
 def normal_quantile(probability: Doubles) -> Doubles:
     """Return z with Phi(z) = p for p in (0, 1), relative error about 1e-15 (Wichura 1988, AS 241)."""
-    from rubnoise.contact.inversion import normal_quantiles
+    from rubnoise.contact.compiled_deviates import normal_quantiles
 
     result = np.empty(probability.shape)
     normal_quantiles(np.ravel(probability), result.reshape(-1))

@@ -10,11 +10,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import antilogarithm, normal_above
-
-Doubles = NDArray[np.float64]
 
 _DIGITS = 80
 _PIECES_PER_UNIT = 8  # the pieces are centred on multiples of 1/8

@@ -10,11 +10,11 @@ from math import pi
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact import overlap
 
-Doubles = NDArray[np.float64]
 Shape = Literal["lens", "triangle"]
 
 

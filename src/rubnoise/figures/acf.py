@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 LAGS: Final = 80
 SAMPLES: Final = 400
 LIVES: Final = 1.6
-Doubles = NDArray[np.float64]
 
 
 def acf_figure(stretch: Stretch) -> "Figure":

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.neighbours import neighbours
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import AREA, DISTANCE, entitle, exact_band, legend_above
 from rubnoise.figures.motion import Motion
@@ -29,7 +30,6 @@ DOTS_PER_INCH: Final = 100
 ASPECT: Final = 3.6
 MOST_FRAMES: Final = 1000
 Frame = NDArray[np.uint8]
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,9 +4,9 @@ from math import pi
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.api import simulate
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.figures.sources import Sources
 from rubnoise.figures.style import BLUE, FAINT, INK, VERMILION, new_figure
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 SCENARIO: Final = "fig3.toml"
 DOTS: Final = 36
-Doubles = NDArray[np.float64]
 
 
 def draw(sources: Sources) -> "Figure":

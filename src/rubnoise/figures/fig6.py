@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.api import simulate
+from rubnoise.arrays import Doubles
 from rubnoise.figures.sources import Sources, envelope
 from rubnoise.figures.style import BLUE, VERMILION, new_figure
 from rubnoise.theory.distribution import distribution
@@ -23,7 +24,6 @@ SHOWN: Final = 1000.0
 HIGHEST: Final = 560.0
 BINS: Final = 56
 SAMPLES: Final = 600
-Doubles = NDArray[np.float64]
 
 
 def draw(sources: Sources) -> "Figure":

@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, hann
 from rubnoise.api import simulate
+from rubnoise.arrays import Doubles
 from rubnoise.figures.sources import Sources
 from rubnoise.figures.spectra import AXIS, DENSITY, SIMULATED, drawn, spectrum_of
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
@@ -29,7 +29,6 @@ ALIASED: Final = 0.5
 """From which part of the largest wavenumber on aliases are to be seen."""
 
 SAMPLES: Final = 1500
-Doubles = NDArray[np.float64]
 
 
 def draw(sources: Sources) -> "Figure":

@@ -11,7 +11,7 @@ from rubnoise.figures.spectra import AXIS, DENSITY, SIMULATED, drawn, spectrum_o
 from rubnoise.figures.style import SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.sweep.serial import Measure
+from rubnoise.sweep.execution import Measure
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.spectrum import spectral_density
 

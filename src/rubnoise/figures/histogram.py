@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.histogram import Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import AREA, NEAREST, entitle, legend_above
 from rubnoise.figures.stretch import Stretch
@@ -23,8 +23,6 @@ BINS: Final = 51
 SAMPLES: Final = 1200
 RARE: Final = 1e-6
 """A probability of no contact at all below which a picture need not speak of it."""
-
-Doubles = NDArray[np.float64]
 
 
 def histogram_figure(stretch: Stretch) -> "Figure":

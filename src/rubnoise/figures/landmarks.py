@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import entitle, legend_above
 from rubnoise.figures.motion import Motion
@@ -19,7 +19,6 @@ PER_DECADE: Final = 8
 """Bins for each factor of ten."""
 
 MOST_DECADES: Final = 8
-Doubles = NDArray[np.float64]
 
 
 def landmarks_figure(stretch: Stretch) -> "Figure":

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.life import Life
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened
@@ -17,7 +16,6 @@ MOST_DRAWN: Final = 60
 
 SAMPLES: Final = 401
 UNITS_OF_TIME: Final = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
-Doubles = NDArray[np.float64]
 
 
 def life_png(life: Life, source: str = "") -> bytes:

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.neighbours import Neighbours, neighbours
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import AREA, DISTANCE, entitle, exact_band, from_zero, legend_above
 from rubnoise.figures.stretch import Stretch
@@ -26,8 +26,6 @@ SAMPLES_A_LIFE: Final = 40
 MOST_SAMPLES: Final = 4000
 SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
-
-Doubles = NDArray[np.float64]
 
 
 def lives_figure(stretch: Stretch) -> "Figure":

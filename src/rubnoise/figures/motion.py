@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.stick_slip import StickSlip, first_landmark
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import printed
 from rubnoise.figures.stretch import MOST_READ, PANEL_ROWS, Stretch, thinned
@@ -25,8 +26,6 @@ STICKS: Final = 20
 
 MOST_SPANS: Final = 1500
 """Sticks that are shaded one by one; of more each column of the picture is as dark as its share of sticks."""
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,10 +6,10 @@ from math import pi
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.analysis.stick_slip import first_landmark
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import NEAREST, entitle, legend_above
 from rubnoise.figures.motion import Motion, motions_of, names_of
@@ -17,8 +17,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.response import response
-from rubnoise.theory.response_spectrum import displacement_spectrum, velocity_spectrum
+from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
 from rubnoise.theory.spectrum import force_spectral_density
 
 if TYPE_CHECKING:
@@ -36,7 +35,6 @@ FARTHEST: Final = 40.0
 """Natural frequencies up to which a spectrum is shown."""
 
 POINTS: Final = 1500
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

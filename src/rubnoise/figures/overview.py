@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.figures.style import BLUE, FAINT, INK, as_png, house_style, new_figure
 
@@ -17,8 +16,6 @@ WINDOW_LIVES: Final = 4.0
 
 SECONDS: Final = 0.4
 """How much of force and vibration is shown: some twenty periods of the slider of Fig. 5."""
-
-Doubles = NDArray[np.float64]
 
 
 def overview_png(run: "Run", number: int) -> bytes:

@@ -5,8 +5,8 @@ from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.figures.marks import entitle
 from rubnoise.figures.motion import Motion, motions_of, names_of
 from rubnoise.figures.motion_spectrum import looks
@@ -36,7 +36,6 @@ HEADROOM: Final = 0.06
 COLUMNS: Final = ("displacement", "velocity")
 PLACE: Final = "displacement (µm)"
 SPEED: Final = "velocity (mm/s)"
-Doubles = NDArray[np.float64]
 
 
 def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":

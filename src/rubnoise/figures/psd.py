@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
 from rubnoise.errors import Refused
@@ -12,8 +11,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import BLUE, INK, VERMILION, logarithmic, new_figure
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.spectrum import spectral_density
-from rubnoise.theory.visible_lines import visible_lines
+from rubnoise.theory.spectrum import spectral_density, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +25,6 @@ LONGEST_LIVES: Final = 40.0
 MOST_LINES: Final = 30
 POINTS: Final = 600
 UNIT: Final = "µm⁴ per rad/µm"
-Doubles = NDArray[np.float64]
 
 
 def psd_figure(stretch: Stretch) -> "Figure":

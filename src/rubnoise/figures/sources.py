@@ -6,20 +6,19 @@ from pathlib import Path
 from typing import Final, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.record.sink import Sink
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.serial import Measure, run_points
+from rubnoise.sweep.execution import Measure, run_points
 
 FOLDER: Final = "paper"
 MOST_POINTS: Final = 1600
 """Points of a curve that a figure of the paper's width can show apart."""
 
-Doubles = NDArray[np.float64]
 Kept = TypeVar("Kept", bound=Sink)
 Result = TypeVar("Result")
 Watch = Callable[[int, int], None]

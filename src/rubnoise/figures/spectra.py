@@ -3,9 +3,9 @@
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.spectra import Spectrum, welch
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 
@@ -24,7 +24,6 @@ SIMULATED: Final[dict[str, Any]] = {"lw": 2.6, "alpha": 0.55, "solid_joinstyle":
 
 AXIS: Final = "wavenumber (rad/µm)"
 DENSITY: Final = "two-sided spectral\ndensity (µm⁴ per rad/µm)"
-Doubles = NDArray[np.float64]
 
 
 def spectrum_of(model: Model, record: MemoryRecord) -> Spectrum:

@@ -10,7 +10,7 @@ from rubnoise.record.sink import Extent
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.points import Point
-from rubnoise.sweep.serial import Measure
+from rubnoise.sweep.execution import Measure
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 

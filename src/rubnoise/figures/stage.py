@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.neighbours import Neighbours
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.style import FAINT, INK, PALE
 
@@ -29,8 +30,6 @@ ARC_POINTS: Final = 25
 GOLDEN: Final = (sqrt(5.0) - 1.0) / 2.0
 SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
 """From little area to much; a grey printer keeps them in order."""
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.stored_model import stored_model
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader, Rows
@@ -21,7 +22,6 @@ MOST_READ: Final = 4_194_304
 """Rows that are read at once where a picture needs them together; what they tell changes little with more of them."""
 
 SLACK: Final = 1e-9
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,10 +7,10 @@ from math import isfinite, nan
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.expected_figures import expected_figure
 from rubnoise.analysis.replicates import Pooled
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import Quantity
@@ -22,8 +22,6 @@ WIDE: Final = 30.0
 """Ratio of the highest to the lowest value of a key from which its axis is logarithmic, however its points lie."""
 
 _EVEN: Final = 0.1
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,8 +4,8 @@ from math import pi
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.marks import AREA, printed
 from rubnoise.figures.style import (
@@ -23,12 +23,9 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
-from rubnoise.theory.one_sided import tail
-from rubnoise.theory.reach import covariance_reach
-from rubnoise.theory.response import response
-from rubnoise.theory.response_spectrum import displacement_spectrum_per_hertz
-from rubnoise.theory.spectrum import spectral_density
-from rubnoise.theory.visible_lines import visible_lines
+from rubnoise.theory.lags import covariance_reach
+from rubnoise.theory.response import displacement_spectrum_per_hertz, response
+from rubnoise.theory.spectrum import spectral_density, tail, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +38,6 @@ LAGS: Final = 300
 LITTLE: Final = 0.01
 QUIET: Final = "#5a5a5a"
 RARE: Final = 1e-6
-Doubles = NDArray[np.float64]
 
 
 def theory_picture(model: Model, title: str, kind: Format) -> bytes:

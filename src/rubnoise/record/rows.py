@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.overlap import max_area
-
-Doubles = NDArray[np.float64]
 
 
 class JunctionState(IntFlag):

@@ -6,14 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.kernels import Grid, Room, count_live, deposit
 from rubnoise.simulation.panels import Panel
 from rubnoise.simulation.state import LiveRows
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
@@ -18,7 +19,7 @@ from rubnoise.simulation.panels import LARGEST_PANEL, Panel, panels
 from rubnoise.simulation.propagator import Propagator
 from rubnoise.simulation.slider import SliderMotion
 from rubnoise.simulation.starts import BlockStarts
-from rubnoise.simulation.state import Doubles, LiveRows, State
+from rubnoise.simulation.state import LiveRows, State
 
 if TYPE_CHECKING:
     from rubnoise.simulation.two_way import TwoWayMotion

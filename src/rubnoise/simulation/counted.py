@@ -1,11 +1,8 @@
 """The births of a run between their being counted, before its first event, and their being played."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 
-Doubles = NDArray[np.float64]
 Births = tuple[Doubles, Doubles]
 """Birth distances and the gaps between them (um)."""
 

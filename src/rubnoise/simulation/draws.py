@@ -6,8 +6,8 @@ from functools import lru_cache
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.deviates import exponential
 from rubnoise.contact.laws import Fixed, Law
@@ -15,8 +15,6 @@ from rubnoise.model import Model
 from rubnoise.simulation.counted import CountedBirths
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
-
-Doubles = NDArray[np.float64]
 
 _TOGETHER = 65_536
 """Births before the start that are looked at together."""

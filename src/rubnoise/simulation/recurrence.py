@@ -1,11 +1,7 @@
 """The slider's recurrence over the cells of a panel, compiled."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, fused
-
-Doubles = NDArray[np.float64]
 
 
 @compiled_bare

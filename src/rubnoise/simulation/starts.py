@@ -7,14 +7,13 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.record.rows import Phase
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import BlockBirths, births_per_block
 from rubnoise.simulation.panels import first_tick_at_or_after
 from rubnoise.simulation.state import State
-
-Doubles = NDArray[np.float64]
 
 TWO_WAY: Final = ("time", "distance", "phase", "displacement", "velocity")
 """Columns that tell how a two-way slider moves before a block."""

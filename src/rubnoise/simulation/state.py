@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 _HEADER = struct.Struct("<I")
 

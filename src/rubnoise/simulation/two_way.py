@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
@@ -24,7 +25,7 @@ from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Room
 from rubnoise.simulation.observer import Telling
 from rubnoise.simulation.starts import TWO_WAY, BlockStarts
-from rubnoise.simulation.state import Doubles, LiveRows, State
+from rubnoise.simulation.state import LiveRows, State
 
 _HEADER: Final = struct.Struct("<qqq5d")
 

@@ -9,18 +9,17 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Bytes
 from rubnoise.errors import RubnoiseError
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingPlace
-from rubnoise.storage.place import Place
+from rubnoise.storage.layout import Place
 
 PIECE_BYTES: Final = 1 << 15
 """Bytes that wait at most: to touch more memory for the first time costs more than the calls that it saves."""
 
 READ_BYTES: Final = 1 << 20
 """Bytes that are read at a time, into the same memory, where a whole column is only hashed."""
-
-Bytes = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

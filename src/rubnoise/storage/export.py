@@ -7,12 +7,11 @@ from shutil import disk_usage
 from typing import Final, Literal, TextIO
 
 from rubnoise.errors import OutputRefused, Refused, needing
-from rubnoise.storage.output import check_output
+from rubnoise.storage.output import check_output, whole_file
 from rubnoise.storage.reader import RunFile
+from rubnoise.storage.resume import refusal
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.table import TABLES, Table, origin
-from rubnoise.storage.unfinished import refusal
-from rubnoise.storage.whole import whole_file
 
 Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}

@@ -14,8 +14,7 @@ from typing import Final, Self
 import numpy as np
 
 from rubnoise.storage import disk
-from rubnoise.storage.layout import Name
-from rubnoise.storage.place import DTYPES, Place
+from rubnoise.storage.layout import DTYPES, Name, Place
 from rubnoise.storage.schema import GROUPS
 
 STEP_BYTES: Final = 1 << 18

@@ -1,5 +1,6 @@
-"""An open index of a sweep: its columns are read when they are asked for, with plain reads."""
+"""An open index of a sweep, whose columns are read on demand with plain reads, and the results of its runs by name."""
 
+import json
 import os
 from collections.abc import Mapping
 from math import prod
@@ -12,9 +13,10 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.errors import RunFileRefused
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.record.reader import Reader
 from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
-from rubnoise.storage.reader import examined, looked_at, refusing
+from rubnoise.storage.reader import RunFile, examined, looked_at, open_run, refusing
 from rubnoise.storage.rows import StoredColumn
 from rubnoise.storage.schema import HASH, Column
 
@@ -142,3 +144,28 @@ def _decoded(values: NDArray[Any]) -> NDArray[Any]:
     if values.dtype.kind != "S":
         return values
     return np.char.decode(values, "utf-8", "replace") if values.size else np.empty(values.shape, dtype=np.str_)
+
+
+def open_named(path: str | os.PathLike[str], run_id: str) -> RunFile:
+    """Open the result of a run by its file and its name; raises RunFileRefused for the result of another run."""
+    file = open_run(path)
+    try:
+        name = name_of(file)
+    except BaseException:
+        file.close()
+        raise
+    if name == run_id:
+        return file
+    file.close()
+    raise RunFileRefused(f"{path}: is the result of another run, {name}")
+
+
+def name_of(file: Reader) -> str:
+    """Return the name that the scenario in a file has in a sweep; raises RunFileRefused where there is none."""
+    from rubnoise.scenario import build
+    from rubnoise.scenario.points import run_id
+
+    try:
+        return run_id(build(json.loads(str(file.provenance["scenario_resolved"]))))
+    except (ValueError, RecursionError, AttributeError, TypeError, Refused) as problem:
+        raise RunFileRefused(f"{file.path}: the scenario in the file is not valid") from problem

@@ -14,15 +14,14 @@ import numpy as np
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
-from rubnoise.storage.described import description
-from rubnoise.storage.layout import stored_extent
+from rubnoise.storage.checks import ATTRIBUTE_BYTES, ATTRIBUTES_LIMIT, LINKS_LIMIT, has_hard_link
+from rubnoise.storage.layout import between, digest_of, places_of, stored_extent
 from rubnoise.storage.pages import Overlay
-from rubnoise.storage.place import between, digest_of, places_of
 from rubnoise.storage.provenance import package_version
+from rubnoise.storage.read_structure import found_in, structure_read_by
+from rubnoise.storage.run_description import description
 from rubnoise.storage.schema import HASH
-from rubnoise.storage.soundness import ATTRIBUTE_BYTES, ATTRIBUTES_LIMIT, LINKS_LIMIT, has_hard_link
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
-from rubnoise.storage.survey import found_in, surveying
 
 STRUCTURE_LIMIT: Final = 8 * 1024**2
 """Bytes that are no rows, at most: a part has some 100 kB of them, and the texts of its scenario."""
@@ -41,7 +40,7 @@ def inspect(descriptor: int) -> bytes:
 
     It is refused where anything of its structure is missing, too many or other than the program makes it.
     """
-    return surveying(descriptor, _inspected)
+    return structure_read_by(descriptor, _inspected)
 
 
 def _inspected(file: h5py.File, descriptor: int) -> dict[str, Any]:

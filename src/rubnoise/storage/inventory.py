@@ -13,11 +13,11 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage.checks import ATTRIBUTE_BYTES
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.rows import REMEDY
-from rubnoise.storage.soundness import ATTRIBUTE_BYTES
 from rubnoise.storage.structure import LIBRARY_VERSIONS, compose, put_text
 
 OBJECTS_LIMIT: Final = 20_000

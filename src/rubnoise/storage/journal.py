@@ -1,19 +1,28 @@
-"""The journal beside a part file: records that are appended, each with its length and a checksum of its own.
+"""The journal beside a part file: what run it is of, each commit, and how the file is to end.
 
-A record that a kill or a power cut has torn is as good as not written, and so is everything behind it.
+Records are appended, each with its length and a checksum of its own. A commit counts and hashes the rows that are on
+the disk; the last record holds everything of the final file that is no row.
 """
 
+import json
 import os
 import struct
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, Literal
+from time import time
+from typing import Final, Literal, Self
 
 import xxhash
 
+from rubnoise.errors import RunFileRefused
 from rubnoise.regular_file import open_stream
+from rubnoise.simulation.state import State
 from rubnoise.storage import disk
+from rubnoise.storage.columns import Mark
+from rubnoise.storage.growing import GrowingFile
+from rubnoise.storage.layout import DTYPES, Name, Place, RunDescription
 
 Kind = Literal["run", "rows", "end"]
 """What a record tells: which run this is; how far its rows are; what is yet to be written for the file to be whole."""
@@ -116,3 +125,184 @@ def _checksum(kind: bytes, content: bytes) -> int:
     """Return the checksum of a record; the length has its share in it, so that it needs none of its own."""
     checksum: int = xxhash.xxh3_64_intdigest(kind + len(content).to_bytes(8, "little") + content)
     return checksum
+
+
+_ENDING_HEAD: Final = struct.Struct("<QQ")
+_PIECE: Final = struct.Struct("<QQ")
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """What a file has outside of its rows when it is whole: pieces with their offsets, and its size in bytes.
+
+    ``grown``: the columns that lie in a file beside it until then, with their places in it.
+    """
+
+    pieces: tuple[tuple[int, bytes], ...]
+    size: int
+    grown: tuple[tuple[Name, Place], ...] = ()
+
+    def packed(self) -> bytes:
+        """Return it as the content of a record."""
+        head = _ENDING_HEAD.pack(self.size, len(self.pieces))
+        places = b"".join(_PIECE.pack(offset, len(data)) for offset, data in self.pieces)
+        grown = [[*name, place.offset, place.rows] for name, place in self.grown]
+        told = json.dumps(grown).encode() if grown else b""
+        return head + places + b"".join(data for _, data in self.pieces) + told
+
+    @classmethod
+    def unpacked(cls, content: bytes) -> Self:
+        """Return what a record holds; raises struct.error, ValueError or KeyError for one that is none."""
+        size, count = _ENDING_HEAD.unpack_from(content)
+        begin = _ENDING_HEAD.size + count * _PIECE.size
+        pieces = []
+        for offset, length in _PIECE.iter_unpack(content[_ENDING_HEAD.size : begin]):
+            pieces.append((offset, content[begin : begin + length]))
+            begin += length
+        told = json.loads(content[begin:]) if content[begin:] else []
+        grown = tuple(
+            ((group, name), Place(offset=int(offset), rows=int(rows), dtype=DTYPES[group, name]))
+            for group, name, offset, rows in told
+        )
+        return cls(tuple(pieces), size, grown)
+
+    @property
+    def grown_groups(self) -> dict[str, list[str]]:
+        """The columns that lie beside the file, by group."""
+        groups: dict[str, list[str]] = {}
+        for (group, name), _ in self.grown:
+            groups.setdefault(group, []).append(name)
+        return groups
+
+    def carry_out(self, descriptor: int, growing: GrowingFile | None) -> None:
+        """Write it to a file, and copy the rows that lie beside it; the disk need not have it then."""
+        if growing is not None:
+            disk.allocate(descriptor, self.size)
+            for name, place in self.grown:
+                growing.copy(name, place, descriptor)
+        for offset, data in self.pieces:
+            disk.write_all(descriptor, memoryview(data), offset)
+        disk.resize(descriptor, self.size)
+
+    def is_in(self, descriptor: int) -> bool:
+        """Whether a file has it, to the last byte."""
+        return os.fstat(descriptor).st_size == self.size and all(
+            disk.read(descriptor, len(data), offset) == data for offset, data in self.pieces
+        )
+
+
+VERSION: Final = 2
+MOST_COMMITS: Final = 4096
+"""Commits that are remembered at most: of those long ago every other one is forgotten, again and again."""
+
+LATEST: Final = 253_402_300_800.0
+"""Seconds from 1970 to the end of the year 9999: of no later moment there is a date."""
+
+_COMMIT_HEAD: Final = struct.Struct("<dI")
+_MARK: Final = struct.Struct("<Q16s")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Commit:
+    """How far a run was: ``moment`` (s since 1970), a mark for every column, and where its record lies.
+
+    ``state``: place and length of the packed state in the journal; ``end``: where the record ends.
+    """
+
+    moment: float
+    marks: Mapping[Name, Mark]
+    state: tuple[int, int]
+    end: int
+
+
+@dataclass(slots=True, kw_only=True)
+class History:
+    """All that a journal tells. ``run`` is None where there is no journal, or none that tells of a run."""
+
+    run: str | None = None
+    columns: tuple[Name, ...] = ()
+    commits: list[Commit] = field(default_factory=list)
+    ending: Ending | None = None
+    begun: int = 0
+
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Return what a journal tells, as far as it is whole.
+
+        ``begun`` is where its first record ends. Raises RunFileRefused for one of another version, OSError where the
+        disk fails.
+        """
+        history = cls()
+        for frame in frames(path):
+            if history.run is None and frame.kind != "run":
+                break
+            with _refusing(path):
+                history._take(frame, path)
+        return history
+
+    def _take(self, frame: Frame, path: Path) -> None:
+        if frame.kind == "run":
+            told = json.loads(frame.content)
+            if told["version"] != VERSION:
+                raise RunFileRefused(f"{path}: has version {told['version']}; this rubnoise resumes version {VERSION}")
+            self.run, self.columns, self.begun = told["run"], tuple(map(tuple, told["columns"])), frame.end
+        elif frame.kind == "rows":
+            self.commits.append(_unpacked(frame, self.columns))
+            if len(self.commits) > MOST_COMMITS:
+                del self.commits[: MOST_COMMITS // 2 : 2]
+        else:
+            self.ending = Ending.unpacked(frame.content)
+
+
+def state_at(path: Path, commit: Commit) -> State:
+    """Return the state of a run at a commit; raises RunFileRefused where it is none."""
+    place, length = commit.state
+    with open_stream(path) as stream, _refusing(path):
+        stream.seek(place)
+        return State.unpack(stream.read(length))
+
+
+def identity(description: RunDescription) -> str:
+    """Return what tells a run from any other: its scenario, seed and streams, its rows, and when it was started."""
+    origin, extent = description.provenance, description.extent
+    rows = (extent.junctions, extent.ticks, extent.blocks)
+    told = [description.scenario_resolved, origin.seed, origin.stream_version, origin.started, rows]
+    return xxhash.xxh3_128_hexdigest(json.dumps(told, sort_keys=True).encode())
+
+
+def packed_run(description: RunDescription, columns: Sequence[Name]) -> bytes:
+    """Return the content of a journal's first record."""
+    told = {"version": VERSION, "run": identity(description), "columns": columns}
+    return json.dumps(told).encode()
+
+
+def packed_commit(marks: Sequence[Mark], state: State) -> bytes:
+    """Return the content of a commit's record; the marks stand in the order of the columns in the first one."""
+    told = b"".join(_MARK.pack(mark.rows, mark.digest) for mark in marks)
+    return _COMMIT_HEAD.pack(time(), len(marks)) + told + state.pack()
+
+
+@contextmanager
+def _refusing(path: Path) -> Iterator[None]:
+    """Say of a record that is whole and yet makes no sense, so that somebody else made it, where it is."""
+    try:
+        yield
+    except (ValueError, KeyError, TypeError, struct.error) as problem:
+        raise RunFileRefused(f"{path}: is no journal of rubnoise") from problem
+
+
+def _unpacked(frame: Frame, columns: Sequence[Name]) -> Commit:
+    moment, count = _COMMIT_HEAD.unpack_from(frame.content)
+    if not 0.0 <= moment < LATEST:
+        raise ValueError(f"a commit at {moment} s since 1970")
+    told = _COMMIT_HEAD.size + count * _MARK.size
+    marks = [
+        Mark(rows=rows, digest=digest) for rows, digest in _MARK.iter_unpack(frame.content[_COMMIT_HEAD.size : told])
+    ]
+    length = len(frame.content) - told
+    return Commit(
+        moment=moment,
+        marks=dict(zip(columns, marks, strict=True)),
+        state=(frame.end - length, length),
+        end=frame.end,
+    )

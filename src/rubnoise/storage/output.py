@@ -1,4 +1,7 @@
-"""Where a result may be written: what is refused before anything is created, and how a file gets its final name."""
+"""Where a result may be written, and how a file gets its final name: whole or not at all.
+
+What is refused is refused before anything is created.
+"""
 
 import os
 import shutil
@@ -195,3 +198,46 @@ def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
 
 def _reason(problem: Exception) -> str:
     return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
+
+
+@contextmanager
+def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
+    """Yield the name under which to write a file; once that is done it gets its own name, on the disk.
+
+    Raises OutputRefused, before anything is created, where nothing may or can be written, RubnoiseError where the disk
+    fails. Whatever is raised meanwhile leaves nothing behind.
+    """
+    paths = check_output(path, force=force)
+    with sole_writer(paths):
+        check_output(path, force=force)
+        with _telling(paths), _new(paths.part) as descriptor:
+            yield paths.part
+            disk.sync(descriptor)
+            give_final_name(paths, descriptor, force=force)
+
+
+@contextmanager
+def _new(part: Path) -> Iterator[int]:
+    """Make a file anew that others may write by its name; it goes where it does not get another name."""
+    disk.remove(part)
+    descriptor = disk.create(part)
+    try:
+        yield descriptor
+    except (OutputAppearedError, OutputSwappedError):
+        raise
+    except BaseException:
+        disk.remove(part)
+        raise
+    finally:
+        disk.close(descriptor)
+
+
+@contextmanager
+def _telling(paths: OutputPaths) -> Iterator[None]:
+    """Say of a disk that fails which file it is about."""
+    try:
+        yield
+    except OSError as problem:
+        raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
+    except disk.NotAsWritten as problem:
+        raise RubnoiseError(f"{paths.final}: writing failed: {problem}") from problem

@@ -120,7 +120,7 @@ class Overlay(_Positioned):
 
 
 class Unfailing(_Positioned):
-    """A file on disk that never fails in front of HDF5: the first error is kept, and raised by ``settle``."""
+    """A file on disk that never fails in front of HDF5: the first error is kept, to be raised later."""
 
     def __init__(self, descriptor: int) -> None:
         super().__init__(0)
@@ -150,7 +150,7 @@ class Unfailing(_Positioned):
                 self._failure = failure
         return self._advance(len(source))
 
-    def settle(self) -> None:
+    def raise_first_error(self) -> None:
         """Raise what went wrong, or give the file its final size."""
         if self._failure is not None:
             raise self._failure

@@ -1,8 +1,12 @@
-"""The unfinished file: made whole in structure, then filled column by column while HDF5 is not open."""
+"""The unfinished file: made with its final structure, filled column by column while HDF5 is not open, then compressed.
+
+A gzip file is made from the raw part at publication, chunk by chunk.
+"""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -14,18 +18,16 @@ from rubnoise.errors import RubnoiseError, RunFileRefused
 from rubnoise.record.sink import Columns, Extent, Sink
 from rubnoise.storage import disk
 from rubnoise.storage.columns import ColumnFile, Mark
-from rubnoise.storage.ending import Ending
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.history import Commit
-from rubnoise.storage.layout import Name, RunDescription, grows, stored_groups
-from rubnoise.storage.life_curve import life_curve
+from rubnoise.storage.journal import Commit, Ending
+from rubnoise.storage.layout import Name, Place, RunDescription, between, digest_of, grows, stored_groups
+from rubnoise.storage.life_curve import life_curve, pulse_of, stored_pulse
 from rubnoise.storage.output import OutputPaths, is_file, reserve
-from rubnoise.storage.pages import Overlay
-from rubnoise.storage.place import Place, between, digest_of
-from rubnoise.storage.pulse import pulse_of, stored_pulse
-from rubnoise.storage.reader import RunFile, refusing
+from rubnoise.storage.pages import Overlay, Unfailing
+from rubnoise.storage.reader import RunFile, open_run, refusing
 from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Feature, Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, enlarge
+from rubnoise.storage.written import Written
 
 SLACK_BYTES = 64 * 1024
 """Reserved beyond the columns, so that hashes and summary find room on a disk that has filled up meanwhile."""
@@ -253,3 +255,52 @@ class Part:
 
     def _filled(self) -> Iterator[tuple[Name, ColumnFile]]:
         return ((name, column) for name, column in self.columns() if name[0] != LIFE_CURVE.name)
+
+
+@contextmanager
+def compressed(
+    part: Part,
+    making: Path,
+    description: RunDescription,
+    summary: Mapping[str, Scalar],
+    finished: str,
+    between: Callable[[], None],
+) -> Iterator[int]:
+    """Write a compressed copy of a whole part under a passing name and yield it, open, read back and on the disk.
+
+    Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, NotAsWritten
+    where the disk has another file, and RubnoiseError where rows are missing; the part is left as it was.
+    """
+    digests = part.digests()
+    with new_file(making) as descriptor:
+        target = Unfailing(descriptor)
+        try:
+            with h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file:
+                extent = replace(description.extent, **part.grown_rows())
+                compose(file, replace(description, extent=extent), compressed=True)
+                _copy(part, file, between)
+                complete(file, digests, summary, finished)
+        finally:
+            target.raise_first_error()
+        disk.sync(descriptor)
+        _check_hashes(making, Written.of(os.fstat(descriptor), description, part.columns(), summary, finished))
+        yield descriptor
+
+
+def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
+    for (group, name), column in part.columns():
+        first = 0
+        for panel in column.panels(CHUNK_ROWS):
+            file[group][name][first : first + panel.size] = panel
+            first += panel.size
+            between()
+
+
+def _check_hashes(path: Path, written: Written) -> None:
+    """Read a compressed file once; raises NotAsWritten unless it says and holds what was written."""
+    try:
+        with open_run(path, strict=True) as run:
+            if not written.is_in(run) or run.damaged():
+                raise disk.NotAsWritten("its compressed copy")
+    except RunFileRefused as refusal:
+        raise disk.NotAsWritten("its compressed copy") from refusal

@@ -24,14 +24,13 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk
-from rubnoise.storage.layout import Name, row_count, stored_extent
-from rubnoise.storage.place import DTYPES, Place, places_of
+from rubnoise.storage.layout import DTYPES, Name, Place, places_of, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
 if TYPE_CHECKING:
     from rubnoise.storage.inventory import Inventory
-    from rubnoise.storage.looks import LookName
+    from rubnoise.storage.sandbox import LookName
     from rubnoise.storage.written import Written
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
@@ -288,13 +287,12 @@ def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[s
 
 def _answer(descriptor: int, look: "LookName", *, own: bool) -> bytes:
     if threading.active_count() > 1 and not own:
-        from rubnoise.storage.attendant import ATTENDANT
+        from rubnoise.storage.sandbox import SANDBOX_WORKER
 
-        return ATTENDANT.ask(descriptor, look)
-    from rubnoise.storage.looks import look_of
-    from rubnoise.storage.vetting import vetted
+        return SANDBOX_WORKER.ask(descriptor, look)
+    from rubnoise.storage.sandbox import look_of, sandboxed
 
-    return look_of(look)(descriptor) if own else vetted(descriptor, look_of(look))
+    return look_of(look)(descriptor) if own else sandboxed(descriptor, look_of(look))
 
 
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:

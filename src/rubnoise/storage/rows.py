@@ -7,10 +7,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Bytes
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
 
-Bytes = NDArray[np.uint8]
 REMEDY: Final = "copy it again, or run its scenario again"
 SHUFFLE_SKIPPED: Final = 1
 DEFLATE_SKIPPED: Final = 2

@@ -8,8 +8,8 @@ import h5py
 import xxhash
 
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage.checks import ATTRIBUTES_LIMIT, read_attribute, read_text, sound_group
 from rubnoise.storage.schema import HASH, Scalar
-from rubnoise.storage.soundness import ATTRIBUTES_LIMIT, read_attribute, read_text, sound_group
 
 ROOT_ATTRIBUTES: Final = ("Conventions", "format", "format_version", "title", "source", "junction_area_formula")
 PROVENANCE_TEXTS: Final = (

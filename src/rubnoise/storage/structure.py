@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.contact.pulses import Shape
-from rubnoise.storage.layout import Name, RunDescription, row_count, stored_columns, stored_groups
-from rubnoise.storage.place import Place
+from rubnoise.storage.layout import Name, Place, RunDescription, row_count, stored_columns, stored_groups
+from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
-from rubnoise.storage.pulse import pulse_of
 from rubnoise.storage.schema import (
     CHUNK_ROWS,
     CONVENTIONS,

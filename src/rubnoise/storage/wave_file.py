@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 
 BITS: Final = 24
@@ -19,7 +19,6 @@ MOST: Final = ((1 << 32) - (1 << 16)) // _BYTES
 """Samples in a file of 4 GB, with room for texts."""
 
 _PCM: Final = 1
-Doubles = NDArray[np.float64]
 
 
 def check_length(samples: int) -> None:

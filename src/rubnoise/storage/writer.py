@@ -12,9 +12,7 @@ from rubnoise.record.sink import Columns, Sink
 from rubnoise.record.tally import TALLIED
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
-from rubnoise.storage.compress import compressed
-from rubnoise.storage.history import packed_commit, packed_run
-from rubnoise.storage.journal import Journal
+from rubnoise.storage.journal import Journal, packed_commit, packed_run
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import (
     OutputAppearedError,
@@ -24,11 +22,10 @@ from rubnoise.storage.output import (
     is_file,
     sole_writer,
 )
-from rubnoise.storage.part import Part, make_part
+from rubnoise.storage.part import Part, compressed, make_part
 from rubnoise.storage.provenance import now
-from rubnoise.storage.resuming import TakenUp
+from rubnoise.storage.resume import SUFFIX, TakenUp
 from rubnoise.storage.schema import Scalar
-from rubnoise.storage.unfinished import SUFFIX
 from rubnoise.storage.written import Written
 
 COMMIT_SECONDS: Final = 1.0

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.pulse import pulse_of
+from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.storage.seal import seal_of

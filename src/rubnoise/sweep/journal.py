@@ -1,11 +1,14 @@
-"""What is known of the runs of a sweep, line by line: appended as it happens, and read back after whatever happened."""
+"""The journal of a sweep: what became of each run, a line each, appended as it happens.
+
+It is read back after any crash: a torn last line is no entry.
+"""
 
 import json
 import os
 import time
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from types import TracebackType
@@ -18,7 +21,23 @@ from numpy.typing import NDArray
 from rubnoise.errors import OutputRefused
 from rubnoise.regular_file import open_stream
 from rubnoise.storage import disk
-from rubnoise.sweep.rows import Row
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunRow:
+    """One run that is done, as the index of its sweep has it.
+
+    ``file`` lies relative to the folder of the sweep, and is empty where no file is kept; ``figures`` are named as in
+    /summary of a run; ``arrays`` have one shape for each name in all runs of a sweep. ``of_point`` are such arrays that
+    are the same for all replicates of a point; they come with the first one.
+    """
+
+    run_id: str
+    file: str = ""
+    figures: Mapping[str, float] = field(default_factory=dict)
+    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    of_point: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
 
 SYNC_EVERY: Final = 1.0
 """Seconds of lines that a power cut may take, whose runs are found again by their files, and seconds of such files."""
@@ -45,7 +64,7 @@ class Entry:
 
     run_id: str
     state: Literal["begun", "done", "failed"]
-    row: Row | None = None
+    row: RunRow | None = None
     reason: str = ""
     stamp: Stamp | None = None
 
@@ -152,7 +171,7 @@ def _unpacked(told: Mapping[str, Any]) -> Entry:
         arrays, of_point = (
             {name: _as_array(*packed) for name, packed in told.get(kind, {}).items()} for kind in ("arrays", "of_point")
         )
-        row = Row(run_id=told["run"], file=told["file"], figures=told["figures"], arrays=arrays, of_point=of_point)
+        row = RunRow(run_id=told["run"], file=told["file"], figures=told["figures"], arrays=arrays, of_point=of_point)
     stamp = tuple(told["stamp"]) if "stamp" in told else None
     return Entry(run_id=told["run"], state=told["state"], row=row, reason=told.get("reason", ""), stamp=stamp)
 

@@ -1,5 +1,6 @@
-"""Worker processes on this machine, each of which may die without taking others with it."""
+"""Worker processes on this machine: each serves calls until its parent hangs up, and may die without harm to others."""
 
+import gc
 import json
 import os
 import signal
@@ -13,10 +14,88 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
 from threading import Thread
-from types import TracebackType
-from typing import Any, Final, Self
+from types import FrameType, TracebackType
+from typing import Any, Final, NoReturn, Self
 
-from rubnoise.errors import RubnoiseError
+from rubnoise.errors import RubnoiseError, RunStopped
+
+
+@dataclass(slots=True)
+class Cancellation:
+    """Whether a worker process is to stop: by SIGTERM, or because its parent is gone."""
+
+    parent: int | None = None
+    busy: bool = False
+    stopped_by: int | None = None
+
+    def follow_signals(self) -> None:
+        """Stop at SIGTERM, and leave SIGINT to the parent: the keyboard sends it to every process of a terminal."""
+        self.parent = os.getppid()
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, self._stop)
+
+    def check(self, _distance: float, _junctions: int, _live: int) -> None:
+        """Raise RunStopped where the run that goes on is not wanted any more (a Watch of `simulate`)."""
+        if self.stopped_by is not None:
+            raise RunStopped(self.stopped_by)
+        if self.parent is not None and os.getppid() != self.parent:
+            raise RunStopped(signal.SIGTERM)
+
+    def _stop(self, number: int, _frame: FrameType | None) -> None:
+        """Leave at once between two runs; in one, HDF5 must not be interrupted wherever it is."""
+        self.stopped_by = number
+        if not self.busy:
+            sys.exit(128 + number)
+
+
+CANCELLATION = Cancellation()
+"""That of this process; never set where runs are made in the calling process."""
+
+
+def serve(descriptor: int) -> NoReturn:
+    """Answer every function and its arguments that come over a connection, in order, until there are no more; then end.
+
+    An answer is a pair: whether the call went well, and its value, or else the exception. What the first call has
+    loaded stays for good, and garbage is looked for from then on, but not there.
+    """
+    CANCELLATION.follow_signals()
+    with Connection(descriptor) as line:
+        if _answer(line):
+            gc.freeze()
+            gc.enable()
+        while _answer(line):
+            pass
+    os._exit(0)  # nothing is open any more, and taking all modules apart would take a third of a second
+
+
+def _answer(line: "Connection[Any, Any]") -> bool:
+    """Answer one call; return whether there was one, and nobody has asked to stop."""
+    try:
+        function, arguments = line.recv()
+    except (EOFError, ConnectionResetError):  # the second where the parent was killed before it had read all answers
+        return False
+    CANCELLATION.busy = True
+    _send(line, _called(function, arguments))
+    CANCELLATION.busy = False
+    return CANCELLATION.stopped_by is None
+
+
+def _called(function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
+    try:
+        return True, function(*arguments)
+    except Exception as problem:  # noqa: BLE001  (the parent is told, whatever it is)
+        return False, problem
+
+
+def _send(line: "Connection[Any, Any]", answer: tuple[bool, Any]) -> None:
+    """Send an answer; one that cannot be pickled goes as its text."""
+    try:
+        line.send(answer)
+    except BrokenPipeError:
+        return
+    except Exception as problem:  # noqa: BLE001  (pickling calls code of any kind)
+        line.send((False, RubnoiseError(f"{problem}: {answer[1]!r}")))
+
 
 GRACE: Final = 10.0
 """Seconds that a worker has to leave its run in an orderly way."""
@@ -26,7 +105,7 @@ THREADS: Final = {f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS
 
 _BEGIN: Final = (
     "import gc, json, sys; gc.disable(); sys.path[:] = json.loads(sys.argv[2]); "
-    "from rubnoise.sweep.worker import serve; serve(int(sys.argv[1]))"
+    "from rubnoise.sweep.pool import serve; serve(int(sys.argv[1]))"
 )
 """No garbage is looked for among a thousand modules while they are loaded."""
 

@@ -7,8 +7,8 @@ from math import nan, sqrt
 from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.random_births import are_at_random
-from rubnoise.theory.regular_births import ORDERS, regular_cumulants
+from rubnoise.theory.mean_life import ORDERS
+from rubnoise.theory.regular_births import are_at_random, regular_cumulants
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

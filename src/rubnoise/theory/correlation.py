@@ -1,17 +1,16 @@
 """How real contact area at one place goes with itself a lag further on."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
-from rubnoise.theory.lines import line_covariance, spectral_lines
 from rubnoise.theory.mean_life import mean_life_overlap
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_range
-from rubnoise.theory.random_births import are_at_random
+from rubnoise.theory.regular_births import are_at_random, line_covariance, spectral_lines
 
-Doubles = NDArray[np.float64]
 Powers = tuple[int, int]
 
 _NODES = 20

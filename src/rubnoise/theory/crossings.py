@@ -3,12 +3,12 @@
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.motion_cumulants import motion_cumulants
 
-Doubles = NDArray[np.float64]
 Powers = tuple[int, int]
 
 _FAR = 50.0  # standard deviations, beyond which Rice's rate is 0

@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field
 from math import isfinite, sqrt
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
@@ -13,6 +13,7 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.coupling import Coupling, coupling
 from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.distribution import Distribution, distribution
+from rubnoise.theory.estimated_spectrum import EstimatedSpectrum, estimated_spectrum
 from rubnoise.theory.motion_cumulants import MotionCumulants, motion_cumulants
 from rubnoise.theory.occupancy import (
     count_from_empty,
@@ -25,9 +26,6 @@ from rubnoise.theory.occupancy import (
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import spectral_density
 from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
-from rubnoise.theory.welch import EstimatedSpectrum, estimated_spectrum
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

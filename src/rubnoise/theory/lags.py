@@ -1,14 +1,14 @@
-"""Lags and weights with which a covariance becomes the variance of a mean over a finite record."""
+"""Lags and weights that turn a covariance into the variance of a mean over a finite record, and how far it reaches."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
+from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import hard_ends, panels, size_range
-
-Doubles = NDArray[np.float64]
 
 _PANELS = 8
 _NODES = 10
@@ -71,3 +71,18 @@ def lag_edges(model: Model, end: float) -> Doubles:
 def _typical_life(model: Model) -> float:
     """Return the mean life in um of a junction found alive, 2 m_2/m_1."""
     return 2.0 * model.sizes.moment(2) / model.sizes.moment(1)
+
+
+_PLACES = 17
+
+
+def covariance_reach(model: Model, part: float) -> float:
+    """Return a lag in um beyond which |R| is below a part of the variance: the longest life, or half of it, or less.
+
+    A size law with a long tail has lives that hardly ever come, up to hundreds of mean lives: most lags up to them show
+    nothing. Where R never falls so far, as with regular births of one size, it is the longest life.
+    """
+    reach, least = longest_life(model), part * float(autocovariance(model, 0.0))
+    while np.all(np.abs(autocovariance(model, np.linspace(0.5 * reach, reach, _PLACES))) < least):
+        reach *= 0.5
+    return reach

@@ -1,19 +1,121 @@
-"""The area of one junction found alive at a random place: its law, as smooth pieces."""
+"""The area of one junction found alive at a random place: its law, as polynomials on panels.
 
+Read it from above: smooth functions kept as polynomials, how long a pulse of unit diameter stays about each area, and
+the law for junctions of all sizes.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
-from rubnoise.contact.pulses import Pulse
-from rubnoise.theory.piecewise import NODES, Piecewise, series
+from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory.quadrature import panels, size_edges
-from rubnoise.theory.unit_area import UnitDensity, unit_density
 
-Doubles = NDArray[np.float64]
+NODES = 20
+_AT_ONCE = 32_768
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Piecewise:
+    """A function on [edges[0], edges[-1]] as Legendre series, one column of coefficients for each panel."""
+
+    edges: Doubles
+    coefficients: Doubles
+
+    def __call__(self, x: Doubles) -> Doubles:
+        """Return the values at places of any shape; places outside are taken as the nearest end."""
+        places = np.clip(x, self.edges[0], self.edges[-1]).ravel()
+        result = np.empty_like(places)
+        for first in range(0, places.size, _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            result[part] = self._values(places[part])
+        return result.reshape(np.shape(x))
+
+    def _values(self, x: Doubles) -> Doubles:
+        panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.edges.size - 2)
+        low, high = self.edges[panel], self.edges[panel + 1]
+        local = (2.0 * x - low - high) / (high - low)
+        return np.asarray(legendre.legval(local, self.coefficients[:, panel], tensor=False), dtype=np.float64)
+
+    def integral(self) -> "Piecewise":
+        """Return the antiderivative that is 0 at the first edge."""
+        parts = 0.5 * np.diff(self.edges) * legendre.legint(self.coefficients, lbnd=-1, axis=0)
+        parts[0, 1:] += np.cumsum(legendre.legval(1.0, parts))[:-1]
+        return Piecewise(edges=self.edges, coefficients=parts)
+
+    def scaled(self, factor: float) -> "Piecewise":
+        """Return the function times a number."""
+        return Piecewise(edges=self.edges, coefficients=factor * self.coefficients)
+
+
+def series(values: Doubles) -> Doubles:
+    """Return Legendre coefficients, a new first axis, of functions given at Gauss-Legendre nodes, their last axis."""
+    x, w = legendre.leggauss(values.shape[-1])
+    projection = legendre.legvander(x, x.size - 1).T * w * (np.arange(x.size) + 0.5)[:, None]
+    return np.tensordot(projection, values, axes=(1, -1))
+
+
+UnitDensity = Callable[[Doubles], Doubles]
 
 _PEAK = 0.25 * np.pi
+_DEGREE = 28
+
+
+def unit_density(pulse: Pulse) -> UnitDensity:
+    """Return the density du/da of the area a in (0, pi/4] of a live junction of unit diameter.
+
+    u in [0, 1] is the half-life so far, as likely at every place; the falling half is the mirror image.
+    """
+    return _DENSITIES[pulse.shape]
+
+
+def _lens(area: Doubles) -> Doubles:
+    """Return 1/sqrt(u (2 - u)), the area of a lens growing by sqrt(1 - (1 - u)^2) du."""
+    scaled = np.minimum(area / _PEAK, 1.0) ** (2.0 / 3.0)
+    u = scaled * np.polynomial.chebyshev.chebval(2.0 * scaled - 1.0, _lens_ages())
+    return np.asarray(1.0 / np.sqrt(u * (2.0 - u)), dtype=np.float64)
+
+
+def _triangle(area: Doubles) -> Doubles:
+    """Return 4/pi, the rise being straight."""
+    return np.full_like(area, 1.0 / _PEAK)
+
+
+_DENSITIES: dict[Shape, UnitDensity] = {"lens": _lens, "triangle": _triangle}
+
+
+@cache
+def _lens_ages() -> Doubles:
+    """Interpolate u/w over w = (4 a/pi)^(2/3) in [0, 1], where a lens of unit diameter has area a at the half-life u.
+
+    With u = 1 - cos(y), a = (y - sin(y) cos(y))/2; analytic up to w = 2^(2/3), where y = pi.
+    """
+    import mpmath
+
+    nodes = np.polynomial.chebyshev.chebpts1(_DEGREE + 1)
+    with mpmath.workdps(30):
+        scaled = [(1 + mpmath.mpf(x)) / 2 for x in nodes.tolist()]
+        values = np.array([float((1 - mpmath.cos(_lens_angle(w))) / w) for w in scaled])
+    return np.polynomial.chebyshev.chebfit(nodes, values, _DEGREE)
+
+
+def _lens_angle(scaled: Any) -> Any:
+    """Return y in [0, pi/2] with y - sin(y) cos(y) = (pi/2) w^(3/2), an mpmath number."""
+    import mpmath
+
+    double_area = mpmath.pi / 2 * scaled**1.5
+    return mpmath.findroot(
+        lambda y: y - mpmath.sin(y) * mpmath.cos(y) - double_area, mpmath.pi / 2 * mpmath.sqrt(scaled)
+    )
+
+
 _PANELS_TO_ZERO = 20
 _RADIANS, _RULE_NODES = 32.0, 24
 

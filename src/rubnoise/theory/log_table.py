@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
+from rubnoise.arrays import Doubles
 
 _NODES = 20
 _LAST = 4  # highest coefficients that have to be negligible

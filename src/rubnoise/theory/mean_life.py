@@ -6,14 +6,12 @@ from math import comb
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.log_table import LogTable, log_table
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_edges, size_range
-
-Doubles = NDArray[np.float64]
 
 ORDERS = 6
 _NODES = 24

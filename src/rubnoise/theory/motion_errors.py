@@ -6,21 +6,17 @@ from dataclasses import dataclass
 from math import hypot, inf, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
-from rubnoise.theory.lines import resolved_error
 from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.random_births import need_random_births
-from rubnoise.theory.resonance import Rule, response_rules
-from rubnoise.theory.response import mean_displacement, response
+from rubnoise.theory.regular_births import need_random_births, resolved_error
+from rubnoise.theory.response import Rule, mean_displacement, response, response_rules
 from rubnoise.theory.sampling import variance_of_mean_force
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
-
-Doubles = NDArray[np.float64]
 
 _SIZES = 32
 

@@ -4,16 +4,21 @@ from dataclasses import dataclass
 from math import exp, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.lags import lag_rule
-from rubnoise.theory.lines import count_lines, resolved_error, variance_of_line_mean
 from rubnoise.theory.quadrature import cut_size_rule
-from rubnoise.theory.random_births import are_at_random, need_random_births
-from rubnoise.theory.regular_count import phased_count_covariance, unphased_count_covariance
-
-Doubles = NDArray[np.float64]
+from rubnoise.theory.regular_births import (
+    are_at_random,
+    count_lines,
+    need_random_births,
+    phased_count_covariance,
+    resolved_error,
+    unphased_count_covariance,
+    variance_of_line_mean,
+)
 
 _NODES = 24
 
@@ -41,7 +46,7 @@ def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
     """Return Cov[N(s), N(s + tau)] for lags tau in um (any shape): lam E[(2d - |tau|)+] for Poisson births.
 
     Regular births: less what the phase tells of each junction, and with what it tells of them all; see
-    `rubnoise.theory.regular_count`.
+    `rubnoise.theory.regular_births`.
     """
     reach = np.abs(np.asarray(lag, dtype=np.float64))
     if are_at_random(model):

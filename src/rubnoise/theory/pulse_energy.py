@@ -7,13 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.quadrature import cut_size_rule, hard_ends, size_range
 from rubnoise.theory.transform import STEP_END, life_from_birth, mean_life_from_birth, swing_left, transform_of
-
-Doubles = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 _LARGEST_PHASE = 480.0  # k (d_high - d_low) up to which the swing of the transform is followed through the sizes
 _PANEL_PHASE = 20.0

@@ -1,16 +1,22 @@
-"""Gauss-Legendre rules: over panels, and over any size law, however wide."""
+"""Gauss-Legendre rules over panels and over any size law, and the complementary error function of arrays."""
 
 from collections.abc import Hashable
 from functools import cache, lru_cache
-from math import exp, log
+from math import erfc, exp, log
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 
-Doubles = NDArray[np.float64]
+
+def complementary_error(x: Doubles) -> Doubles:
+    """Return erfc(x) for x of any shape, by the library of C one by one: right to rounding."""
+    values = np.asarray(x, dtype=np.float64)
+    return np.array([erfc(value) for value in values.ravel().tolist()], dtype=np.float64).reshape(values.shape)
+
 
 HIGHEST_POWER = 13
 """Averages of d^n up to this n (the sixth cumulant's) are held to rounding."""

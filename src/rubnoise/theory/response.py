@@ -1,20 +1,108 @@
-"""How far and how fast the one-way slider swings: the response spectrum and its integral."""
+"""How far and how fast the one-way slider swings: the spectra of displacement and velocity, and their integrals."""
 
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
-from rubnoise.theory.lines import spectral_lines
-from rubnoise.theory.resonance import response_rules
+from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
+from rubnoise.theory.quadrature import panels, size_range
+from rubnoise.theory.regular_births import spectral_lines
 from rubnoise.theory.spectrum import force_spectral_density
 
-Doubles = NDArray[np.float64]
+Rule = tuple[Doubles, Doubles]
+
+_NODES = 16
+_SWING = 8.0  # phase k d of a panel that still follows the swing, which has period pi
+_RESOLVED = 4000.0  # phase to which every swing is followed; beyond it the swing holds less than 1e-8 of any integral
+_SETTLED = 256.0  # the same for a slider too slow for such phases, by which it has nearly come to rest
+_ABOVE = 100.0  # and for a faster one so many times its last corner; what is not followed there is below 1e-12
+_AROUND = 2000.0  # phase on either side of a far and sharp resonance to which the swing is followed
+_SHARP = 30.0  # half-width of the resonance, as a phase, above which it averages over the swing by itself
+
+
+def response_rules(model: Model, drive: Drive) -> tuple[Rule, Rule]:
+    """Return nodes and weights over k > 0 in rad/um: where panels follow the swing of S(k), where they average over it.
+
+    Panels grow by octaves from far below to far above every corner, by octaves of distance from the resonance
+    (beginning at half its half-width), and never exceed a phase of 8 where the swing counts.
+    """
+    edges = response_edges(model, drive)
+    follows = np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING
+    nodes, weights = (part.reshape(-1, _NODES) for part in panels(edges, _NODES))
+    return (nodes[follows].ravel(), weights[follows].ravel()), (nodes[~follows].ravel(), weights[~follows].ravel())
+
+
+def response_edges(model: Model, drive: Drive) -> Doubles:
+    """Return the ends of all panels in rad/um, in order, from 0 on."""
+    reach = size_range(model.sizes)[1]
+    swinging = largest_swinging_wavenumber(model.sizes)
+    breadth = max(1.0, 2.0 * drive.slider.damping_ratio)
+    settled = max(_SETTLED, _ABOVE * drive.resonance * breadth * reach)
+    resolved = min(min(_RESOLVED, settled) / reach, swinging)
+    lowest = 1e-3 * min(1.0 / reach, drive.resonance / breadth)
+    highest = 1e4 * max(resolved, drive.resonance * breadth)
+    parts = [
+        np.zeros(1),
+        _octaves(lowest, highest),
+        np.arange(0.0, resolved, _SWING / reach),
+        _around_resonance(drive),
+    ]
+    half_width = drive.slider.damping_ratio * drive.resonance
+    if resolved < drive.resonance < swinging and half_width * reach < _SHARP:
+        parts.append(drive.resonance + np.arange(-_AROUND, _AROUND, _SWING) / reach)
+    return np.unique(np.concatenate(parts))
+
+
+def _octaves(lowest: float, highest: float) -> Doubles:
+    return lowest * 2.0 ** np.arange(0.0, np.ceil(np.log2(highest / lowest)) + 1.0)
+
+
+def _around_resonance(drive: Drive) -> Doubles:
+    half_width = drive.slider.damping_ratio * drive.resonance
+    if half_width >= drive.resonance:
+        return np.array([drive.resonance])
+    distances = np.minimum(_octaves(0.5 * half_width, drive.resonance), drive.resonance)
+    return np.concatenate([drive.resonance - distances, [drive.resonance], drive.resonance + distances])
+
+
+def displacement_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
+    """Return the two-sided spectral density S_x(w) of the slider's displacement in um^2 per rad/s, w in rad/s.
+
+    S_x(w) = S_F(w/V)/V / |k - m w^2 + i c w|^2, S_F the spectrum of the force, E[psi^2] S for Poisson births;
+    Cov[x(t), x(t + u)] = (1/2 pi) int S_x exp(i w u) dw, so that Var x = (1/pi) int_0^inf S_x dw. Of regular births it
+    is the continuous part, beside lines at w = V k_n. Any shape of w. Raises Refused without slider, strength or speed,
+    and without damping, where nothing is stationary.
+    Source: paper Eq. (1) and Fig. 5; Crandall and Mark, Random Vibration in Mechanical Systems (1963).
+    """
+    drive = _damped_drive(model)
+    k = np.abs(np.asarray(angular_frequency, dtype=np.float64)) / drive.speed
+    return force_spectral_density(model, drive.strengths, k) / drive.speed * drive.gain(k)
+
+
+def velocity_spectrum(model: Model, angular_frequency: ArrayLike) -> Doubles:
+    """Return S_v(w) = w^2 S_x(w) in (um/s)^2 per rad/s, the spectral density of the velocity; see above."""
+    w = np.asarray(angular_frequency, dtype=np.float64)
+    return np.square(w) * displacement_spectrum(model, w)
+
+
+def displacement_spectrum_per_hertz(model: Model, frequency: ArrayLike) -> Doubles:
+    """Return the one-sided density 2 S_x(2 pi f) in um^2 per Hz at f >= 0 in Hz, so that int_0^inf df gives Var x."""
+    return 2.0 * displacement_spectrum(model, 2.0 * pi * np.asarray(frequency, dtype=np.float64))
+
+
+def _damped_drive(model: Model) -> Drive:
+    drive = drive_of(model)
+    if drive.slider.damping == 0.0:
+        raise Refused("without damping the slider's motion is not stationary and has no spectrum")
+    return drive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

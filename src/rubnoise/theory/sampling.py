@@ -5,16 +5,13 @@ from itertools import product
 from math import comb, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants, strengths_of
 from rubnoise.theory.correlation import Powers, joint_cumulants, unphased_covariance
 from rubnoise.theory.lags import lag_rule
-from rubnoise.theory.lines import resolved_error, spectral_lines, variance_of_line_mean
-from rubnoise.theory.random_births import need_random_births
-
-Doubles = NDArray[np.float64]
+from rubnoise.theory.regular_births import need_random_births, resolved_error, spectral_lines, variance_of_line_mean
 
 _ORDER = 4
 _SIZES = 12  # an error of an error: seven digits are plenty
@@ -34,7 +31,7 @@ def variance_of_time_mean(model: Model, distance: float | None = None) -> float:
     """Return the variance in um^4 of the mean of A_r over a stationary record of T um, exact for every length.
 
     Over ``distance`` um, Var = (2/T^2) int_0^T (T - tau) R(tau) dtau, which tends to S(0)/T; without a distance, over
-    the model's ticks. The lines of regular births leave what `rubnoise.theory.lines.variance_of_line_mean` says.
+    the model's ticks. Regular births leave what `variance_of_line_mean` says.
     Source: Papoulis, Probability, Random Variables and Stochastic Processes, section 12-1.
     """
     return _variance_of_mean(model, distance, 1.0, 1.0)

@@ -1,14 +1,19 @@
-"""The spectral density of real contact area and friction force: pulses of one shape and many sizes."""
+"""The spectral density of real contact area and friction force: two-sided, one-sided, its tail, corner and lines.
+
+Conventions are spelled out at each function: S(k) is two-sided, G(k) one-sided.
+"""
+
+from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.pulse_energy import energy_spread, mean_energy
-from rubnoise.theory.random_births import are_at_random
-
-Doubles = NDArray[np.float64]
+from rubnoise.theory.regular_births import are_at_random, need_random_births, spectral_lines
 
 
 def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
@@ -17,7 +22,7 @@ def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     S(k) = lam E[|A^(k)|^2], with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk and lam the birth rate; |A^(k)| is
     pi d |H_1(k d)| / k^2 for the lens and (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle. S(0) is finite. Regular
     births have the continuous part S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
-    `rubnoise.theory.lines.spectral_lines`.
+    `rubnoise.theory.regular_births.spectral_lines`.
     Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); for regular births Campbell's theorem
     given the phase, under which the lives are independent.
     """
@@ -62,3 +67,67 @@ def _density(model: Model, wavenumber: ArrayLike, square: float, squared_mean: f
     if square > squared_mean:
         unequal = unequal + (square - squared_mean) * mean_energy(model.sizes, model.pulse, k, exact=exact)
     return model.birth_rate * unequal
+
+
+_HALVINGS = 60
+
+
+def one_sided_density(model: Model, wavenumber: ArrayLike) -> Doubles:
+    """Return G(k) = S(k) / pi in um^4 per rad/um for k >= 0 in rad/um, so that int_0^inf G dk = Var[A_r].
+
+    S is the two-sided density with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk: folding it in two and leaving out the
+    1/2 pi makes the factor 2 / (2 pi).
+    """
+    return spectral_density(model, wavenumber) / pi
+
+
+def one_sided_density_per_cycle(model: Model, cycles: ArrayLike) -> Doubles:
+    """Return 2 S(2 pi f) in um^4 per cycle/um at f >= 0 in cycles/um, so that int_0^inf df gives Var[A_r].
+
+    It is what scipy.signal's "density" scaling estimates from ticks.
+    """
+    return 2.0 * spectral_density(model, 2.0 * pi * np.asarray(cycles, dtype=np.float64))
+
+
+def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
+    """Return the level lam j m_2 / k^4 about which S(k) falls off, in um^4 per rad/um, k > 0 in rad/um; two-sided.
+
+    j is 4 for the lens and 3 pi^2 / 8 for the triangle, the sum of the squares of the jumps of slope over a life of
+    unit diameter. S swings about it, the lens by a factor 1 + 2.5 / sqrt(k d) for one size, the triangle wholly; spread
+    damps that. Raises Refused unless births are a Poisson process.
+    Source: Watson's lemma for the kinks of paper Eq. (2).
+    """
+    need_random_births(model, "the tail of the spectrum")
+    k = np.asarray(wavenumber, dtype=np.float64)
+    return model.birth_rate * model.pulse.squared_kinks * model.sizes.moment(2) / np.square(np.square(k))
+
+
+def half_power_wavenumber(model: Model) -> float:
+    """Return the smallest k in rad/um at which S(k) = S(0) / 2, to rounding.
+
+    For lenses of one size it is 2.2522/d, so k L = 4.50, 0.72 cycles a life. Raises Refused unless births are a Poisson
+    process: regular ones have their least density at k = 0.
+    """
+    need_random_births(model, "the corner of the spectrum")
+    half = 0.5 * float(spectral_density(model, 0.0))
+    low, high = 0.0, 0.25 / model.sizes.support[1]
+    while float(spectral_density(model, high)) > half:
+        low, high = high, 1.25 * high
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if float(spectral_density(model, middle)) > half else (low, middle)
+    return high
+
+
+_ROUNDING = 1e-26
+
+
+def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
+    """Return wavenumbers in rad/um and powers in um^4 of the lines above 1e-26 of the squared mean area.
+
+    Of triangles of one size every second line, or all of them, should be 0 and is left over from sums that cancel.
+    Equation and source are those of `rubnoise.theory.regular_births.spectral_lines`; none for births at random.
+    """
+    wavenumber, power = spectral_lines(model)
+    told = power > _ROUNDING * area_cumulants(model).mean ** 2
+    return wavenumber[told], power[told]

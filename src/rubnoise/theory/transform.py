@@ -6,12 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.pulses import Pulse, Shape
 from rubnoise.theory import transform_lens, transform_triangle
-from rubnoise.theory.error_function import complementary_error
-
-Doubles = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from rubnoise.theory.quadrature import complementary_error
 
 _STEP_FROM = 32.0
 # The step from the transform itself to its mean over a swing: an error function of width 8.5 about phase 90. It holds

@@ -1,10 +1,9 @@
 """The Fourier transform of the triangular pulse of unit diameter, and what is left of it without its swing."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Doubles = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from rubnoise.arrays import Complexes, Doubles
 
 
 def amplitude(phase: ArrayLike) -> Doubles:

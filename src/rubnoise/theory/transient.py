@@ -3,16 +3,15 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.lags import lag_edges, longest_life
 from rubnoise.theory.occupancy import count_from_empty, mean_count
 from rubnoise.theory.quadrature import cut_size_rule, panels
-
-Doubles = NDArray[np.float64]
 
 _NODES = 24
 _GROWTH_NODES = 16

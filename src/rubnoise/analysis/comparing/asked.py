@@ -11,8 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
-from rubnoise.analysis.comparing.judging import judged_mean, too_short
+from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged_mean, too_short
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants

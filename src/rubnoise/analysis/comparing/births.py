@@ -5,14 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.comparing.findings import Finding, Identity
-from rubnoise.analysis.comparing.judging import judged, poisson_figure, too_short
+from rubnoise.analysis.comparing.findings import Finding, Identity, judged, poisson_figure, too_short
 from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-
-Doubles = NDArray[np.float64]
 
 FEWEST_GAPS = 1000
 """Births from which the spread of their gaps, a mean of squares of exponentials, has a score."""

@@ -2,8 +2,7 @@
 
 from math import sqrt
 
-from rubnoise.analysis.comparing.findings import Finding, Identity
-from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
+from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, too_short
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.moments import needed_for_mean, over_ticks
@@ -14,7 +13,7 @@ from rubnoise.theory.correlation import joint_cumulants
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.sampling import standard_errors
 
 _ROUNDING = 2.0**-50

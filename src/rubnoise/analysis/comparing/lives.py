@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
 from rubnoise.analysis.comparing.trace import TraceSums
+from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.spectrum import spectral_density
-
-Doubles = NDArray[np.float64]
 
 _ROUNDING = 2.0**-50
 _NODES = 40

@@ -3,11 +3,7 @@
 from dataclasses import replace
 from math import hypot, inf, log
 
-import numpy as np
-from numpy.typing import NDArray
-
-from rubnoise.analysis.comparing.findings import Finding, LeftOut
-from rubnoise.analysis.comparing.judging import judged, judged_mean, too_short
+from rubnoise.analysis.comparing.findings import Finding, LeftOut, judged, judged_mean, too_short
 from rubnoise.analysis.comparing.rows import panels, settled_tick
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.moments import needed_for_mean
@@ -17,10 +13,8 @@ from rubnoise.record.tally import Moments
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
 from rubnoise.theory.drive import drive_of
 from rubnoise.theory.motion_errors import motion_errors
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import Response, response
-
-Doubles = NDArray[np.float64]
 
 FEWEST_DECAYS = 10
 """Decay times that a record of the motion should have behind its start."""

@@ -6,8 +6,7 @@ import numpy as np
 
 from rubnoise.analysis.bands import band_powers
 from rubnoise.analysis.comparing.contact import settled_length
-from rubnoise.analysis.comparing.findings import Finding, LeftOut
-from rubnoise.analysis.comparing.judging import LARGEST_ERROR, judged, judged_mean, too_short
+from rubnoise.analysis.comparing.findings import LARGEST_ERROR, Finding, LeftOut, judged, judged_mean, too_short
 from rubnoise.analysis.comparing.tails import LARGEST_SKEWNESS, Tail, tail_of
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.covariance_errors import covariance_errors
@@ -20,7 +19,7 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.occupancy import zero_share
-from rubnoise.theory.random_births import need_random_births
+from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.sampling import variance_of_time_mean
 
 BANDS = 8

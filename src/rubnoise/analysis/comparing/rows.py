@@ -12,8 +12,6 @@ from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.theory.lags import longest_life
 
-Doubles = NDArray[np.float64]
-
 PANEL_ROWS: Final = 1 << 18
 
 

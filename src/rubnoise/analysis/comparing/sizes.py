@@ -1,4 +1,4 @@
-"""How large and how strong the junctions are that were born along the run."""
+"""How large and how strong junctions are: of those born along the run, and of those alive at its start."""
 
 from collections.abc import Callable
 from math import sqrt
@@ -8,18 +8,56 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
-from rubnoise.analysis.comparing.judging import LARGEST_SKEWNESS, judged, too_short
-from rubnoise.analysis.comparing.size_distribution import size_distribution
+from rubnoise.analysis.comparing.findings import (
+    LARGEST_SKEWNESS,
+    Finding,
+    Identity,
+    LeftOut,
+    judged,
+    poisson_figure,
+    too_short,
+)
 from rubnoise.analysis.comparing.tails import Drawn, tail_of_squares
-from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure
+from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure, sample_distance
 from rubnoise.analysis.records import longer
-from rubnoise.contact.laws import Fixed
+from rubnoise.arrays import Doubles
+from rubnoise.contact.laws import Fixed, Law
 from rubnoise.model import Model
+from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Moments
-from rubnoise.theory.quadrature import size_range
+from rubnoise.theory.occupancy import mean_count
+from rubnoise.theory.quadrature import panels, size_range
+from rubnoise.theory.regular_births import need_random_births
 
-Doubles = NDArray[np.float64]
+_CELLS = 8192
+_NODES = 6
+_NARROW_PANELS = 4.0
+_FINE, _DEEP = 20.0, 400.0
+
+
+def size_distribution(law: Law, *, alive: bool = False) -> Callable[[Doubles], Doubles]:
+    """Return P(diameter <= d) as a function of d in um, for a law that has a density; error below 1e-5.
+
+    With ``alive`` it is that of junctions found alive, whose density is proportional to d f(d). The density is
+    integrated from the top down over fine cells, equal in d for a narrow law and in log d for a wide one, whose cells
+    become coarse but go on to e^-420 of its largest diameter: a density may grow without bound towards d = 0.
+    """
+    low, high = law.support
+    narrow = high <= _NARROW_PANELS * low
+    cells = np.linspace(low, high, _CELLS) if narrow else _logarithmic(float(np.log(high)))
+    places, weights = panels(cells, _NODES)
+    diameters = places if narrow else np.exp(places)
+    shares = weights * law.density(diameters) * diameters ** (alive + (not narrow))
+    masses = shares.reshape(cells.size - 1, _NODES).sum(axis=1)
+    below = 1.0 - np.append(np.cumsum(masses[::-1])[::-1], 0.0) / masses.sum()
+    tiny = float(np.finfo(np.float64).tiny)
+    return lambda d: np.interp(d if narrow else np.log(np.maximum(d, tiny)), cells, below)
+
+
+def _logarithmic(top: float) -> Doubles:
+    deep = np.arange(top - _FINE - _DEEP, top - _FINE)
+    return np.concatenate([deep, np.linspace(top - _FINE, top, _CELLS)])
+
 
 _ROUNDING = 2.0**-50
 _NARROW = 1e-3  # std over mean below which moments about 0 leave no digits to the fourth central one
@@ -113,3 +151,49 @@ def central_moments(moment: Callable[[int], float]) -> tuple[float, float, float
     m1, m2, m3, m4 = (mpf(moment(n)) for n in (1, 2, 3, 4))
     second, third = m2 - m1**2, m3 - 3 * m1 * m2 + 2 * m1**3
     return float(second), float(third), float(m4 - 4 * m1 * m3 + 6 * m1**2 * m2 - 3 * m1**4)
+
+
+class Start:
+    """Gathers the rows of junctions that were alive at the start."""
+
+    def __init__(self) -> None:
+        self._births: list[Doubles] = []
+        self._diameters: list[Doubles] = []
+
+    def add(self, columns: dict[str, NDArray[Any]]) -> None:
+        """Take in a panel of /junctions."""
+        there = (columns["state"] & JunctionState.ALIVE_AT_START) != 0
+        self._births.append(columns["birth_distance"][there])
+        self._diameters.append(columns["diameter"][there])
+
+    @property
+    def diameters(self) -> Doubles:
+        """Their diameters in um."""
+        return np.concatenate([np.empty(0), *self._diameters])
+
+    @property
+    def ages(self) -> Doubles:
+        """Their ages as a share of their lives."""
+        return -np.concatenate([np.empty(0), *self._births]) / (2.0 * self.diameters)
+
+
+def start_findings(model: Model, start: Start) -> list[Finding]:
+    """Return number, ages and diameters at the start beside their laws; raises Refused unless births are random.
+
+    The number is Poisson(lam E[2d]), ages are uniform over a life, diameters have a density proportional to d f(d); an
+    empty start has nobody, and nothing to compare.
+    """
+    if model.start != "stationary":
+        return []
+    need_random_births(model, "who is alive at the start")
+    diameters = start.diameters
+    found: list[Finding] = [poisson_figure("start_count", diameters.size, mean_count(model))]
+    if diameters.size < FEWEST:
+        return found  # as few as the contact has: no length would bring more
+    ages = np.sort(start.ages)
+    found.append(kolmogorov_figure("start_age_kolmogorov", sample_distance(ages, ages), ages.size))
+    low, high = size_range(model.sizes)
+    if low < high:
+        distance = sample_distance(diameters, size_distribution(model.sizes, alive=True)(diameters))
+        found.append(kolmogorov_figure("start_diameter_kolmogorov", distance, diameters.size))
+    return found

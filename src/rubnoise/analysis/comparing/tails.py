@@ -6,12 +6,10 @@ from math import inf
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.streams import LARGEST_UNIFORM
-
-Doubles = NDArray[np.float64]
 
 LARGEST_SKEWNESS: Final = 0.35
 LARGEST_KURTOSIS: Final = 0.4

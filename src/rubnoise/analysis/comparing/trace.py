@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from rubnoise.analysis.comparing.rows import panels, settled_tick
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.spectra import WelchSum
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.tally import Moments
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.lags import longest_life
-
-Doubles = NDArray[np.float64]
 
 COLUMNS = ("distance", "real_contact_area", "junction_count", "friction_force")
 

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
-from rubnoise.analysis.comparing.judging import judged_mean, too_short
+from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged_mean, too_short
 from rubnoise.analysis.comparing.rows import panels
 from rubnoise.analysis.comparing.tails import tail_of
 from rubnoise.analysis.friction_path import FrictionIntegral
 from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
@@ -24,9 +24,7 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import KEPT
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.motion_errors import mean_force_error
-from rubnoise.theory.random_births import need_random_births
-
-Doubles = NDArray[np.float64]
+from rubnoise.theory.regular_births import need_random_births
 
 FIELD: Final = 1e-11
 """Relative: where a slider hardly moves, the force is a polynomial of a cell's eight nodes."""

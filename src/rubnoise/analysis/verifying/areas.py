@@ -3,13 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.contact.pulses import Pulse, Shape
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def add_areas(

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.forms import VERSION, command_form, digits_form, moment, moment_form, parsed
 from rubnoise.analysis.verifying.inventories import compare_attributes, compare_structure
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.scenario import flattened

@@ -7,20 +7,17 @@ trapezoidal rule misses A h^3/12 at most, |a| <= A, and of int x^2 dt (2 max x'^
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparing.findings import Identity
 from rubnoise.analysis.comparing.rows import panels as checked_panels
 from rubnoise.analysis.comparing.two_way import Path, two_way_identities
-from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.reading import panels
+from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
-
-Doubles = NDArray[np.float64]
 
 BETWEEN: Final = 2.0
 """Times the largest force and velocity in the rows: what they may come to between two of them."""

@@ -7,16 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.lives import born_before
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import Ahead, Panel, panels
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import Phase
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

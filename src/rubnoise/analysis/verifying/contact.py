@@ -6,14 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import add_areas
-from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.reading import Junctions, Panel, Window, panels
+from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
-
-Doubles = NDArray[np.float64]
 
 FORMULA: Final = 2.0**-48
 """By how much two ways to an area over d^2 may differ: each is right to 2^-50, ages are to 2^-51."""

@@ -7,8 +7,7 @@ import numpy as np
 
 from rubnoise.analysis.agreement import ERROR, EXACT, Agreement
 from rubnoise.analysis.summary import summarise
-from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.reading import panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader

@@ -1,6 +1,13 @@
-"""What a verification finds: each check with what it looked at, and the first place that is not as it should be."""
+"""What a verification finds: each check with what it looked at, and the first place that is wrong.
+
+Notes are taken while columns pass by: how many values were looked at, how many differ, and where first.
+"""
 
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,3 +67,78 @@ class Verification:
     def values(self) -> int:
         """How many values checked in all checks together."""
         return sum(check.values for check in self.checks)
+
+
+Mask = NDArray[np.bool_]
+
+
+class Notes:
+    """The notes of one check. Rows of several columns may come in any order; the first row that differs is kept."""
+
+    def __init__(self, name: str, of: str = "") -> None:
+        """Begin a check of a name; ``of`` is the file that places are in, where there are several."""
+        self._name = name
+        self._of = f"{of} " if of else ""
+        self._values = 0
+        self._different = 0
+        self._first: Difference | None = None
+
+    def equal(self, place: str, first_row: int, found: NDArray[Any], expected: ArrayLike) -> None:
+        """Note where rows of a column are not the same, bit for bit: -0 is not 0, and nan is nan."""
+        right = np.broadcast_to(np.asarray(expected).astype(found.dtype), found.shape)
+        self._note(place, first_row, bits(found) == bits(right), found, lambda row: shown(right[row]))
+
+    def near(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any], allowed: ArrayLike) -> None:
+        """Note where rows of a column are farther than what is allowed from what they should be."""
+        limit = np.broadcast_to(np.asarray(allowed, dtype=np.float64), found.shape)
+        with np.errstate(invalid="ignore", over="ignore"):
+            right = np.abs(found - expected) <= limit
+        self._note(
+            place, first_row, right, found, lambda row: f"{shown(expected[row])}, give or take {float(limit[row]):.2g}"
+        )
+
+    def holds(self, place: str, first_row: int, found: NDArray[Any], right: Mask, expected: str) -> None:
+        """Note where rows of a column are not as a sentence says."""
+        self._note(place, first_row, right, found, lambda _: expected)
+
+    def say(self, place: str, *, found: object, expected: object) -> None:
+        """Note one value that has no row, different unless both are equal."""
+        self._values += 1
+        if found != expected:
+            self._different += 1
+            self._keep(Difference(place=f"{self._of}{place}", row=None, found=str(found), expected=str(expected)))
+
+    def check(self) -> Check:
+        """Return what has been noted."""
+        return Check(name=self._name, values=self._values, different=self._different, first=self._first)
+
+    def _note(self, place: str, first_row: int, right: Mask, found: NDArray[Any], expected: Any) -> None:
+        self._values += found.size
+        if right.all():
+            return
+        row = int(np.argmin(right))
+        self._different += int(found.size - np.count_nonzero(right))
+        self._keep(
+            Difference(
+                place=f"{self._of}{place}", row=first_row + row, found=shown(found[row]), expected=expected(row)
+            ),
+        )
+
+    def _keep(self, difference: Difference) -> None:
+        kept = self._first
+        if kept is None or _row(difference) < _row(kept):
+            self._first = difference
+
+
+def bits(values: NDArray[Any]) -> NDArray[np.unsignedinteger[Any]]:
+    """Return the bits of numbers as unsigned integers of their width."""
+    return np.ascontiguousarray(values).view(f"u{values.dtype.itemsize}")
+
+
+def shown(value: Any) -> str:
+    """Return a number with all of its digits."""
+    return repr(value.item())
+
+
+def _row(difference: Difference) -> int:
+    return -1 if difference.row is None else difference.row

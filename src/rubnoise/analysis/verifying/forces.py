@@ -12,14 +12,11 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import lens_fraction
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.contact.pulses import Pulse, Shape
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 NARROW: Final = 128.0
 """Diameters of more cells than this have their moments by quadrature: closed forms lose (d/cell)^2 roundings."""

@@ -4,8 +4,8 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from rubnoise.analysis.verifying.findings import Notes
 from rubnoise.analysis.verifying.forms import digits_form
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.storage.inventory import DATASET, Inventory, stored_texts
 from rubnoise.storage.schema import HASH
 

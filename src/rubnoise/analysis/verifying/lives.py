@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.reading import Panel, panels
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed

@@ -4,13 +4,11 @@ from dataclasses import dataclass
 from math import ceil, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.model import Slider
-from rubnoise.theory.free_motion import free_motion
+from rubnoise.theory.motion_cumulants import free_motion
 from rubnoise.theory.quadrature import panels
-
-Doubles = NDArray[np.float64]
 
 _NODES = 20
 _HALVINGS = 60
@@ -44,7 +42,7 @@ def cell_motion(slider: Slider, speed: float, width: float) -> CellMotion:
     """Return the motion over a cell of a width in um at a sliding speed in um/s.
 
     x(h) = (even + a odd) x + odd x' and its derivative, and the i-th gain is (2i + 1)/(m V) int_0^1 g(h (1 - y))
-    P_i(2y - 1) dy with g = odd for x and its derivative for x': see `rubnoise.theory.free_motion`.
+    P_i(2y - 1) dy with g = odd for x and its derivative for x': see `rubnoise.theory.motion_cumulants`.
     """
     free, duration = free_motion(slider), width / speed
     even, odd = (float(value[0]) for value in free(np.array([duration])))

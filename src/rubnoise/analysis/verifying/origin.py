@@ -5,9 +5,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.motion import cell_motion
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import HashedReader, Reader

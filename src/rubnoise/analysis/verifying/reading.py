@@ -7,9 +7,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.record.reader import Rows
-
-Doubles = NDArray[np.float64]
 
 PANEL_ROWS: Final = 65_536
 

@@ -8,9 +8,8 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis.verifying.blocks import BlockTable, block_table, slider_before
-from rubnoise.analysis.verifying.findings import Check, LeftOut
+from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.analysis.verifying.lives import ended_early
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.origin import CONSTANTS, stored_constants
 from rubnoise.analysis.verifying.reading import Panel, panels
 from rubnoise.model import Model

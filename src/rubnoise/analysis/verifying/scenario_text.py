@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from shlex import split
 from typing import Any, Final
 
-from rubnoise.analysis.verifying.findings import Check, LeftOut
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.retold import Retold, retold

@@ -6,15 +6,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.forces import force_moments
 from rubnoise.analysis.verifying.motion import CellMotion, cell_motion
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import PANEL_ROWS, Ahead, Window, panels
+from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
-
-Doubles = NDArray[np.float64]
 
 SHARE: Final = 5e-10
 """Of the largest displacement or velocity: what a tick may be away from where the one before it leads."""

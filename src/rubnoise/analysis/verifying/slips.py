@@ -13,15 +13,12 @@ Equations I, II.9), in time and of no fixed order; the simulation passes most of
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.verifying.areas import lens_fraction
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.contact.pulses import Shape
 from rubnoise.record.rows import Phase
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 SHAPES: Final[dict[Shape, int]] = {"lens": 0, "triangle": 1}
 _SLIP, _STICK = int(Phase.SLIP), int(Phase.STICK)

@@ -4,9 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.verifying.findings import Check
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.lives import AT_END
-from rubnoise.analysis.verifying.notes import Notes
 from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows

@@ -6,17 +6,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.findings import Check, LeftOut
-from rubnoise.analysis.verifying.notes import Notes
+from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.analysis.verifying.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
 from rubnoise.analysis.verifying.two_way import PHASES, first_landmark
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind, Phase
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 STRETCH: Final = 1024
 """Rows that are integrated one after the other at most, between two of which there may be some that are not."""

@@ -7,13 +7,11 @@ from math import factorial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import exponential
 from rubnoise.contact.gamma_deviates import density_at_the_mean, gamma_deviates, likely_range
 from rubnoise.contact.laws.law import LEAST, Entry, rounded_moment
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

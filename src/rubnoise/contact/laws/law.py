@@ -6,10 +6,8 @@ from functools import lru_cache
 from typing import Any, Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Doubles = NDArray[np.float64]
-
+from rubnoise.arrays import Doubles
 
 WIDEST: Final = 3.0
 """Standard deviation over mean up to which laws with a long tail are drawn: gamma deviates lose digits beyond it."""

@@ -5,13 +5,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import normal_above
 from rubnoise.contact.laws.law import Entry, rounded_moment
 from rubnoise.streams import LARGEST_UNIFORM
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,13 +5,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.deviates import antilogarithm, exponential, logarithm
 from rubnoise.contact.gamma_deviates import gamma_deviates
 from rubnoise.contact.laws.law import Entry, rounded_moment
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.contact.pulses import Shape
 from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES, POWERS
@@ -29,7 +29,6 @@ from rubnoise.simulation.kernels.lanes import (
 from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS, FIRST_INTEGRAL_COEFFICIENTS, horner
 from rubnoise.simulation.state import LiveRows
 
-Doubles = NDArray[np.float64]
 Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles]
 """Birth, diameter, 1/diameter, psi d^2, and the largest death of all rows up to each."""
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
 from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
@@ -18,9 +19,6 @@ from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.coupled.steps import WORK
 from rubnoise.simulation.kernels import Room
 from rubnoise.simulation.state import LiveRows
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 Earlier = Callable[[float, float], LiveRows]
 """All junctions that live between two distances (um), in order of birth: asked for where the slider runs far back."""

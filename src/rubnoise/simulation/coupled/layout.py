@@ -2,13 +2,8 @@
 
 from typing import Final, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.record.rows import LandmarkKind, Phase
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 # Constants of a motion.
 MASS, STIFFNESS, DAMPING, DRIVE = range(4)

@@ -7,9 +7,7 @@ the step is made to end there, and its minimum tells whether the slider has arri
 
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, compiled_into, compiled_within
 from rubnoise.simulation.coupled.field import AGE, GROUP, SIZE, Part, force_in_cell, gather, merged
 from rubnoise.simulation.coupled.layout import (
@@ -68,8 +66,6 @@ from rubnoise.simulation.coupled.steps import (
     time_step,
     uniform_cell,
 )
-
-Doubles = NDArray[np.float64]
 
 MOVED, DONE, AHEAD, BACK, FULL, LOST, UNFIT = range(7)
 """What comes of a step or a call: moved on; the run is over; cells ahead, or behind, are wanted; no room for rows; no

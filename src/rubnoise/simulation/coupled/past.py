@@ -8,15 +8,13 @@ with the diameters that the start has drawn for them. An empty contact has none.
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.model import Model
 from rubnoise.simulation.draws import births_per_block, blocks_together, draw_blocks, first_birth, start
 from rubnoise.simulation.state import LiveRows
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
-
-Doubles = NDArray[np.float64]
 
 
 def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:

@@ -5,9 +5,7 @@ f = k x + c V:   |f| <= G: stick      f < -G: into reversal      f > G: forward
 
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_within
 from rubnoise.simulation.coupled.field import Part, force_in_cell
 from rubnoise.simulation.coupled.layout import (
@@ -50,8 +48,6 @@ from rubnoise.simulation.coupled.layout import (
 from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES
 from rubnoise.simulation.coupled.rows import tell_landmark, tell_row
 from rubnoise.simulation.coupled.steps import GROWTH, PUSH, SPEED, clock_at, integral_to, time_step, value_at
-
-Doubles = NDArray[np.float64]
 
 MOVING, STOPPED, TOUCHING = range(3)
 """How a step in time ends: with w > 0; at w = 0; and there with w' = 0, too."""

@@ -7,8 +7,8 @@ inside, speed and force come from the lives themselves: u^2 = u_0^2 + (2/m) int 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled_within
 from rubnoise.simulation.coupled.field import Lives, Part, force_and_integral, force_in_cell
 from rubnoise.simulation.coupled.layout import (
@@ -65,8 +65,6 @@ from rubnoise.simulation.coupled.steps import (
     value_at,
 )
 
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 Met = tuple[Lives, int, Integers, Doubles, Doubles]
 """Lives, their shape, their order by death, and when their births and deaths are first passed (s)."""
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
 from rubnoise.simulation.coupled.layout import (
     CELL,
@@ -30,9 +30,6 @@ from rubnoise.simulation.coupled.layout import (
     XX_TIME,
 )
 from rubnoise.simulation.state import LiveRows
-
-Doubles = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 _INTEGRALS: Final = {
     "time_stuck": TIME_STUCK,

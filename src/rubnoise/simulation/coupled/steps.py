@@ -15,8 +15,8 @@ clock. What couples back, k V t and c u, is weak there, so that a few passes ove
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, compiled_within, inlined
 from rubnoise.simulation.coupled.field import Part, force_in_lanes
 from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, Scratch, Start
@@ -36,8 +36,6 @@ from rubnoise.simulation.coupled.quadrature import (
     WEIGHTS,
 )
 from rubnoise.simulation.kernels.lanes import fused, larger, load, root, spread, store
-
-Doubles = NDArray[np.float64]
 
 # What a step leaves in ``work``: eight numbers each.
 SPEED, PASSED, TIME, FORCE, GROWTH, PUSH, PACE = 16, 24, 32, 40, 48, 56, 64

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Shape
 from rubnoise.simulation.kernels import triangle
 from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
@@ -16,8 +17,6 @@ from rubnoise.simulation.kernels.grid import Grid
 from rubnoise.simulation.kernels.lens import deposit_fine_moments
 from rubnoise.simulation.kernels.taylor import cell_weights
 from rubnoise.simulation.state import LiveRows
-
-Doubles = NDArray[np.float64]
 
 _CELL_WEIGHTS: Final = cell_weights().ravel()
 _NOTHING: Final = np.empty(0)

@@ -6,8 +6,8 @@ birth, cells that lie before a birth are complete, and are worked out while thei
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.simulation.kernels.lanes import (
     WIDTH,
@@ -30,8 +30,6 @@ from rubnoise.simulation.kernels.lens import (
     horner,
 )
 from rubnoise.simulation.kernels.ticks import first_near, per_um_of
-
-Doubles = NDArray[np.float64]
 
 AT_ONCE = 1024
 """Cells that are worked out at a time: so many integrals stay in the processor's cache."""

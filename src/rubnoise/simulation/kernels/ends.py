@@ -5,9 +5,7 @@ Within a quarter of a diameter from birth or death shorter polynomials than thos
 
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import inlined
 from rubnoise.simulation.kernels.lanes import (
     fused,
@@ -45,7 +43,6 @@ NEAR_THIRD_INTEGRAL_COEFFICIENTS = (
 # fmt: on
 # END generated
 
-Doubles = NDArray[np.float64]
 
 END = 24
 """Positions from a panel's border to beyond the end of a life; the end itself lies behind at least 16 of them."""

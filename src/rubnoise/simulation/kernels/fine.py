@@ -14,11 +14,10 @@ from math import floor
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.simulation.kernels.ends import END, add_fall, add_kink, add_rise
 from rubnoise.simulation.kernels.taylor import BLOCK, CHUNK, MARGIN, PANEL, SERIES, add_panels, add_series
-
-Doubles = NDArray[np.float64]
 
 FINEST = 4 * END
 """Spacings in a diameter from which on a life is fine: its ends then lie within a quarter of the diameter."""

@@ -9,8 +9,8 @@ mid-life). The polynomials hold full precision where acos and sqrt cancel. No fa
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, fused
 from rubnoise.simulation.kernels.ticks import first_at_or_after
 
@@ -46,7 +46,6 @@ THIRD_INTEGRAL_PEAK = 0.022222222222222223
 # fmt: on
 # END generated
 
-Doubles = NDArray[np.float64]
 
 # Six-node Gauss-Legendre on [0, 1].
 _NODES = (

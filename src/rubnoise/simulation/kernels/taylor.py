@@ -6,8 +6,8 @@ The coefficients follow from those of sqrt(2u - u^2), the slope of the lens, by 
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import inlined
 from rubnoise.simulation.kernels.lanes import (
     WIDTH,
@@ -22,8 +22,6 @@ from rubnoise.simulation.kernels.lanes import (
     where_above,
 )
 from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS
-
-Doubles = NDArray[np.float64]
 
 PANEL = 8
 

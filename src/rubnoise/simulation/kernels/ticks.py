@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, compiled_bare, inlined
-
-Doubles = NDArray[np.float64]
 
 
 @compiled_bare

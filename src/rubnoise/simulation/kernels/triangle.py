@@ -6,12 +6,10 @@ of the place in the cell, from which nothing has to be subtracted, however narro
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, compiled_bare
 from rubnoise.simulation.kernels.ticks import first_at_or_after
-
-Doubles = NDArray[np.float64]
 
 _SLOPE = 0.25 * np.pi
 

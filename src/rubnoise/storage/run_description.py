@@ -7,8 +7,8 @@ from typing import Any, Literal
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.provenance import Provenance
-from rubnoise.storage.pulse import pulse_of
 from rubnoise.storage.reader import RunFile, refusing
 from rubnoise.storage.schema import Feature, Scalar
 from rubnoise.storage.seal import INTERVENTION
@@ -17,7 +17,7 @@ SHOWN = 40
 """Characters of a value that are shown where it is refused."""
 
 
-def described(run: RunFile) -> RunDescription:
+def description_of(run: RunFile) -> RunDescription:
     """Return the description from which a run file was made; raises RunFileRefused where it does not say."""
     title, origin = str(run.attributes["title"]), run.provenance
     with refusing(run.path):

@@ -1,7 +1,10 @@
-"""A result file looked over in a child process, which may take little memory and time, and open nothing at all.
+"""The sandbox: HDF5 looks at a file in a child process, which may take little memory and time, and open nothing at all.
 
 The child is a copy of this process, so that nothing is loaded again: it costs milliseconds. The descriptor of the file
 is all that it needs; as it can open no other, no link, external storage or plug-in of HDF5 leads it anywhere.
+
+A program that runs threads (a notebook, say) should not make copies of itself. A process of one thread, started with
+the first file that such a program opens and gone with it, gets the descriptor of each file and makes the copies.
 """
 
 import faulthandler
@@ -11,15 +14,22 @@ import os
 import resource
 import select
 import signal
+import socket
+import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Final, NoReturn
+from typing import TYPE_CHECKING, Final, Literal, NoReturn
+from weakref import finalize
 
 from rubnoise.storage import disk
 from rubnoise.storage.rows import REMEDY
+
+if TYPE_CHECKING:
+    from subprocess import Popen
 
 MEMORY_BYTES: Final = 256 * 1024**2
 """Address space for a look, on top of what the program has; a compressed run of 10^9 ticks needs a tenth of it."""
@@ -34,7 +44,7 @@ FROM_OUTSIDE: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
 Look = Callable[[int], bytes]
 
 
-def vetted(descriptor: int, look: Look, *, patience: float = WALL_SECONDS) -> bytes:
+def sandboxed(descriptor: int, look: Look, *, patience: float = WALL_SECONDS) -> bytes:
     """Return what ``look`` makes of an open file in a child process.
 
     The answer is a JSON object; where the child crashes or takes too much, one that says so under ``refused``, and
@@ -145,3 +155,115 @@ def _end(status: int) -> str:
 
 def _refusal(reason: str, *, unseen: bool = False) -> bytes:
     return json.dumps({"refused": reason, "unseen": unseen}).encode()
+
+
+LookName = Literal["survey", "inventory", "inspection"]
+
+
+def look_of(name: LookName) -> Look:
+    """Return the look of a name."""
+    from rubnoise.storage import inspection, inventory, read_structure  # which all rest on HDF5
+
+    looks: dict[LookName, Look] = {
+        "survey": read_structure.read_structure,
+        "inventory": inventory.inventory,
+        "inspection": inspection.inspect,
+    }
+    return looks[name]
+
+
+START_SECONDS: Final = 60.0
+END_SECONDS: Final = 2.0
+PROGRAM: Final = "from rubnoise.storage.sandbox import serve_looks; serve_looks()"
+CHANNEL: Final = 0
+LENGTH_BYTES: Final = 8
+WORDS: "Final[dict[LookName, bytes]]" = {"survey": b"?", "inventory": b"*", "inspection": b"!"}
+"""What is sent along with a descriptor: which look is wanted."""
+
+
+class SandboxWorker:
+    """The process that looks at files for this one, and the way to ask it."""
+
+    def __init__(self) -> None:
+        """Wait for the first file; nothing is started yet."""
+        self._asking = threading.Lock()
+        self._channel: socket.socket | None = None
+        self._owner = 0
+
+    def ask(self, descriptor: int, look: "LookName" = "survey") -> bytes:
+        """Return what a look at an open file finds (see looks); raises OSError where no process answers."""
+        with self._asking:
+            if self._owner != os.getpid():  # after a fork the channel is that of the parent
+                self._renew()
+            try:
+                return self._asked(descriptor, look)
+            except ConnectionError:
+                self._renew()  # somebody ended it: once more, with a new one
+                return self._asked(descriptor, look)
+
+    def _asked(self, descriptor: int, look: "LookName") -> bytes:
+        channel = self._channel
+        if channel is None:
+            raise ConnectionError("no process looks at result files")
+        socket.send_fds(channel, [WORDS[look]], [descriptor])
+        return _received_from(channel, int.from_bytes(_received_from(channel, LENGTH_BYTES), "big"))
+
+    def _renew(self) -> None:
+        if self._channel is not None:
+            self._channel.close()
+        self._channel, process = _started()
+        self._owner = os.getpid()
+        finalize(self, _hang_up, self._channel, process)
+
+
+SANDBOX_WORKER: Final = SandboxWorker()
+
+
+def serve_looks() -> None:
+    """Serve as that process: answer until the program that asks is gone."""
+    from rubnoise.storage.sandbox import look_of
+
+    looks = {word: look_of(name) for name, word in WORDS.items()}
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits
+        while True:
+            word, descriptors, _, _ = socket.recv_fds(channel, 1, 1)
+            if not descriptors:
+                return
+            answer = sandboxed(descriptors[0], looks[word])
+            os.close(descriptors[0])
+            channel.sendall(len(answer).to_bytes(LENGTH_BYTES, "big") + answer)
+
+
+def _started() -> "tuple[socket.socket, Popen[bytes]]":
+    """Start the process; it has our modules' folders, and the other end of the channel in place of standard input.
+
+    No other descriptor: a lock that this program holds, on a file that it has open in HDF5, would outlive its file.
+    """
+    from subprocess import Popen  # which only a program with threads needs
+
+    ours, its = socket.socketpair()
+    ours.settimeout(START_SECONDS + WALL_SECONDS)
+    folders = os.pathsep.join(filter(None, sys.path))
+    with its:
+        command = [sys.executable, "-P", "-c", PROGRAM]
+        return ours, Popen(command, stdin=its.fileno(), env={**os.environ, "PYTHONPATH": folders})  # noqa: S603  (our own words)
+
+
+def _hang_up(channel: socket.socket, process: "Popen[bytes]") -> None:
+    """Let the process see that nobody asks any more, and wait a moment for its end."""
+    from subprocess import TimeoutExpired
+
+    channel.close()
+    with suppress(TimeoutExpired):
+        process.wait(END_SECONDS)
+
+
+def _received_from(channel: socket.socket, count: int) -> bytes:
+    parts = bytearray()
+    while len(parts) < count:
+        part = channel.recv(min(count - len(parts), 1 << 20))
+        if not part:
+            raise ConnectionError("the process that looks at result files has ended")
+        parts += part
+    return bytes(parts)

@@ -22,7 +22,7 @@ class Unmet:
     reached: float
 
 
-class Further:
+class AdaptiveReplicates:
     """The rounds in which a sweep comes to its precision.
 
     Each point goes from batch to batch of its own replicates, always beginning with the first: what is asked for

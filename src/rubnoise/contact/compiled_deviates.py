@@ -4,12 +4,13 @@ Every step rounds as it is written here, so that the bits are those of any proce
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, inlined
-from rubnoise.contact.deviates import LN2_HIGH, LN2_LOW
 
-Doubles = NDArray[np.float64]
+# ln 2 in two parts; the first has 32 trailing zero bits, so that exponent * HIGH is exact.
+LN2_HIGH = float.fromhex("0x1.62e42feep-1")
+LN2_LOW = float.fromhex("0x1.a39ef35793c76p-33")
 
 _ATANH_SERIES = tuple(1.0 / (2 * n + 1) for n in range(12))
 

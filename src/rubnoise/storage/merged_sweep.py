@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
 from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_scale, describe_column
-from rubnoise.storage.index_file import open_index
-from rubnoise.storage.named_run import open_named
+from rubnoise.storage.index_file import open_index, open_named
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Column
 from rubnoise.storage.structure import LIBRARY_VERSIONS

@@ -1,8 +1,7 @@
-"""What a result file consists of, found with HDF5 and handed on as plain data: no row is read here.
+"""What a result file or an index consists of, read with HDF5 as plain data; no row is read here.
 
-HDF5 may crash, loop or take any memory on a file that was made to harm, so that this is called in a child process (see
-vetting), unless this process has just made the file itself. Everything is asked for by name, and checked before it is
-looked into.
+HDF5 may crash, loop or take any memory on a file that was made to harm, so this runs in the sandbox, unless this
+process has just made the file itself. Everything is asked for by name, and checked before it is looked into.
 """
 
 import json
@@ -14,28 +13,21 @@ import h5py
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import index
-from rubnoise.storage.index_survey import found_in_index
+from rubnoise.storage.checks import has_hard_link, read_attribute, read_integer, read_text, sound_dataset, sound_group
+from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, TEXTS
 from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.pages import Overlay
 from rubnoise.storage.rows import REMEDY
 from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
 from rubnoise.storage.seal import read_provenance, read_root, read_seal, read_summary
-from rubnoise.storage.soundness import (
-    has_hard_link,
-    read_attribute,
-    read_integer,
-    read_text,
-    sound_dataset,
-    sound_group,
-)
 
 
-def survey(descriptor: int) -> bytes:
+def read_structure(descriptor: int) -> bytes:
     """Return, as JSON, where the columns of an open file lie and what its attributes say, or why it is refused."""
-    return surveying(descriptor, lambda file, _: found_in(file, os.fstat(descriptor).st_size))
+    return structure_read_by(descriptor, lambda file, _: found_in(file, os.fstat(descriptor).st_size))
 
 
-def surveying(descriptor: int, find: Callable[[h5py.File, int], dict[str, Any]]) -> bytes:
+def structure_read_by(descriptor: int, find: Callable[[h5py.File, int], dict[str, Any]]) -> bytes:
     """Return, as JSON, what is found in an open file by HDF5 and its descriptor, or why it is refused."""
     try:
         with h5py.File(Overlay(descriptor), "r") as file:
@@ -48,7 +40,7 @@ def surveying(descriptor: int, find: Callable[[h5py.File, int], dict[str, Any]])
 def found_in(file: h5py.File, size: int) -> dict[str, Any]:
     """Return what there is in a file of so many bytes; raises RunFileRefused and whatever HDF5 raises."""
     if _format(file) == index.FORMAT:
-        return found_in_index(file, size)
+        return index_structure(file, size)
     version = _version(file)
     if version > FORMAT_VERSION:
         return {"too_new": version, "source": read_text(file, "source")}
@@ -141,3 +133,41 @@ def _reason(problem: Exception) -> str:
         return str(problem)
     what = "cut short" if "truncated file" in str(problem) else f"damaged: {problem}"
     return f"{what}; {REMEDY}"
+
+
+def index_structure(file: h5py.File, size: int) -> dict[str, Any]:
+    """Return where the columns of an index lie and what its attributes say; raises RunFileRefused for one unsound."""
+    version = read_integer(file, "format_version")
+    if version > index.FORMAT_VERSION:
+        return {"too_new": version, "source": read_text(file, "source")}
+    attributes: dict[str, Scalar] = {name: read_text(file, name) for name in TEXTS}
+    groups = {name: dict(_index_columns(sound_group(file, name), size)) for name in (POINTS, RUNS)}
+    if has_hard_link(file, SUMMARIES):
+        groups[SUMMARIES] = dict(_index_columns(sound_group(file, SUMMARIES), size))
+    seal = read_text(file, HASH) if h5py.h5a.exists(file.id, HASH.encode()) else None
+    return {"index": attributes, "columns": groups, "seal": seal}
+
+
+def _index_columns(owner: h5py.Group, size: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    for name in owner:
+        yield name, _index_column(owner, name, size)
+
+
+def _index_column(owner: h5py.Group, name: str, size: int) -> dict[str, Any]:
+    path = f"{owner.name}/{name}"
+    dataset = owner[name] if has_hard_link(owner, name) else None
+    if not isinstance(dataset, h5py.Dataset) or not dataset.ndim:
+        raise RunFileRefused(f"{path} is no column")
+    creation, kind = dataset.id.get_create_plist(), dataset.dtype
+    if creation.get_layout() != h5py.h5d.CONTIGUOUS or creation.get_external_count() or not _is_plain(kind):
+        raise RunFileRefused(f"{path} is not stored as an index stores it")
+    offset = dataset.id.get_offset() or 0
+    if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= size - offset:
+        raise RunFileRefused(f"{path} has rows that are not in the file")
+    told = {about: read_attribute(dataset, about) for about in ("units", "long_name", HASH) if about in dataset.attrs}
+    return {"offset": offset, "shape": list(dataset.shape), "dtype": kind.str} | told
+
+
+def _is_plain(kind: Any) -> bool:
+    """Whether values are doubles, whole numbers of 64 bits or texts of fixed length."""
+    return kind.str in {"<f8", "<i8"} or (kind.kind == "S" and not kind.names and kind.itemsize > 0)

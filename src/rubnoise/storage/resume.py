@@ -1,22 +1,102 @@
-"""A part file taken up again: what of it is good, and from which state it goes on."""
+"""An unfinished run: what its part file and journal say of it, and how it is resumed.
+
+Rows are compared with the hashes of the last good commit; what does not fit is computed again.
+"""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Self
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final, Self
 
-from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
+from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, resume_hint
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
-from rubnoise.storage.described import described
-from rubnoise.storage.ending import Ending
 from rubnoise.storage.growing import GrowingFile
-from rubnoise.storage.history import History, identity, state_at
-from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import OutputPaths, give_final_name, reserve, sole_writer
+from rubnoise.storage.journal import Ending, History, identity, state_at
+from rubnoise.storage.layout import RunDescription, grows, stored_groups
+from rubnoise.storage.output import OutputPaths, give_final_name, is_being_written, reserve, sole_writer
 from rubnoise.storage.part import Part, open_part
+from rubnoise.storage.provenance import TIME
 from rubnoise.storage.reader import RunFile, open_run, refusing
+from rubnoise.storage.run_description import description_of
+
+SUFFIX: Final = ".part"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unfinished:
+    """What is known of a run that did not finish, without reading its rows.
+
+    junctions, ticks: rows at the last commit; grown: those of each group of which nobody knows how many there will be;
+    committed: its time in UTC, empty before the first; being_written: whether a process writes it now.
+    """
+
+    description: RunDescription
+    source: str
+    junctions: int
+    ticks: int
+    grown: Mapping[str, int]
+    committed: str
+    being_written: bool
+
+    @property
+    def share(self) -> float:
+        """How much of the run's ticks is done, from 0 to 1."""
+        return self.ticks / max(self.description.extent.ticks, 1)
+
+
+def paths_of(part: str | os.PathLike[str]) -> OutputPaths:
+    """Return the names that go with a part file; raises RunFileRefused for one that is named otherwise or missing."""
+    path = Path(part)
+    if path.suffix != SUFFIX or not path.stem:
+        raise RunFileRefused(f"{part}: is not an unfinished run: their names end in {SUFFIX}")
+    try:
+        path.lstat()
+    except OSError as problem:
+        whole = path.with_suffix("")
+        there = f"; {whole} is there" if os.path.lexists(whole) else ""
+        reason = "no such file" if isinstance(problem, FileNotFoundError) else str(problem.strerror).lower()
+        raise RunFileRefused(f"{part}: {reason}{there}") from problem
+    return OutputPaths.of(path.with_suffix(""))
+
+
+def look(part: str | os.PathLike[str]) -> Unfinished:
+    """Return how far a run is that did not finish; one that is being written is looked at without harm.
+
+    Raises RunFileRefused as open_run does.
+    """
+    paths = paths_of(part)
+    with open_run(part) as run:
+        description, source = description_of(run), str(run.attributes["source"])
+    growing = [group.name for group in stored_groups(description.features) if grows(group, description.extent)]
+    history = _history_or_refusal(paths.journal)
+    commits = history.commits if history.run == identity(description) else []
+    rows = {group: mark.rows for (group, _), mark in commits[-1].marks.items()} if commits else {}
+    return Unfinished(
+        description=description,
+        source=source,
+        junctions=rows.get("junctions", 0),
+        ticks=rows.get("trace", 0),
+        grown={group: rows.get(group, 0) for group in growing},
+        committed=datetime.fromtimestamp(commits[-1].moment, UTC).strftime(TIME) if commits else "",
+        being_written=is_being_written(paths),
+    )
+
+
+def _history_or_refusal(journal: Path) -> History:
+    try:
+        return History.read(journal)
+    except OSError as problem:
+        raise RunFileRefused(f"{journal}: {(problem.strerror or str(problem)).lower()}") from problem
+
+
+def refusal(path: str | os.PathLike[str]) -> Refused:
+    """Return what to raise where a whole result is wanted and the run did not finish."""
+    hint = f"; {resume_hint(str(path))}" if Path(path).suffix == SUFFIX else ""
+    return RunFileRefused(f"{path}: unfinished{hint}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +118,7 @@ class TakenUp:
         Raises RunFileRefused for a part that cannot be read, OutputRefused where the disk has no room for all of it.
         """
         with mended(paths) as run:
-            description = described(run)
+            description = description_of(run)
             part = opening.enter_context(open_part(paths, run))
         history = _history(paths, description, part)
         reserve(part.descriptor, os.fstat(part.descriptor).st_size)
@@ -51,7 +131,7 @@ class TakenUp:
         )
 
 
-def settle(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool) -> bool:
+def publish_complete(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool) -> bool:
     """Finish what needs no more rows; return whether there was nothing else to do. The lock must be held.
 
     That is a part that got its final name already, beside which it and its journal were left over, and one that is
@@ -59,7 +139,7 @@ def settle(paths: OutputPaths, check: Callable[[RunFile], None], *, force: bool)
     part that cannot be read or whose structure is damaged, OutputRefused where a file of another run bears the name.
     """
     with mended(paths) as run:
-        description = described(run)
+        description = description_of(run)
         if paths.final.exists() and _is_result_of(paths, description):
             paths.remove_beside()
             disk.remove(paths.part)
@@ -88,7 +168,7 @@ def examined(paths: OutputPaths) -> RunDescription:
     Raises RunFileRefused where it cannot be read, OutputRefused while another process writes it.
     """
     with sole_writer(paths), mended(paths) as run:
-        return described(run)
+        return description_of(run)
 
 
 @contextmanager
@@ -108,7 +188,7 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
     """Carry out the last changes, unless the part is seen to be of another run than the journal."""
     try:
         with open_run(paths.part) as found:
-            of_another = identity(described(found)) != run
+            of_another = identity(description_of(found)) != run
     except RunFileRefused:
         of_another = False
     if of_another:
@@ -137,7 +217,7 @@ def _is_result_of(paths: OutputPaths, description: RunDescription) -> bool:
         return True
     try:
         with open_run(paths.final) as run:
-            is_of_it = bool(run.provenance["finished"]) and identity(described(run)) == identity(description)
+            is_of_it = bool(run.provenance["finished"]) and identity(description_of(run)) == identity(description)
             return is_of_it and not run.damaged()
     except RunFileRefused:
         return False

@@ -1,11 +1,14 @@
-"""What a run will take, told before its first event, and whether this machine has it."""
+"""What a run will take, forecast before its first event, and whether this machine has that much disk and memory."""
 
 import os
+import resource
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cache
 from math import ceil, floor
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Final, cast
 
 from rubnoise.errors import OutputRefused, Refused
@@ -17,9 +20,121 @@ from rubnoise.simulation.draws import births_per_block
 from rubnoise.simulation.run import Engine, extent
 from rubnoise.simulation.yardstick import pace
 from rubnoise.storage.layout import expected_bytes, features_of
-from rubnoise.storage.room import disk_room, memory_in_use, memory_room
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.response import response
+
+BLOCK_BYTES = 512
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+def free_disk_bytes(path: str | os.PathLike[str]) -> int:
+    """Return how many bytes may be written at a path: what its disk has free, a file no larger than RLIMIT_FSIZE.
+
+    The space of a part file beside it, and of rows beside that, counts as free, since it is the new result's or is
+    given back. Raises OSError where there is no such folder.
+    """
+    final = Path(path).absolute()
+    disk = os.statvfs(final.parent)
+    room = disk.f_bavail * disk.f_frsize
+    for beside in (".part", ".part.rows"):
+        with suppress(FileNotFoundError):
+            room += final.with_name(f"{final.name}{beside}").lstat().st_blocks * BLOCK_BYTES
+    largest = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    return room if largest == resource.RLIM_INFINITY else min(room, largest)
+
+
+def memory_in_use(root: Path = Path("/")) -> int:
+    """Return the bytes of memory that this process holds, or 0 where the system does not tell."""
+    return _pages(root)[1] * _PAGE_BYTES
+
+
+def free_memory_bytes(root: Path = Path("/")) -> int | None:
+    """Return how many more bytes of memory this process may come to hold, or None where nothing is known.
+
+    The least of what the machine has available, what the control groups of the process leave it (version 1 and 2,
+    and the groups around them), and what RLIMIT_AS leaves of its address space. ``root`` is where the system's own
+    files are looked for.
+    """
+    return min([*_available(root), *_left_in_groups(root), *_left_of_address_space(root)], default=None)
+
+
+def _available(root: Path) -> Iterator[int]:
+    _, name, after = _text(root / "proc/meminfo").partition("MemAvailable:")
+    if name:
+        yield int(after.split(maxsplit=1)[0]) * 1024
+    elif "SC_PHYS_PAGES" in os.sysconf_names:
+        yield os.sysconf("SC_PHYS_PAGES") * _PAGE_BYTES
+
+
+def _left_of_address_space(root: Path) -> Iterator[int]:
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit != resource.RLIM_INFINITY:
+        yield max(limit - _pages(root)[0] * _PAGE_BYTES, 0)
+
+
+def _left_in_groups(root: Path) -> Iterator[int]:
+    """Yield what each control group with a limit leaves; the pages of files in it can be dropped at any time."""
+    for folder, version, most in _limits(root):
+        _, used, prefix = _NAMES[version]
+        now = _number(folder / used)
+        if now is not None:
+            told = _numbers(folder / "memory.stat")
+            droppable = told.get(f"{prefix}inactive_file", 0) + told.get(f"{prefix}active_file", 0)
+            yield max(most - max(now - droppable, 0), 0)
+
+
+_NO_LIMIT = 1 << 60
+_NAMES = {
+    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_"),
+    2: ("memory.max", "memory.current", ""),
+}
+
+
+@cache
+def _limits(root: Path) -> tuple[tuple[Path, int, int], ...]:
+    """Return folder, version and limit of the groups that have one; looked for once, as runs of a sweep are many."""
+    found = ((folder, version, _number(folder / _NAMES[version][0])) for folder, version in _groups(root))
+    return tuple((folder, version, most) for folder, version, most in found if most is not None and most < _NO_LIMIT)
+
+
+def _groups(root: Path) -> Iterator[tuple[Path, int]]:
+    """Yield the folder and version of every memory group that the process is in, from the innermost outwards."""
+    for line in _text(root / "proc/self/cgroup").splitlines():
+        _, controllers, name = line.split(":", 2)
+        if "memory" in controllers.split(","):
+            top, version = root / "sys/fs/cgroup/memory", 1
+        elif not controllers:
+            top, version = root / "sys/fs/cgroup", 2
+        else:
+            continue
+        # Inside a container the name may be that of the host's tree: what is not there is passed over.
+        inner = PurePosixPath(name.lstrip("/"))
+        for each in (inner, *inner.parents):
+            yield top / each, version
+
+
+def _pages(root: Path) -> tuple[int, int]:
+    """Return the pages of this process's address space, and those of them that are in memory."""
+    told = _text(root / "proc/self/statm").split()
+    return (int(told[0]), int(told[1])) if told else (0, 0)
+
+
+def _numbers(path: Path) -> dict[str, int]:
+    entries = (line.split() for line in _text(path).splitlines())
+    return {words[0]: int(words[1]) for words in entries if len(words) == 2}
+
+
+def _number(path: Path) -> int | None:
+    """Return the number that a file holds; None where it is missing or says "max"."""
+    text = _text(path).strip()
+    return int(text) if text.isdecimal() else None
+
+
+def _text(path: Path) -> str:
+    with suppress(OSError):
+        return path.read_text(encoding="utf-8", errors="replace")
+    return ""
+
 
 FAR: Final = 10.0
 """Standard deviations beyond which nothing is taken to lie."""
@@ -99,12 +214,12 @@ def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
     )
 
 
-def check_room(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
+def check_disk_space(scenario: Scenario, budget: Budget, path: str | os.PathLike[str]) -> None:
     """Refuse a run that this machine has no room for, and name the keys to change.
 
     Raises OutputRefused where the disk of ``path`` has less free than the result takes, else as `check_memory` does.
     """
-    room = disk_room(path)
+    room = free_disk_bytes(path)
     if budget.disk_bytes > room:
         what = "the result"
         if budget.disk_bytes > budget.result_bytes:
@@ -121,7 +236,7 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
 
     Raises Refused, with the keys to change named.
     """
-    room = memory_room()
+    room = free_memory_bytes()
     more = budget.more_bytes + kept_bytes
     if room is None or more <= room:
         return
@@ -129,12 +244,12 @@ def check_memory(scenario: Scenario, budget: Budget, *, kept_bytes: int = 0) -> 
     raise Refused(f"the run needs about {_megabytes(more)} of memory more, and {_megabytes(room)} are left; {remedy}")
 
 
-def check_sweep_room(budget: Budget, folder: Path, *, jobs: int) -> None:
+def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
     """Refuse runs into one folder, so many at a time on this machine, that there is no room for; name what to change.
 
     ``budget`` is that of all runs together that are still to be made. Raises OutputRefused and Refused.
     """
-    room, memory = disk_room(folder / "run.h5"), memory_room()
+    room, memory = free_disk_bytes(folder / "run.h5"), free_memory_bytes()
     if budget.disk_bytes > room:
         raise OutputRefused(
             f"{folder}: the results of {round(budget.work['run']):,} runs may take {budget.disk_bytes:,} bytes, and"

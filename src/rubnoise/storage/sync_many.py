@@ -7,14 +7,14 @@ from typing import Literal
 
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
-from rubnoise.storage.described import described
-from rubnoise.storage.history import History
+from rubnoise.storage.journal import History
 from rubnoise.storage.output import OutputInUse, OutputPaths, sole_writer
 from rubnoise.storage.reader import InUse, TooNew, Unseen
-from rubnoise.storage.resuming import mended
+from rubnoise.storage.resume import mended
+from rubnoise.storage.run_description import description_of
 
 
-def settle(paths: Iterable[Path]) -> dict[Path, OSError]:
+def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
     """See whole files onto the disk, then their names, and return those with which it went wrong.
 
     Raises OSError where a folder fails, which tells nothing of any file.
@@ -23,15 +23,15 @@ def settle(paths: Iterable[Path]) -> dict[Path, OSError]:
     for folder, of_folder in _by_folder(paths).items():
         for path in of_folder:
             try:
-                _settle(path)
+                _sync(path)
             except OSError as problem:
                 wrong[path] = problem
         disk.sync_folder(folder)
     return wrong
 
 
-def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) -> None:
-    """Remove what a kill or a power cut has left of a run that was not settled, as far as nothing can be made of it.
+def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -> None:
+    """Remove what a kill or a power cut has left of a run that was not synced, as far as nothing can be made of it.
 
     ``kind`` tells of the file under its final name, where there is one; it goes where it is torn. A part goes where the
     whole result is there, and where it has no commit: before one all of it was on the disk. What another process writes
@@ -50,7 +50,7 @@ def clear_unsettled(path: Path, kind: Literal["whole", "torn", "other"] | None) 
         disk.remove(paths.making)
 
 
-def is_of_torn(refusal: RunFileRefused) -> bool:
+def is_of_truncated(refusal: RunFileRefused) -> bool:
     """Whether a file was refused as one that a power cut has torn would be, and not because nobody could look at it."""
     return not isinstance(refusal, InUse | TooNew | Unseen) and not isinstance(refusal.__cause__, OSError)
 
@@ -62,7 +62,7 @@ def _by_folder(paths: Iterable[Path]) -> dict[Path, list[Path]]:
     return folders
 
 
-def _settle(path: Path) -> None:
+def _sync(path: Path) -> None:
     descriptor = disk.reopen(path)
     try:
         disk.sync(descriptor)
@@ -75,7 +75,7 @@ def _is_lost(paths: OutputPaths) -> bool:
         return True
     try:
         with mended(paths) as run:
-            described(run)
+            description_of(run)
     except RunFileRefused as refusal:
-        return is_of_torn(refusal)
+        return is_of_truncated(refusal)
     return False

@@ -8,15 +8,12 @@ from typing import Protocol
 from rubnoise.errors import RunStopped
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.sweep.engine import Course, Outcome, Workers
+from rubnoise.sweep.execution import Execution, Outcome, Workers
 from rubnoise.sweep.folder import Shard, SweepFolder
-from rubnoise.sweep.further import Further, Unmet
-from rubnoise.sweep.journal import Journal
-from rubnoise.sweep.known import Known
-from rubnoise.sweep.ledger import Ledger
-from rubnoise.sweep.renewal import Renewal
-from rubnoise.sweep.rows import Row
-from rubnoise.sweep.stock import Stock
+from rubnoise.sweep.index import IndexRefresh
+from rubnoise.sweep.journal import Journal, RunRow
+from rubnoise.sweep.run_status import RecordedRuns, RunStatus, StatusLog
+from rubnoise.sweep.stopping_rule import AdaptiveReplicates, Unmet
 
 
 class SweepStopped(RunStopped):
@@ -28,7 +25,7 @@ class SweepStopped(RunStopped):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Standing:
+class SweepProgress:
     """How far a sweep is: runs that there will be, those done, failed, and done before it was begun this time."""
 
     runs: int
@@ -37,44 +34,44 @@ class Standing:
     before: int
 
 
-class Recover(Protocol):
+class FindUnrecorded(Protocol):
     """Finds what a run has left that nobody wrote down."""
 
-    def __call__(self, point: Point, *, begun: bool) -> Row | None:
+    def __call__(self, point: Point, *, begun: bool) -> RunRow | None:
         """Return its row, or None; ``begun``: what is torn is that of this folder, and may go."""
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Means:
+class SweepMeans:
     """How the runs of a sweep are made.
 
     ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that nobody
     wrote down, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
-    ``watch`` is told how far the sweep is, several times a second, and may raise RunStopped. Unless it is ``settled``,
+    ``watch`` is told how far the sweep is, several times a second, and may raise RunStopped. Unless it is ``synced``,
     work leaves its files to the sweep to be seen onto the disk.
     """
 
-    work: Callable[[Point], Row]
+    work: Callable[[Point], RunRow]
     workers: Callable[[], AbstractContextManager[Workers]]
-    recover: Recover | None
+    recover: FindUnrecorded | None
     affordable: Callable[[Sequence[Point]], None]
-    watch: Callable[[Standing], None]
-    settled: bool
+    watch: Callable[[SweepProgress], None]
+    synced: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ending:
+class SweepOutcome:
     """What became of a sweep: its runs, what is known of them, and the points that ended short of their precision."""
 
     points: Sequence[Point]
-    known: Known
+    known: RecordedRuns
     imprecise: Sequence[Unmet]
 
 
 def conduct(
-    folder: SweepFolder, sweep: Sweep, means: Means, *, shard: Shard | None = None, command: str = ""
-) -> Ending:
+    folder: SweepFolder, sweep: Sweep, means: SweepMeans, *, shard: Shard | None = None, command: str = ""
+) -> SweepOutcome:
     """Carry out what is still to be done of a sweep in its folder, and return what is known of its runs then.
 
     What is done is never done again: a run that the journals know, or whose result lies in its place; a run that failed
@@ -83,10 +80,10 @@ def conduct(
     """
     with folder.writing(shard):
         folder.claim(sweep)
-        further = Further(sweep)
-        renewal = Renewal(folder, sweep, further, command, alone=shard is None)
+        further = AdaptiveReplicates(sweep)
+        renewal = IndexRefresh(folder, sweep, further, command, alone=shard is None)
         with Journal(folder.journal(shard)) as journal:
-            ledger = Ledger(folder, journal, Stock.of(folder, sweep.precision))
+            ledger = StatusLog(folder, journal, RunStatus.of(folder, sweep.precision))
             conductor = _Conductor(_part(further, sweep, shard), means, ledger, renewal, shard)
             try:
                 conductor.carry_out()
@@ -94,14 +91,14 @@ def conduct(
                 renewal.now()
                 raise SweepStopped(stopped.exit_code - 128) from stopped
         points, known = renewal.now()
-        return Ending(points=points, known=known, imprecise=conductor.imprecise)
+        return SweepOutcome(points=points, known=known, imprecise=conductor.imprecise)
 
 
-def _part(further: Further, sweep: Sweep, shard: Shard | None) -> Further:
+def _part(further: AdaptiveReplicates, sweep: Sweep, shard: Shard | None) -> AdaptiveReplicates:
     """Return what a shard goes through of a sweep with a precision: whole points, since it decides on them."""
     if shard is None or sweep.precision is None:
         return further
-    return Further(replace(sweep, cases=shard.of_cases(sweep.cases)))
+    return AdaptiveReplicates(replace(sweep, cases=shard.of_cases(sweep.cases)))
 
 
 class _Conductor:
@@ -109,10 +106,10 @@ class _Conductor:
 
     def __init__(
         self,
-        further: Further,
-        means: Means,
-        ledger: Ledger,
-        renewal: Renewal,
+        further: AdaptiveReplicates,
+        means: SweepMeans,
+        ledger: StatusLog,
+        renewal: IndexRefresh,
         shard: Shard | None,
     ) -> None:
         self.further = further
@@ -121,7 +118,7 @@ class _Conductor:
         self._renewal = renewal
         self._shard = None if further.precision else shard
         self._before = 0
-        self._now = Standing(runs=0, done=0, failed=0, before=0)
+        self._now = SweepProgress(runs=0, done=0, failed=0, before=0)
 
     def carry_out(self) -> None:
         """Take stock, then make what is missing, as long as anything is."""
@@ -141,10 +138,10 @@ class _Conductor:
         try:
             for point in self._wanted():
                 if (row := self._recover(point)) is not None:
-                    self._ledger.done(row, settled=not row.file)
+                    self._ledger.done(row, synced=not row.file)
                     self._look_up()
         finally:
-            self._ledger.settle()
+            self._ledger.sync()
 
     @property
     def imprecise(self) -> list[Unmet]:
@@ -155,43 +152,43 @@ class _Conductor:
         points = self.further(self._ledger.stock.ended)
         return points if self._shard is None else self._shard.of_points(points, self.further.points)
 
-    def _standing(self) -> Standing:
+    def _standing(self) -> SweepProgress:
         """Count the runs of this shard as they are planned by now."""
         points = self.further.points
         own = points if self._shard is None else self._shard.of_points(points, points)
         stock = self._ledger.stock
         done, failed = (sum(point.run_id in ended for point in own) for ended in (stock.done, stock.failed))
-        return Standing(runs=len(own), done=done, failed=failed, before=self._before)
+        return SweepProgress(runs=len(own), done=done, failed=failed, before=self._before)
 
     def _make(self, points: tuple[Point, ...], workers: Workers) -> None:
         """Carry out the points of a round."""
         self._now = self._standing()
         self._means.watch(self._now)
-        if not self._means.settled:
+        if not self._means.synced:
             self._ledger.begin(points)
-        course = Course(points, self._means.work, workers, recover=self._recover, watch=self._look_up)
+        course = Execution(points, self._means.work, workers, recover=self._recover, watch=self._look_up)
         try:
             for outcome in course.outcomes():
                 self._write_down(outcome)
                 self._renewal.if_due()
         finally:
-            self._ledger.settle()
+            self._ledger.sync()
         self._now = self._standing()
         self._means.watch(self._now)
 
-    def _recover(self, point: Point) -> Row | None:
+    def _recover(self, point: Point) -> RunRow | None:
         if self._means.recover is None:
             return None
         return self._means.recover(point, begun=point.run_id in self._ledger.stock.begun)
 
     def _look_up(self) -> None:
-        if self._ledger.settle_if_due():
+        if self._ledger.sync_if_due():
             self._now = self._standing()
         self._means.watch(self._now)
 
-    def _write_down(self, outcome: Outcome[Row]) -> None:
+    def _write_down(self, outcome: Outcome[RunRow]) -> None:
         if outcome.result is not None:
-            self._ledger.done(outcome.result, settled=self._means.settled)
+            self._ledger.done(outcome.result, synced=self._means.synced)
             self._now = replace(self._now, done=self._now.done + 1)
         else:
             self._ledger.failed(outcome.point.run_id, _reason(outcome.problem))

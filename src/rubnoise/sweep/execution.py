@@ -1,4 +1,4 @@
-"""Every point of a sweep carried out, wherever the work is done: the one loop over scenarios."""
+"""The points of a sweep executed, by workers or one after another: the one loop over scenarios."""
 
 import pickle
 import time
@@ -6,13 +6,49 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from operator import length_hint
-from typing import Any, Final, Generic, Protocol, TypeVar
+from typing import Any, Final, Generic, Protocol, TypeVar, cast
 
 from rubnoise.errors import RubnoiseError, RunStopped
+from rubnoise.model import Model
+from rubnoise.record.sink import Extent, Sink
 from rubnoise.scenario.points import Point
-from rubnoise.sweep.pace import Pace
+from rubnoise.simulation.run import Engine, extent, simulate
+
+SECONDS: Final = 1.0
+"""Work that one message brings: the message itself then costs nothing, and little is lost with a worker."""
+
+SHARES: Final = 2
+"""Into how many messages for each lane what is left is cut, so that all lanes end at about the same time."""
+
+LONGEST: Final = 256
+"""Points of a message, however short they are."""
+
+
+@dataclass(slots=True)
+class MessageSize:
+    """How long points have taken, and how many of them make a message.
+
+    Points of the first message are tried one by one, since nobody knows yet how long one takes.
+    """
+
+    points: int = 0
+    seconds: float = 0.0
+
+    def took(self, points: int, seconds: float) -> None:
+        """Take note of the points of a message; later ones count for more, as points of a sweep differ."""
+        self.points = self.points // 2 + points
+        self.seconds = 0.5 * self.seconds + seconds
+
+    def size(self, left: int, lanes: int) -> int:
+        """Return how many of the points that are left make the next message; at least one."""
+        if not self.points:
+            return 1
+        fitting = SECONDS * self.points / max(self.seconds, 1e-6)
+        return max(1, min(int(fitting), -(-left // (SHARES * lanes)), LONGEST))
+
 
 Result = TypeVar("Result")
 BETWEEN: Final = 0.1
@@ -103,7 +139,7 @@ def _nobody() -> None:
     return None
 
 
-class Course(Generic[Result]):
+class Execution(Generic[Result]):
     """The way through the points of a sweep, as far as somebody goes it."""
 
     def __init__(
@@ -127,7 +163,7 @@ class Course(Generic[Result]):
         self._watch = watch
         self._again: deque[Point] = deque()
         self._tried: set[str] = set()
-        self._pace = Pace()
+        self._pace = MessageSize()
         self._out: dict[Future[Attempt[Result]], Sequence[Point]] = {}
 
     def outcomes(self) -> Iterator[Outcome[Result]]:
@@ -197,3 +233,33 @@ class Here:
         done: Future[Any] = Future()
         done.set_result(function(*arguments))
         return done
+
+
+Kept = TypeVar("Kept", bound=Sink)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measure(Generic[Kept, Result]):
+    """What a run is measured by: ``sink`` keeps its rows as they come, ``read`` says in the end what they were.
+
+    The result is all that is left of a run. Give functions of a module, which other processes can be told of.
+    """
+
+    sink: Callable[[Extent], Kept]
+    read: Callable[[Model, Kept], Result]
+
+
+def run_points(points: Iterable[Point], measure: Measure[Kept, Result]) -> Iterator[tuple[Point, Result]]:
+    """Run points in their order, and yield each with its result as soon as it is there."""
+    for outcome in Execution(points, partial(measured, measure=measure), Here()).outcomes():
+        if outcome.problem is not None:
+            raise outcome.problem
+        yield outcome.point, cast(Result, outcome.result)
+
+
+def measured(point: Point, measure: Measure[Kept, Result]) -> Result:
+    """Run one point and return its result, which is the same wherever and whenever it is run."""
+    model = point.scenario.model()
+    sink = measure.sink(extent(model, point.seed))
+    simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine))
+    return measure.read(model, sink)

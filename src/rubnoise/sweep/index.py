@@ -1,0 +1,216 @@
+"""The index of a sweep: its columns, made from the sweep's file and its journals, refreshed while runs are made."""
+
+import json
+import time
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.points import Point
+from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.sweep import Sweep
+from rubnoise.storage.index import Arrays, Filled, Index, Stack, write_index
+from rubnoise.storage.index_file import open_index
+from rubnoise.storage.layout import features_of
+from rubnoise.storage.merged_sweep import write_merged
+from rubnoise.storage.output import whole_file
+from rubnoise.storage.schema import SLIDER, TRACE, Column
+from rubnoise.sweep.folder import SweepFolder
+from rubnoise.sweep.run_status import DONE, RecordedRuns, RunStatus
+from rubnoise.sweep.stopping_rule import AdaptiveReplicates
+from rubnoise.units import RATIO, Quantity
+
+_UNITS: Final = {column.name: column.units for group in (TRACE, SLIDER) for column in group.columns} | {
+    "mean_force": "uN",
+    "sticks_per_s": "1/s",
+    "reversals_per_s": "1/s",
+    "slips_longer_than_d_per_s": "1/s",
+}
+_PURE: Final = ("skewness", "kurtosis")
+
+
+def text(name: str, meaning: str, texts: Sequence[str]) -> Filled:
+    """Return texts as bytes of one length; at least two, as h5netcdf hands single bytes over undecoded."""
+    raw = [each.encode("utf-8", "backslashreplace") for each in texts]
+    about = Column(name=name, units="", long_name=meaning, symbol="", dtype=f"|S{max(2, *map(len, [b'', *raw]))}")
+    return Filled(about=about, values=np.array(raw, about.dtype))
+
+
+def whole(name: str, meaning: str, numbers: Sequence[int]) -> Filled:
+    """Return whole numbers."""
+    about = Column(name=name, units="1", long_name=meaning, symbol="", dtype="<i8")
+    return Filled(about=about, values=np.array(numbers, dtype=np.int64))
+
+
+def figure(name: str, values: NDArray[np.float64]) -> Filled:
+    """Return a figure of /summary, in the unit of the quantity with whose name its own begins."""
+    return Filled(
+        about=Column(name=name, units=_unit(name), long_name=name.replace("_", " "), symbol=""), values=values
+    )
+
+
+@lru_cache(maxsize=1024)
+def _unit(name: str) -> str:
+    if any(word in name for word in _PURE):
+        return "1"
+    return next((unit for quantity, unit in _UNITS.items() if name.startswith(quantity)), "1")
+
+
+def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
+    """Return the values of a key as numbers in its working unit, or as texts where they are no numbers of one kind."""
+    section, name = key.split(".")
+    values = [getattr(getattr(scenario, section), name) for scenario in scenarios]
+    meaning = SECTIONS[section].model_fields[name].description or name
+    units = {_unit_of(value) for value in values}
+    if len(units) == 1 and all(isinstance(value, int | float) for value in values):
+        about = Column(name=key, units=units.pop(), long_name=meaning, symbol="")
+        return Filled(about=about, values=np.array(values, dtype=np.float64))
+    return text(key, meaning, [value.as_text() if isinstance(value, Quantity) else str(value) for value in values])
+
+
+def _unit_of(value: object) -> str:
+    """Return the unit of a value; a ratio is kept as a part of 1."""
+    return value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1"
+
+
+LONGEST_REASON = 500
+
+
+def renew_index(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], command: str) -> RecordedRuns:
+    """Write the index of a sweep anew, in place of an older one; raises OutputRefused while another process does."""
+    with whole_file(folder.index, force=True) as path:
+        known = RecordedRuns.of(folder, points)
+        write_index(path, index_of(folder, sweep, points, known, command))
+    return known
+
+
+def index_of(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], known: RecordedRuns, command: str) -> Index:
+    """Return the index of what is known of a sweep."""
+    numbers = point_numbers(points)
+    firsts = dict(zip(reversed(numbers), reversed(points), strict=True))
+    of_points = [firsts[number] for number in range(len(firsts))]
+    return Index(
+        title=sweep.title,
+        command=command,
+        scenario_toml=sweep.text,
+        scenario_resolved=of_points[0].scenario.resolved(),
+        grid=tuple(key for key in sweep.keys if key not in sweep.side_by_side),
+        side_by_side=sweep.side_by_side,
+        points=list(_points(sweep, of_points)),
+        runs=[*_plan(sweep, points, of_points, numbers), *_progress(known)],
+        stacks=list(_stacks(points, known)),
+        arrays_of_runs=_arrays_of_runs(folder, known),
+        arrays_of_points=_arrays_of_points(folder, known, numbers),
+    )
+
+
+def point_numbers(points: Sequence[Point]) -> list[int]:
+    """Return for every run the number of its point, counted in the order in which they come."""
+    numbers: dict[tuple[Any, ...], int] = {}
+    return [numbers.setdefault(tuple(point.values.values()), len(numbers)) for point in points]
+
+
+def _points(sweep: Sweep, points: Sequence[Point]) -> Iterator[Filled]:
+    yield text("values", "swept values as written, as JSON", [json.dumps(dict(point.values)) for point in points])
+    for key in sweep.keys:
+        yield swept(key, [point.scenario for point in points])
+
+
+def _plan(sweep: Sweep, points: Sequence[Point], of_points: Sequence[Point], numbers: list[int]) -> Iterator[Filled]:
+    """Yield what is synced before anything runs: names, points, swept values, seeds."""
+    yield text("run_id", "name of the run", [point.run_id for point in points])
+    yield whole("point", "number of the point", numbers)
+    yield whole("replicate", "number of the replicate", [point.replicate for point in points])
+    for key in sweep.keys:
+        by_point = swept(key, [point.scenario for point in of_points])
+        yield Filled(about=by_point.about, values=by_point.values[numbers])
+    yield whole("seed", "seed of the random streams", [point.seed for point in points])
+
+
+def _progress(known: RecordedRuns) -> Iterator[Filled]:
+    yield text("file", "result of the run, seen from this folder", known.files)
+    yield text("state", "planned, done or failed", known.states)
+    yield text("reason", "why it failed", [reason[:LONGEST_REASON] for reason in known.reasons])
+    for name, values in known.figures.items():
+        yield figure(name, values)
+
+
+def _stacks(points: Sequence[Point], known: RecordedRuns) -> Iterator[Stack]:
+    """Yield the runs that are done and alike in ticks and columns, in the order of the first of each."""
+    alike: dict[tuple[Any, ...], list[int]] = {}
+    for row, (point, file, state) in enumerate(zip(points, known.files, known.states, strict=True)):
+        if file and state == DONE:
+            model = point.scenario.model()
+            kind = (model.tick_count, model.tick, features_of(model), model.sliding_speed, model.slider_rows)
+            alike.setdefault(kind, []).append(row)
+    for (tick_count, _, features, _, slider), rows in alike.items():
+        files = [known.files[row] for row in rows]
+        yield Stack(rows=rows, files=files, features=features, ticks=tick_count + 1, slider=slider)
+
+
+def _arrays_of_runs(folder: SweepFolder, known: RecordedRuns) -> Arrays:
+    for entry in folder.entries() if known.arrays else ():
+        if entry.row is not None and entry.row.arrays and entry.run_id in known.places:
+            yield known.places[entry.run_id], entry.row.arrays
+
+
+def _arrays_of_points(folder: SweepFolder, known: RecordedRuns, numbers: Sequence[int]) -> Arrays:
+    for entry in folder.entries() if known.arrays else ():
+        if entry.row is not None and entry.row.of_point and entry.run_id in known.places:
+            yield numbers[known.places[entry.run_id]], entry.row.of_point
+
+
+EVERY: Final = 5.0
+"""Seconds between two indices, at least."""
+
+SHARE: Final = 0.02
+"""The most of a sweep's time that goes into its index, but for the last one."""
+
+
+class IndexRefresh:
+    """The index of a whole sweep, whoever makes its runs; shards write it at their end alone."""
+
+    def __init__(
+        self, folder: SweepFolder, sweep: Sweep, further: AdaptiveReplicates, command: str, *, alone: bool
+    ) -> None:
+        """Stand before the first index."""
+        self._folder = folder
+        self._sweep = sweep
+        self._command = command
+        self._alone = alone
+        self._further = further
+        self._due = time.monotonic() + EVERY
+
+    def if_due(self) -> None:
+        """Write the index where the last one is old enough."""
+        if self._alone and time.monotonic() >= self._due:
+            began = time.monotonic()
+            self.now()
+            self._due = time.monotonic() + max(EVERY, (time.monotonic() - began) / SHARE)
+
+    def now(self) -> tuple[Sequence[Point], RecordedRuns]:
+        """Write the index, and return its runs and what is known of them; another shard that writes it ends first."""
+        with self._folder.alone_at("index"):
+            points = self._points()
+            return points, renew_index(self._folder, self._sweep, points, self._command)
+
+    def _points(self) -> Sequence[Point]:
+        if self._sweep.precision is not None:
+            self._further(RunStatus.of(self._folder, self._sweep.precision).ended)
+        return self._further.points
+
+
+def merge(folder: SweepFolder) -> Path:
+    """Write the index of a folder and every result of it, by value, into merged.h5, and return its path.
+
+    An older one is replaced. Raises RunFileRefused where there is no index or a result cannot be read, RubnoiseError
+    where the disk fails.
+    """
+    with open_index(folder.index), whole_file(folder.merged, force=True) as path:
+        write_merged(path, folder.index)
+    return folder.merged

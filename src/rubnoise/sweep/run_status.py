@@ -1,0 +1,236 @@
+"""Which runs of a sweep are done, failed or begun: read from its journals, found as files, and written down.
+
+A run's line goes into the journal once the disk has its file. After a kill, results without a line are found.
+"""
+
+import json
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.errors import RunFileRefused
+from rubnoise.record.reader import HashedReader
+from rubnoise.scenario.points import Point
+from rubnoise.scenario.precision import Precision
+from rubnoise.storage import disk
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.seal import INTERVENTION
+from rubnoise.storage.sync_many import clear_unsynced, is_of_truncated, sync_many
+from rubnoise.streams import STREAM_VERSION
+from rubnoise.sweep.folder import SweepFolder
+from rubnoise.sweep.journal import SYNC_EVERY, Entry, Journal, RunRow
+
+Figures = Mapping[str, float]
+
+
+@dataclass(slots=True)
+class RunStatus:
+    """Runs that are done, with the one figure that a precision asks for, those that failed, those that were begun."""
+
+    quantity: str | None
+    done: dict[str, Figures] = field(default_factory=dict)
+    failed: dict[str, Figures] = field(default_factory=dict)
+    begun: set[str] = field(default_factory=set)
+
+    @classmethod
+    def of(cls, folder: SweepFolder, precision: Precision | None) -> Self:
+        """Return what the journals say is done, as far as the files that were written then still lie in their places.
+
+        Another file in such a place is to be looked at first. Runs that failed before are not among them either: they
+        are to be tried anew.
+        """
+        stock = cls(None if precision is None else precision.quantity)
+        for entry in folder.entries():
+            if entry.state == "begun":
+                stock.begun.add(entry.run_id)
+            if entry.row is not None and folder.holds(entry):
+                stock.add(entry.row)
+        return stock
+
+    def add(self, row: RunRow) -> None:
+        """Take in a run that is done."""
+        known = self.quantity is not None and self.quantity in row.figures
+        self.done[row.run_id] = {str(self.quantity): row.figures[str(self.quantity)]} if known else {}
+        self.begun.discard(row.run_id)
+
+    def fail(self, run_id: str) -> None:
+        """Take in a run that failed, if only after it had seemed to be done."""
+        self.done.pop(run_id, None)
+        self.failed[run_id] = {}
+
+    @property
+    def ended(self) -> dict[str, Figures]:
+        """All of them."""
+        return self.failed | self.done
+
+
+PLANNED: Final = "planned"
+DONE: Final = "done"
+FAILED: Final = "failed"
+
+
+@dataclass(slots=True)
+class RecordedRuns:
+    """States, files, reasons and figures of the runs of a plan, one after another in its order.
+
+    ``arrays``: whether the journals have any, which are not held here.
+    """
+
+    places: Mapping[str, int]
+    states: list[str]
+    files: list[str]
+    reasons: list[str]
+    figures: dict[str, NDArray[np.float64]]
+    arrays: bool = False
+
+    @classmethod
+    def of(cls, folder: SweepFolder, points: Sequence[Point], counts: Callable[[Entry], bool] | None = None) -> Self:
+        """Read the journals; of one run an entry that says done counts more than one that says failed.
+
+        One that says done ``counts`` where its file is the one that was written then, unless asked otherwise.
+        """
+        count = len(points)
+        known = cls({p.run_id: n for n, p in enumerate(points)}, [PLANNED] * count, [""] * count, [""] * count, {})
+        for entry in folder.entries():
+            if entry.row is not None and not (counts or folder.holds)(entry):
+                continue
+            if entry.state != "begun" and (place := known.places.get(entry.run_id)) is not None:
+                known._take(place, entry)
+        return known
+
+    def _take(self, place: int, entry: Entry) -> None:
+        if entry.row is None and self.states[place] == DONE:
+            return
+        self.states[place], self.reasons[place] = entry.state, entry.reason
+        if entry.row is not None:
+            self.files[place] = entry.row.file
+            self.arrays = self.arrays or bool(entry.row.arrays or entry.row.of_point)
+            for name, value in entry.row.figures.items():
+                if name not in self.figures:
+                    self.figures[name] = np.full(len(self.states), np.nan)
+                self.figures[name][place] = value
+
+    def count(self, state: str) -> int:
+        """Return how many runs are in a state."""
+        return self.states.count(state)
+
+
+Kind = Literal["whole", "torn", "other"]
+
+
+def found_run(point: Point, *, root: Path, begun: bool = False) -> RunRow | None:
+    """Return the row of a run whose finished result lies where it belongs, or None.
+
+    It is that of the point where its scenario, seed and stream version are; title and engine have no part in that. All
+    of it is read, and compared with its hashes: a power cut may have come before the disk had it. Of a run that was
+    ``begun`` here, what is torn, and parts of which nothing can be made, are removed.
+    """
+    folder = SweepFolder(root)
+    path = folder.run(point.run_id)
+    row, kind = _found(point, folder, begun=begun) if path.exists() else (None, None)
+    if begun:
+        clear_unsynced(path, kind)
+    return row
+
+
+def _found(point: Point, folder: SweepFolder, *, begun: bool) -> tuple[RunRow | None, Kind]:
+    try:
+        with open_run(folder.run(point.run_id)) as file:
+            kind, summary = _kind(point, file, begun=begun), file.summary
+    except RunFileRefused as refusal:
+        return None, "torn" if is_of_truncated(refusal) else "other"
+    if kind != "whole":
+        return None, kind
+    figures = {name: float(value) for name, value in summary.items() if isinstance(value, int | float)}
+    return RunRow(run_id=point.run_id, file=folder.relative(point.run_id), figures=figures), kind
+
+
+def _kind(point: Point, file: HashedReader, *, begun: bool) -> Kind:
+    origin = file.provenance
+    if origin["stream_version"] != STREAM_VERSION or not _is_same(str(origin["scenario_resolved"]), point):
+        return "other"
+    if INTERVENTION in origin:  # lives that somebody ended are no sample of the scenario
+        return "other"
+    # HDF5 has checksums of what is shorter than a page, and columns have hashes; a longer text has neither.
+    lost = begun and origin["scenario_toml"] != point.scenario.text
+    return "torn" if lost or not origin["finished"] or not file.summary or file.damaged() else "whole"
+
+
+def _is_same(resolved: str, point: Point) -> bool:
+    try:
+        return _told(json.loads(resolved)) == _told(point.scenario.resolved())
+    except (ValueError, TypeError, KeyError):
+        return False
+
+
+def _told(resolved: dict[str, Any]) -> dict[str, Any]:
+    """Return a scenario as far as it counts for the bits of its run."""
+    run = {key: value for key, value in resolved["run"].items() if key != "engine"}
+    return {key: value for key, value in resolved.items() if key != "title"} | {"run": run}
+
+
+class StatusLog:
+    """The journal of a sweep and the stock of what has ended, kept in step.
+
+    A kill between a run's end and its line in the journal costs nothing: its file is found, and compared with its
+    hashes. A power cut may leave files that are torn; those of runs that had been begun here are cleared away.
+    """
+
+    def __init__(self, folder: SweepFolder, journal: Journal, stock: RunStatus) -> None:
+        """Go on with what is there."""
+        self.stock: Final = stock
+        self._folder = folder
+        self._journal = journal
+        self._waiting: list[RunRow] = []
+        self._synced_at = time.monotonic()
+
+    def begin(self, points: Iterable[Point]) -> None:
+        """Write down, on the disk, that runs are to be made whose files the disk will have only later."""
+        names = [point.run_id for point in points]
+        fresh = [name for name in names if name not in self.stock.begun and not self._folder.run(name).exists()]
+        self.stock.begun.update(fresh)
+        self._journal.add(*(Entry(run_id=name, state="begun") for name in fresh))
+        self._journal.sync()
+
+    def done(self, row: RunRow, *, synced: bool) -> None:
+        """Take in a run that is done; unless it is ``synced``, its line waits until the disk has its file."""
+        self.stock.add(row)
+        if synced:
+            self._journal.add(self._entry(row))
+        else:
+            self._waiting.append(row)
+
+    def failed(self, run_id: str, reason: str) -> None:
+        """Take in a run that could not be made."""
+        self.stock.fail(run_id)
+        self._journal.add(Entry(run_id=run_id, state="failed", reason=reason))
+
+    def sync_if_due(self) -> bool:
+        """Settle what waits, when the last time is long enough ago; return whether runs turned out to have failed."""
+        return time.monotonic() - self._synced_at >= SYNC_EVERY and self.sync()
+
+    def sync(self) -> bool:
+        """See the files onto the disk that wait for it, then write down their runs; return whether any failed by it.
+
+        A file with which that went wrong goes: read again it might look whole, and never be on the disk.
+        """
+        rows = {self._folder.root / row.file: row for row in self._waiting}
+        wrong = sync_many(rows)
+        self._journal.add(*(self._entry(row) for path, row in rows.items() if path not in wrong))
+        self._waiting.clear()
+        for path, problem in wrong.items():
+            with suppress(OSError):
+                disk.remove(path)
+            self.failed(rows[path].run_id, f"{path}: writing failed: {problem.strerror or problem}")
+        self._synced_at = time.monotonic()
+        return bool(wrong)
+
+    def _entry(self, row: RunRow) -> Entry:
+        stamp = self._folder.stamp(row.run_id) if row.file else None
+        return Entry(run_id=row.run_id, state="done", row=row, stamp=stamp)
