@@ -10,7 +10,6 @@ from numba.extending import intrinsic
 SOURCES = (
     "analysis/verifying/areas.py",
     "compiling.py",
-    "contact/deviates.py",
     "simulation/coupled/*.py",
     "simulation/kernels/*.py",
 )

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 LIVES: Final = 3.0
 STICKS: Final = 4
-"""Mean lives and, with two-way coupling, sticks that are shown at least where nobody chose a stretch."""
+"""Mean lives and, with two-way coupling, the number of sticks shown at least, by default."""
 
 WIDTH, HEIGHT = 8.0, 5.0
 DOTS_PER_INCH: Final = 100
@@ -132,7 +132,7 @@ def _sticks_width(stretch: Stretch) -> float:
 
 
 def _frames_of(stretch: Stretch, count: int) -> tuple[Doubles, tuple[str, ...]]:
-    """Return the distance of each frame in um, and what is told of it beside: time and phase of a two-way slider."""
+    """Return the distance of each frame in um, and its label: time and phase of a two-way slider."""
     if not stretch.model.is_two_way:
         return np.linspace(stretch.start, stretch.stop, count), ("",) * count
     motion = Motion.of(stretch)

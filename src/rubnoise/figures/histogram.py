@@ -28,7 +28,7 @@ RARE: Final = 1e-6
 def histogram_figure(stretch: Stretch) -> "Figure":
     """Draw the histogram of A_r over a stretch with the exact density, on a linear and on a logarithmic axis.
 
-    An area of 0 has a probability and no density: it is told in words.
+    An area of 0 has a probability and no density: a text states it.
     """
     values = stretch.record("trace", "real_contact_area")
     seen, law = _histogram(values, stretch.model.tick), _law(stretch)

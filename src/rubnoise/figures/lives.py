@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 LIVES: Final = 4.0
 MOST_DRAWN: Final = 2000
 USUALLY_DRAWN: Final = 400
-"""Junctions that are drawn at most, and about how many where nobody chose a stretch."""
+"""Junctions that are drawn at most, and about how many by default."""
 
 SAMPLES: Final = 800
 SAMPLES_A_LIFE: Final = 40

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 PERIODS: Final = 20.0
 STICKS: Final = 20
-"""Natural periods and, with two-way coupling, sticks that are shown at least where nobody chose a stretch."""
+"""Natural periods and, with two-way coupling, the number of sticks shown at least, by default."""
 
 MOST_SPANS: Final = 1500
 """Sticks that are shaded one by one; of more each column of the picture is as dark as its share of sticks."""

@@ -46,7 +46,7 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
 
 
 def shown_together(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
-    """Return what is shown of motions: of a stretch that nobody chose the beginning, and of all of them the same times.
+    """Return the shown parts of motions: by default the beginning, and the same times of all of them.
 
     Raises Refused where one of them is over before another begins.
     """

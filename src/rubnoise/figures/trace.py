@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LIVES: Final = 40.0
-"""Mean lives that are shown where nobody chose a stretch."""
+"""Mean lives that are shown by default."""
 
 
 def trace_figure(stretch: Stretch) -> "Figure":

@@ -14,7 +14,7 @@ class Extent:
     """How many rows each group of a run has, known exactly before its first event.
 
     slider: 0 without a slider, None where its rows grow with the run, so that only the end tells how many there are;
-    landmarks: 0 where nothing of the kind is told, else None, and then /balance has a row.
+    landmarks: 0 with one-way coupling, None with two-way, where /balance has a row.
     """
 
     junctions: int

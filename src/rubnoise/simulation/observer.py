@@ -1,4 +1,4 @@
-"""Being told of a run while it happens: births, mid-lives and deaths, and what a two-way slider does over them."""
+"""Observers: functions called during a run, at births, mid-lives and deaths and at the events of a two-way slider."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
@@ -28,8 +28,8 @@ class Observer:
 
     birth, mid_life (at birth + d), death: given the junction's number, which is its row in /junctions, and the distance
     in um of what happens, to the bit that of the row. Junctions alive at the start have been born before, and those
-    alive at the end die later: nothing is told of either. Only who asks for mid-lives pays for them, with one more
-    event a junction.
+    alive at the end die later: an observer is called at neither. Mid-lives cost one more
+    event a junction, only if an observer asks for them.
 
     stick, slip, reversal, forward: given time (s), sliding distance (um) and velocity x' (um/s) where a two-way slider
     begins that, to the bit those of the row in /landmarks. Of a two-way run everything comes in order of time, a birth

@@ -284,7 +284,7 @@ def packed_commit(marks: Sequence[Mark], state: State) -> bytes:
 
 @contextmanager
 def _refusing(path: Path) -> Iterator[None]:
-    """Say of a record that is whole and yet makes no sense, so that somebody else made it, where it is."""
+    """Name the file of an intact record that makes no sense, which another program must have written."""
     try:
         yield
     except (ValueError, KeyError, TypeError, struct.error) as problem:

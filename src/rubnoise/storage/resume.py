@@ -30,7 +30,7 @@ SUFFIX: Final = ".part"
 class Unfinished:
     """What is known of a run that did not finish, without reading its rows.
 
-    junctions, ticks: rows at the last commit; grown: those of each group of which nobody knows how many there will be;
+    junctions, ticks: rows at the last commit; grown: those of each group whose number only the end of the run shows;
     committed: its time in UTC, empty before the first; being_written: whether a process writes it now.
     """
 

@@ -198,7 +198,7 @@ class SandboxWorker:
             try:
                 return self._asked(descriptor, look)
             except ConnectionError:
-                self._renew()  # somebody ended it: once more, with a new one
+                self._renew()  # it has ended: try once more, with a new one
                 return self._asked(descriptor, look)
 
     def _asked(self, descriptor: int, look: "LookName") -> bytes:
@@ -251,7 +251,7 @@ def _started() -> "tuple[socket.socket, Popen[bytes]]":
 
 
 def _hang_up(channel: socket.socket, process: "Popen[bytes]") -> None:
-    """Let the process see that nobody asks any more, and wait a moment for its end."""
+    """Close the channel, which ends the process, and wait a moment for it."""
     from subprocess import TimeoutExpired
 
     channel.close()

@@ -31,7 +31,7 @@ LONGEST: Final = 256
 class MessageSize:
     """How long points have taken, and how many of them make a message.
 
-    Points of the first message are tried one by one, since nobody knows yet how long one takes.
+    Points of the first message are tried one by one, since it is not known yet how long one takes.
     """
 
     points: int = 0
@@ -242,7 +242,7 @@ Kept = TypeVar("Kept", bound=Sink)
 class Measure(Generic[Kept, Result]):
     """What a run is measured by: ``sink`` keeps its rows as they come, ``read`` says in the end what they were.
 
-    The result is all that is left of a run. Give functions of a module, which other processes can be told of.
+    The result is all that is left of a run. Give functions of a module, which other processes can import.
     """
 
     sink: Callable[[Extent], Kept]

@@ -70,7 +70,7 @@ def _case(first: Mapping[str, Any], values: Mapping[str, Any], name: str) -> Cas
 
 
 def difference(kept: Mapping[str, Any], sweep: Sweep) -> str | None:
-    """Return in what a sweep differs from the one kept, or None where it goes on with it.
+    """Return how a sweep differs from the one kept, or None if it continues that one.
 
     It may have more points and other replicates: seeds do not depend on either.
     """

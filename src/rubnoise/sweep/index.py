@@ -173,7 +173,7 @@ SHARE: Final = 0.02
 
 
 class IndexRefresh:
-    """The index of a whole sweep, whoever makes its runs; shards write it at their end alone."""
+    """The index of a whole sweep, rewritten from time to time; a shard writes it at its end alone."""
 
     def __init__(
         self, folder: SweepFolder, sweep: Sweep, further: AdaptiveReplicates, command: str, *, alone: bool

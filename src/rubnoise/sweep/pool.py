@@ -69,7 +69,7 @@ def serve(descriptor: int) -> NoReturn:
 
 
 def _answer(line: "Connection[Any, Any]") -> bool:
-    """Answer one call; return whether there was one, and nobody has asked to stop."""
+    """Answer one call; return whether there was one and no signal to stop."""
     try:
         function, arguments = line.recv()
     except (EOFError, ConnectionResetError):  # the second where the parent was killed before it had read all answers
@@ -83,7 +83,7 @@ def _answer(line: "Connection[Any, Any]") -> bool:
 def _called(function: Any, arguments: tuple[Any, ...]) -> tuple[bool, Any]:
     try:
         return True, function(*arguments)
-    except Exception as problem:  # noqa: BLE001  (the parent is told, whatever it is)
+    except Exception as problem:  # noqa: BLE001  (the parent gets any of them)
         return False, problem
 
 

@@ -155,7 +155,7 @@ def _kind(point: Point, file: HashedReader, *, begun: bool) -> Kind:
     origin = file.provenance
     if origin["stream_version"] != STREAM_VERSION or not _is_same(str(origin["scenario_resolved"]), point):
         return "other"
-    if INTERVENTION in origin:  # lives that somebody ended are no sample of the scenario
+    if INTERVENTION in origin:  # with lives ended from outside it is no sample of the scenario
         return "other"
     # HDF5 has checksums of what is shorter than a page, and columns have hashes; a longer text has neither.
     lost = begun and origin["scenario_toml"] != point.scenario.text

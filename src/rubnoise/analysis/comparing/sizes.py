@@ -181,7 +181,7 @@ def start_findings(model: Model, start: Start) -> list[Finding]:
     """Return number, ages and diameters at the start beside their laws; raises Refused unless births are random.
 
     The number is Poisson(lam E[2d]), ages are uniform over a life, diameters have a density proportional to d f(d); an
-    empty start has nobody, and nothing to compare.
+    empty start has no junctions to compare.
     """
     if model.start != "stationary":
         return []

@@ -37,7 +37,7 @@ _STEPS: Final = 100_000
 class Oscillator(NamedTuple):
     """m (kg), k (N/m), c (N s/m), V (um/s), the longest step (s), and what an extrapolation may leave of l (um).
 
-    error: of a place (um), whose growth from a node to the next is told.
+    error: a small error of a place (um), whose growth from a node to the next is computed.
     """
 
     mass: float

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.lives import AT_END
 from rubnoise.analysis.verifying.reading import Ahead, panels
@@ -108,18 +109,6 @@ def _phases_check(rows: Rows) -> Check:
             right |= phases[np.searchsorted(marks, at, side="right")] == panel["phase"]
         notes.holds("/slider/phase", panel.first, panel["phase"], right, "what the landmark before it began")
     return notes.check()
-
-
-def first_landmark(rows: Ahead, time: float) -> int:
-    """Return the number of the first landmark at or after a time in s."""
-    low, high = 0, rows.rows("landmarks")
-    while low < high:
-        middle = (low + high) // 2
-        if rows.column("landmarks", "time", middle, middle + 1)[0] < time:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 def _passages_check(rows: Rows) -> Check:

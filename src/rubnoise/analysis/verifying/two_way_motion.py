@@ -6,10 +6,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.analysis.verifying.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
-from rubnoise.analysis.verifying.two_way import PHASES, first_landmark
+from rubnoise.analysis.verifying.two_way import PHASES
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows

@@ -6,7 +6,7 @@
   const CELLS_AT_ONCE = 64;
   const PAST = 3;
 
-  /** Junctions that had died before the start, drawn as far back as somebody comes, behind those alive there. */
+  /** Junctions that had died before the start, drawn as far back as the slider runs. */
   class Past {
     constructor(world, contact, alive, at = {}) {
       Object.assign(this, { world, contact, rows: [] });

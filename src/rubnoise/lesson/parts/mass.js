@@ -56,7 +56,7 @@
     ctx.stroke();
   }
 
-  /* A stuck slider is full and stands in teeth, so that it is told without colour too. */
+  /* A stuck slider is filled and has teeth, so that you can see it without colour. */
   function drawBlock(ctx, x, floor, isStuck) {
     ctx.fillStyle = isStuck ? ink.second : ink.ground;
     ctx.strokeStyle = ink.ink;

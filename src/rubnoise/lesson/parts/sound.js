@@ -38,7 +38,7 @@
     return { ...levelled(values), begin, length: count * stride * tick, factor };
   };
 
-  /* A slider that pushes back has its own time; it is heard as far as it can be computed while nobody waits. */
+  /* A slider that pushes back has its own time; you hear as much of it as can be computed at once. */
   function samplesOf(motion, rate) {
     const factor = sound.factor();
     const from = rub.run.time;
