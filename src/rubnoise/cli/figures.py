@@ -83,7 +83,7 @@ def _drawn(
     name: str, kinds: "tuple[Format, ...]", scenarios: Path | None, status: "StatusLine"
 ) -> "dict[Format, bytes]":
     from rubnoise.figures.paper import paper_figure
-    from rubnoise.figures.sources import Sources
+    from rubnoise.figures.paper_sources import Sources
 
     status.show(name)
     sources = Sources(folder=scenarios, watch=lambda done, runs: status.show(f"{name}: {done} of {runs} runs"))

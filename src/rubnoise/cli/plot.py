@@ -82,7 +82,7 @@ DEFAULTS = ("displacement_std", "real_contact_area_std")
 
 def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
-    from rubnoise.figures.sweep_words import ALL
+    from rubnoise.figures.axis_labels import ALL
 
     return [name for name in (*What, *ALL) if name.startswith(incomplete)]
 
@@ -170,7 +170,7 @@ def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force
 
     from rubnoise.cli.loading import complete_run, finished_run
     from rubnoise.figures.catalogue import picture
-    from rubnoise.figures.motion import naming
+    from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
 
     path = output or Path(f"{file.stem}_{request.name}.png")
@@ -180,7 +180,7 @@ def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force
         other = None
         if request.beside is not None:
             file_beside = opened.enter_context(complete_run(request.beside))
-            with naming(f"--with {request.beside}"):
+            with prefix_refusals(f"--with {request.beside}"):
                 other = Stretch.of(file_beside)
         draw = partial(picture, request.what.value, stretch, heard=request.heard, beside=other)
         write_picture(path, draw, force=force)
@@ -188,7 +188,7 @@ def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force
 
 def _plot_sweep(folder: Path, what: str | None, output: Path | None, *, force: bool) -> None:
     from rubnoise import api
-    from rubnoise.figures.study_of_sweep import study_of_sweep
+    from rubnoise.figures.study import study_of_sweep
     from rubnoise.figures.study_picture import study_picture
 
     with api.open_sweep(folder) as sweep:
