@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperFigure:
-    """One figure of the paper: title, caption, the scenario files that it is made of, and the function that draws it."""
+    """One figure of the paper: title, caption, the scenario files that it is made of, and what draws it."""
 
     title: str
     caption: str

@@ -17,6 +17,7 @@ from rubnoise.figures.style import (
     house_style,
     logarithmic,
     new_figure,
+    one_line,
     shortened,
 )
 from rubnoise.model import Model, Slider
