@@ -25,7 +25,7 @@ from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study_of_sweep import study_of_sweep
+from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.model import Model
 from rubnoise.storage.reader import RunFile, open_run

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from typer.main import get_command
 
-from rubnoise.cli.app import app
+from rubnoise.cli.app import program
 from tests.architecture.sources import ROOT
 
 AVOID = {
@@ -126,7 +126,7 @@ def _constant(part: ast.expr) -> str:
 
 def helps() -> Iterator[tuple[str, str]]:
     """Yield the help of every command, and of each of its arguments and options."""
-    group: Any = get_command(app)
+    group: Any = get_command(program())
     for name, command in group.commands.items():
         yield name, command.help or ""
         yield from ((f"{name} {each.name}", getattr(each, "help", None) or "") for each in command.params)
