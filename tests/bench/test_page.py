@@ -212,7 +212,7 @@ def test_a_goal_that_is_not_measured_is_not_reached() -> None:
 def test_the_page_names_the_closest_peer_and_the_largest_memory() -> None:
     text = page(results(), date(2026, 11, 21))
     assert "numba loops, RK4 comes closest in a whole run." in text
-    assert "memory of at most 150 MB" in text
+    assert "needs at most 150 MB" in text
     other = results()
     runs_of = other.runs | {"naive SimPy, RK4": timing(2.0)}
     assert "naive SimPy, RK4 comes closest" in page(replace(other, runs=runs_of), date(2026, 11, 21))
