@@ -38,7 +38,7 @@ def coupled(ours: float) -> CoupledTimings:
 
 
 def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
-    """Return numbers that reach every goal, with everybody's time made up."""
+    """Return numbers that reach every goal, with made-up times of all tools."""
     times = {"rubnoise, batch": batch, "rubnoise, events": 4.0, "numba loops, RK4": 3.0}
     whole = {each.name: timing(times.get(each.name, 110.0)) for each in runs(ENGINES)}
     bare = {each.name: timing(9.0 if "rubnoise" not in each.name else 0.25) for each in areas(ENGINES)}

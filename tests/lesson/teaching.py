@@ -1,4 +1,4 @@
-"""What docs/teaching.md tells a teacher: numbers, answers and mistakes, lesson by lesson."""
+"""What docs/teaching.md has for a teacher: numbers, answers and mistakes, lesson by lesson."""
 
 import re
 from dataclasses import dataclass

@@ -14,9 +14,9 @@ from bench.two_way import CoupledTimings
 
 HEAD = """# Performance
 
-This page shows speed, accuracy and memory of rubnoise and of other tools for the same work. `python3 tools/dev.py bench`
-writes it, in some ten minutes and an environment of its own. `bench --quick` prints a short version in a minute or two,
-and writes nothing.
+This page shows speed, accuracy and memory of rubnoise and of other tools for the same work.
+`python3 tools/dev.py bench` writes it, in some ten minutes and an environment of its own. `bench --quick` prints a
+short version in a minute or two, and writes nothing.
 
 ![CPU time for each junction of whole runs, of the area and of births, and its growth](pictures/performance.png)
 """
@@ -121,10 +121,10 @@ def _not_compared(found: Results) -> Iterator[str]:
     whole = sorted(found.runs.items(), key=lambda item: item[1].each)
     peer = next(name for name, _ in whole if not name.startswith(OURS))
     peak = max(max(peaks.values()) for name, peaks in found.memory.items() if name.startswith(OURS))
-    yield "The benchmark does not compare other physics, or tools improved beyond what a user would do. Of the other tools,"
-    yield f"{peer} comes closest in a whole run. rubnoise adds a motion that is right to {OUR_MOTION_BOUND:.0e} of the"
-    yield f"largest displacement, and needs at most {peak:.0f} MB in every run below. Its file describes itself, and each"
-    yield "junction is a process that you can watch and end."
+    yield "The benchmark does not compare other physics, or tools improved beyond what a user would do. Of the other"
+    yield f"tools, {peer} comes closest in a whole run. rubnoise adds a motion that is right to"
+    yield f"{OUR_MOTION_BOUND:.0e} of the largest displacement, and needs at most {peak:.0f} MB in every run below."
+    yield "Its file describes itself, and each junction is a process that you can watch and end."
 
 
 def _small(found: Results, part: str) -> dict[str, Verdict]:
@@ -136,8 +136,8 @@ def _whole(found: Results) -> Iterator[str]:
     head = ("who", "us a junction", "+-", "times the fastest", "junctions", "error of area, motion")
     yield from table(head, _speed_rows(found.runs, errors))
     yield ""
-    yield "The error is the largest at any tick over the largest value, in a short run of the same contact. +- is half the"
-    yield "range of the repeats."
+    yield "The error is the largest at any tick over the largest value, in a short run of the same contact. +- is"
+    yield "half the range of the repeats."
 
 
 def _parts(found: Results) -> Iterator[str]:
@@ -158,7 +158,8 @@ def _error(value: float | None) -> str:
 
 
 def _kernel(found: Results) -> Iterator[str]:
-    yield "The table shows ns for each tick of each junction. The square roots alone are a bound for any kernel that uses one."
+    yield "The table shows ns for each tick of each junction. The square roots alone are a bound for any kernel that"
+    yield "uses one."
     if "C, the same polynomial" not in found.kernel.timings:
         yield "There is no gcc here, so the C program is missing."
     yield ""
@@ -196,12 +197,13 @@ def _motion(found: Results) -> Iterator[str]:
 
 
 def _two_way(found: Results) -> Iterator[str]:
-    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). For rubnoise, the time is that"
-    yield "of a whole run into a file. The other tools get the junctions and keep displacements in memory. The motion is"
-    yield "chaotic, so they compute short stretches of it; their time for a second of sliding is scaled from there. All"
-    yield f"are right to {two_way.BOUND:.0e} of the largest displacement, compared with the slow reference at a tolerance of"
-    yield f"{two_way.REFERENCE_TOLERANCE:.0e}. rubnoise uses its default tolerance, each other tool the loosest tolerance or"
-    yield "longest step that reaches this. solve_ivp (DOP853) starts again at every birth, mid-life and death."
+    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). For rubnoise, the time"
+    yield "is that of a whole run into a file. The other tools get the junctions and keep displacements in memory."
+    yield "The motion is chaotic, so they compute short stretches of it; their time for a second of sliding is"
+    yield f"scaled from there. All are right to {two_way.BOUND:.0e} of the largest displacement, compared with the"
+    yield f"slow reference at a tolerance of {two_way.REFERENCE_TOLERANCE:.0e}. rubnoise uses its default tolerance,"
+    yield "each other tool the loosest tolerance or longest step that reaches this. solve_ivp (DOP853) starts again"
+    yield "at every birth, mid-life and death."
     for mean_count, coupled in found.two_way.items():
         yield ""
         yield from table((f"N_jm = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
@@ -223,11 +225,12 @@ def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
 
 
 def _growth(found: Results) -> Iterator[str]:
-    yield "The tables show us a junction of whole runs. One number changes, the others are as in Figure 5. With few ticks in"
-    yield "a life, two parts of a rubnoise run take the most time. One is the same for every run: exact theory, the file's"
-    yield "structure, hashes, and waiting for the disk. The growth over length shows it. The other is the motion: its cells"
-    yield f"are then finer than ticks, so that it is right to {OUR_MOTION_BOUND:.0e}. The other tools move from tick to tick and"
-    yield "check nothing. With 3 ticks in a life, which have no row, none of their sliders is right to 1 %."
+    yield "The tables show us a junction of whole runs. One number changes, the others are as in Figure 5. With few"
+    yield "ticks in a life, two parts of a rubnoise run take the most time. One is the same for every run: exact"
+    yield "theory, the file's structure, hashes, and waiting for the disk. The growth over length shows it. The"
+    yield f"other is the motion: its cells are then finer than ticks, so that it is right to {OUR_MOTION_BOUND:.0e}."
+    yield "The other tools move from tick to tick and check nothing. With 3 ticks in a life, which have no row, none"
+    yield "of their sliders is right to 1 %."
     words = {"count": "mean number of junctions N_jm", "ticks": "ticks in a mean life", "length": "junctions in a run"}
     for what, growth in found.growth.items():
         yield ""
@@ -238,7 +241,7 @@ def _growth(found: Results) -> Iterator[str]:
 
 
 def _growth_of_errors(found: Results, growth: Growth) -> Iterator[str]:
-    """Yield by number of ticks how wrong everybody's motion is that was made in those times."""
+    """Yield by number of ticks the error of each tool's motion that was made in those times."""
     points = sorted({point for timings in growth.values() for point in timings})
     errors = {
         (each.name, each.case.ticks_per_life): each.motion
@@ -262,8 +265,8 @@ def _growth_table(what: str, growth: Growth) -> Iterator[str]:
 
 
 def _memory(found: Results) -> Iterator[str]:
-    yield "The table shows the peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), with 20 ticks"
-    yield "in a mean life."
+    yield "The table shows the peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), with"
+    yield "20 ticks in a mean life."
     if not found.plan.quick:
         yield "With 100 junctions it is the memory of Python and the libraries."
     yield ""
@@ -276,9 +279,9 @@ def _memory(found: Results) -> Iterator[str]:
 
 
 def _starting(found: Results) -> Iterator[str]:
-    yield f"The table shows the best of some new processes, with the engine `{found.engines[-1]}`. If the clock shows much"
-    yield "more than the CPU, the machine was busy with something else. Compiled code is kept from earlier runs, except in"
-    yield "the last line."
+    yield f"The table shows the best of some new processes, with the engine `{found.engines[-1]}`. If the clock shows"
+    yield "much more than the CPU, the machine was busy with something else. Compiled code is kept from earlier"
+    yield "runs, except in the last line."
     yield ""
     rows = ((name, f"{wait.wall:.2f}", f"{wait.cpu:.2f}") for name, wait in found.startup.items())
     yield from table(("what", "clock, s", "CPU, s"), rows)
