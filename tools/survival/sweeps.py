@@ -53,7 +53,7 @@ def points_of(story: Story) -> Sequence[Point]:
 
 
 def recorded(story: Story, seconds: float) -> Recording:
-    """Record the runs of a sweep, some of them seen onto the disk at a time; they commit after so many seconds."""
+    """Record the runs of a sweep, some of them flushed to disk at a time; they commit after so many seconds."""
     points = iter(points_of(story))
     with TemporaryDirectory(prefix="rubnoise-") as name:
         (folder := SweepFolder(Path(name))).run("x").parent.mkdir()

@@ -45,8 +45,8 @@ class RunWriter:
     where, None being the start, and ``replay`` hands out the rows that are there. Without ``safe`` there are neither
     journal nor hashes, which is only good for measuring what they cost. Without ``durable`` a run that ends before its
     first commit does not wait for the disk: a kill loses nothing then, a power cut may until another call has flushed
-    the file to disk (see sync_many). Entering raises OutputRefused (see check_output; a full disk and a second writer too),
-    and RunFileRefused for a part that cannot be read.
+    the file to disk (see sync_many). Entering raises OutputRefused (see check_output; also for a full disk or a
+    second writer), and RunFileRefused for a part that cannot be read.
     """
 
     def __init__(
