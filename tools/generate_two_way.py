@@ -126,8 +126,8 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
     yield from (f"| {' | '.join(point.cells())} |" for point in points)
     yield ""
     yield (
-        f"{points[0].displacement.runs} runs of each, from independent seeds, with intervals of 95 % from their scatter."
-        " The change is computed run by run, over a one-way run on the same junctions. The columns r, Pi and"
+        f"{points[0].displacement.runs} runs of each, from independent seeds, with intervals of 95 % from their"
+        " scatter. The change is computed run by run, over a one-way run on the same junctions. The columns r, Pi and"
         " std x, one-way, are exact. The law is known while coupling is weak."
     )
     yield ""
@@ -153,12 +153,13 @@ def figures(one: RunFile, two: RunFile) -> Iterator[str]:
 
 CAPTIONS: Final = {
     "motion": (
-        "Figure 5 both ways, on the same junctions. The one-way slider (pale) swings at its natural frequency. The two-way "
-        "slider (dark) sticks while the drive stretches its spring (shaded). It slips when the contact can bear no more."
+        "Figure 5 both ways, on the same junctions. The one-way slider (pale) swings at its natural frequency. The "
+        "two-way slider (dark) sticks while the drive stretches its spring (shaded). It slips when the contact can "
+        "bear no more."
     ),
     "phase": (
-        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. The two-way slider "
-        "is faster than that only when it runs back. The one-way slider is faster in every swing."
+        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. The two-way "
+        "slider is faster than that only when it runs back. The one-way slider is faster in every swing."
     ),
     "landmarks": (
         "How far it slips and how long it sticks. Most values are either short or long, with few between. Many slips "
