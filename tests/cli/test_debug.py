@@ -1,4 +1,4 @@
-"""A traceback is for who asks for it; a failure that nobody foresaw is a line, too."""
+"""A traceback is shown only with --debug; an unexpected failure is one line, too."""
 
 from collections.abc import Callable
 from pathlib import Path
