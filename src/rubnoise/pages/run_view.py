@@ -1,7 +1,7 @@
 """What of a run goes into its page: every row of a stretch, and the lowest and highest values of the whole run.
 
-A page can't hold a long run. So it holds each junction and each tick between two sliding distances, and of each curve of
-the whole run the extremes of some thousand cells. The page says which of the two it shows.
+A page can't hold a long run. So it holds each junction and each tick between two sliding distances, and the extremes
+of each curve of the whole run in some thousand cells. The page says which of the two it shows.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,10 @@ USUAL_BYTES: Final = 10_000_000
 MOST_BYTES: Final = 60_000_000
 """Bytes of rows in a page where no stretch is asked for, and at most; a page is a third larger than its rows."""
 
-CURVES: Final = {"trace": ("real_contact_area", "junction_count", "friction_force"), "slider": ("displacement", "velocity")}
+CURVES: Final = {
+    "trace": ("real_contact_area", "junction_count", "friction_force"),
+    "slider": ("displacement", "velocity"),
+}
 STYLES: Final = ("uPlot.min.css", "view.css")
 SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "where.js", "life.js", "charts.js", "lives.js", "phase.js", "view.js")
 
@@ -59,12 +62,16 @@ class RunView:
 
     def page(self) -> str:
         """Return the text of the page."""
-        return page("view.html", title=self.stretch.title or self.name, styles=STYLES, scripts=SCRIPTS, data=self._data())
+        return page(
+            "view.html", title=self.stretch.title or self.name, styles=STYLES, scripts=SCRIPTS, data=self._data()
+        )
 
     def _data(self) -> dict[str, Any]:
         model, file = self.stretch.model, self.stretch.file
         exact = area_cumulants(model)
-        groups = [group for group in GROUPS if group.name in ("trace", "slider", "landmarks") and group.name in file.columns]
+        groups = [
+            group for group in GROUPS if group.name in ("trace", "slider", "landmarks") and group.name in file.columns
+        ]
         return {
             "title": self.stretch.title or self.name,
             "name": self.name,

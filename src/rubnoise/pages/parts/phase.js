@@ -54,8 +54,8 @@
     ctx.textAlign = "right";
     ctx.fillText(short(v1), frame.left - 6, frame.top + 10);
     ctx.fillText(short(v0), frame.left - 6, frame.top + frame.height);
-    if (timed) ctx.fillText("V", frame.left - 6, up(view.data.speed) + 4);
     ctx.textAlign = "left";
+    if (timed) ctx.fillText("V", frame.left + frame.width + 3, up(view.data.speed) + 4);
     ctx.fillText(short(x0), frame.left, frame.top + frame.height + 16);
     ctx.textAlign = "right";
     ctx.fillText(short(x1), frame.left + frame.width, frame.top + frame.height + 16);

@@ -4,7 +4,9 @@
   const { data } = view;
   const $ = (id) => document.getElementById(id);
   const shortest = Math.max(data.tick, 1e-9 * data.distance);
-  view.window = { from: data.start, to: data.stop };
+  /* A few lives at first, which can be told apart. */
+  const LIVES = 8;
+  view.window = { from: data.start, to: Math.min(data.stop, data.start + LIVES * data.meanLife) };
 
   view.show = (from, to) => {
     let width = Math.min(Math.max(to - from, shortest), data.distance);
