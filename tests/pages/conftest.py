@@ -35,7 +35,7 @@ def sweep_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("sweep")
     scenario = folder / "few.toml"
     scenario.write_text(
-        f'extends = "{(PAPER / "fig5.toml").as_posix()}"\ntitle = "few <b>points</b>"\n'
+        f'format = 1\nextends = "{(PAPER / "fig5.toml").as_posix()}"\ntitle = "few <b>points</b>"\n'
         '[sliding]\ndistance = "300 um"\n[sweep]\nreplicates = 2\n'
         "[sweep.grid]\ninterface.mean_junction_count = [5, 10, 20]\n",
         encoding="utf-8",

@@ -1,5 +1,6 @@
 """The pages as a reader has them, in Chromium: no request, no message on the console, and the right numbers."""
 
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -9,10 +10,16 @@ import pytest
 
 import rubnoise
 from tests.cli.terminal import call
-from tests.lesson.opened import opened, until
+from tests.lesson import opened as lesson
+from tests.lesson.opened import until
 from tests.pages.test_run_view import page_of
 
 TICK = 0.1
+
+
+def opened(browser: Any, address: str) -> AbstractContextManager[Any]:
+    """Open a page on a screen so tall that nothing has to be scrolled to."""
+    return lesson.opened(browser, address, viewport={"width": 1400, "height": 1900})
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +120,8 @@ def test_everything_can_be_done_with_the_keyboard(browser: Any, address: str) ->
         page.keyboard.press("n")
         first = page.inner_text("#life-title")
         page.keyboard.press("n")
-        assert first.startswith("Junction ") and page.inner_text("#life-title") != first
+        assert first.startswith("Junction ")
+        assert page.inner_text("#life-title") != first
         page.fill("#number", "17")
         page.keyboard.press("Enter")
         assert page.inner_text("#life-title").startswith("Junction 17:")
@@ -133,7 +141,7 @@ def test_a_two_way_run_shows_its_sticks_in_time(browser: Any, two_way: Path, tmp
     path = tmp_path / "two_way.html"
     path.write_text(page_of(two_way), encoding="utf-8")
     with rubnoise.open(two_way) as run:
-        kind, time = run.landmarks["kind"][:], run.landmarks["time"][:]
+        kind, time = (run.groups()["landmarks"][name][:] for name in ("kind", "time"))
     with opened(browser, f"{path.as_uri()}#from=0&to=600") as page:
         until(page, "!document.getElementById('phase').hidden")
         assert "the slider sticks" in page.inner_text(".legend")

@@ -81,7 +81,7 @@ def test_conditions_choose_the_rows_that_the_command_chooses(data: dict[str, Any
         columns = {name: run.junctions[name][:] for name in run.junctions}
     expected = [np.flatnonzero(condition(text).chosen(columns)).tolist() for text in CONDITIONS]
     assert found == expected
-    assert all(0 < len(rows) for rows in expected)
+    assert all(len(rows) > 0 for rows in expected)
     assert sum(len(rows) < len(columns["junction"]) for rows in expected) > 8  # most of them leave some out
 
 
@@ -172,7 +172,8 @@ def test_a_long_run_is_held_in_part_and_too_long_a_stretch_is_refused(
     assert data["junctionRows"] > 700
     monkeypatch.setattr(run_view, "MOST_BYTES", 100_000)
     with pytest.raises(Refused, match=r"0 to 400 um hold .* MB of rows, .* choose a shorter stretch, of about"):
-        page_of(one_way)
+        page_of(one_way, 0.0, 400.0)
+    assert data_of(page_of(one_way))["stop"] == data["stop"]
 
 
 def test_a_page_asks_for_nothing_and_a_title_stays_text(tmp_path: Path) -> None:

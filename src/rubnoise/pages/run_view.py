@@ -50,7 +50,7 @@ class RunView:
         Raises Refused for a chosen stretch of more rows than a page can hold.
         """
         needed = _bytes_in(stretch)
-        if needed > MOST_BYTES:
+        if stretch.chosen and needed > MOST_BYTES:
             width = (stretch.stop - stretch.start) * MOST_BYTES / needed
             raise Refused(
                 f"{stretch.start:g} to {stretch.stop:g} um hold {needed / 1e6:,.0f} MB of rows, and a page holds"
