@@ -1,14 +1,20 @@
 """`rubnoise view`: a result as a page to explore in a browser."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from rubnoise.pages.run_view import RunView
 
 
 def command(
     file: Annotated[
-        Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False)
+        Path,
+        typer.Argument(
+            help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
+        ),
     ],
     *,
     output: Annotated[
@@ -42,6 +48,7 @@ def command(
     from rubnoise.pages.sweep_view import sweep_page
     from rubnoise.regular_file import is_folder
     from rubnoise.storage.output import check_output, whole_file
+    from rubnoise.storage.resume import SUFFIX, committed_run
 
     ends = distance("--from", start), distance("--to", stop)
     path = output or Path(f"{file.resolve().stem}.html")
@@ -53,10 +60,16 @@ def command(
             raise typer.BadParameter("--from and --to are for one run")
         with api.open_sweep(file) as sweep:
             text, what = sweep_page(sweep, str(file)), f"{sweep.count('done'):,} runs"
+    elif file.suffix == SUFFIX:
+        with committed_run(file) as part:
+            text, what = _shown(RunView.of_part(part, ends, str(file)))
     else:
         with finished_run(file) as run:
-            view = RunView.of(Stretch.of(run, *ends), str(file))
-            text, what = view.page(), f"every row from {view.stretch.start:g} to {view.stretch.stop:g} um"
-    with whole_file(path, force=force) as part:
-        part.write_text(text, encoding="utf-8")
+            text, what = _shown(RunView.of(Stretch.of(run, *ends), str(file)))
+    with whole_file(path, force=force) as written:
+        written.write_text(text, encoding="utf-8")
     print(sentence(f"{path}: {what}, {size(path.stat().st_size)}; a browser opens it, with or without a network"))
+
+
+def _shown(view: "RunView") -> tuple[str, str]:
+    return view.page(), f"every row from {view.stretch.start:g} to {view.stretch.stop:g} um"

@@ -4,7 +4,7 @@ A page can't hold a long run. So it holds each junction and each tick between tw
 of each curve of the whole run in some thousand cells. The page says which of the two it shows.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
 from typing import Any, Final, Self
@@ -17,6 +17,7 @@ from rubnoise.analysis.selection import gather
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import PANEL_ROWS, Stretch
 from rubnoise.pages.page import packed, page
+from rubnoise.storage.resume import CommittedRun
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Column
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.units import KINDS, USUAL_UNITS
@@ -38,10 +39,14 @@ SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "where.js", "life.js", "charts
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunView:
-    """A stretch of a run that is shown with all its rows; ``name`` is how its reader knows the file."""
+    """A stretch of a run that is shown with all its rows; ``name`` is how its reader knows the file.
+
+    planned: the sliding distance in um of the whole run, where only a part of it is there.
+    """
 
     stretch: Stretch
     name: str
+    planned: float | None = None
 
     @classmethod
     def of(cls, stretch: Stretch, name: str) -> Self:
@@ -59,6 +64,16 @@ class RunView:
         if not stretch.chosen and needed > USUAL_BYTES:
             stretch = stretch.narrowed((stretch.stop - stretch.start) * USUAL_BYTES / needed)
         return cls(stretch=stretch, name=name)
+
+    @classmethod
+    def of_part(cls, run: CommittedRun, ends: tuple[float | None, float | None], name: str) -> Self:
+        """Return the view of an unfinished run as far as it is committed; raises Refused as Stretch.of does."""
+        whole = Stretch.of(run, *ends)
+        reached = min((run.rows("trace") - 1) * whole.model.tick, whole.model.distance)
+        model = replace(whole.model, distance=reached)
+        stretch = replace(whole, model=model, stop=min(whole.stop, reached))
+        stretch.check()
+        return replace(cls.of(stretch, name), planned=whole.model.distance)
 
     def page(self) -> str:
         """Return the text of the page."""
@@ -80,7 +95,8 @@ class RunView:
             "distance": model.distance,
             "tick": model.tick,
             "speed": model.sliding_speed,
-            "twoWay": model.is_two_way,
+            "twoWay": model.is_two_way and "slider" in file.columns,
+            "planned": self.planned,
             "pulse": model.pulse.shape,
             "area": {"mean": exact.mean, "std": exact.std},
             "count": {"mean": model.mean_junction_count},

@@ -71,15 +71,14 @@ def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
         try:
             with sweep.run(str(names[row])) as run:
                 groups = run.groups()
-                if "trace" not in groups:
-                    raise RunFileRefused("This sweep keeps no rows of its runs.")
-                found[str(names[row])] = {
+                told: dict[str, Any] = {
                     name: {"units": [groups[name][each].units for each in both], "points": _thinned(groups[name], both)}
                     for name, both in CURVES.items()
                     if name in groups
                 }
         except RunFileRefused as refused:
-            found[str(names[row])] = {"refused": str(refused)}
+            told = {"refused": str(refused)}
+        found[str(names[row])] = told or {"refused": "This sweep keeps no rows of its runs."}
     return found
 
 

@@ -207,7 +207,9 @@
   $("holds").textContent = whole
     ? `This page holds all ${view.grouped(data.junctionRows)} junctions and every tick of the run.`
     : `This page holds every junction and every tick from ${view.number(data.start)} to ${view.number(data.stop)} µm. Elsewhere it shows the lowest and highest values of cells.`;
-  document.body.classList.toggle("still", !view.groups.slider);
+  if (data.planned !== null) {
+    $("holds").textContent += ` The run is unfinished: it has reached ${view.number(data.distance)} of ${view.number(data.planned)} µm.`;
+  }
   $("slider-part").hidden = !view.groups.slider;
   $("sticks-sign").hidden = !data.landmarks;
   view.makeCharts();
