@@ -26,10 +26,9 @@ def command(
     Example: rubnoise report fig5.h5 -o fig5_report.html
     """
     from rubnoise import api
-    from rubnoise.cli.layout import size
+    from rubnoise.cli.layout import sentence, size
+    from rubnoise.cli.loading import finished_run
     from rubnoise.cli.progress import watching
-    from rubnoise.cli.results import finished_run
-    from rubnoise.cli.terminal import sentence
     from rubnoise.pages.report import run_report, sweep_report
     from rubnoise.regular_file import is_folder
     from rubnoise.storage.output import check_output, whole_file

@@ -39,10 +39,9 @@ def command(
     Example: rubnoise view fig5.h5 --from 1mm --to 2mm
     """
     from rubnoise import api
-    from rubnoise.cli.layout import size
-    from rubnoise.cli.lengths import distance
-    from rubnoise.cli.results import finished_run
-    from rubnoise.cli.terminal import sentence
+    from rubnoise.cli.layout import sentence, size
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.cli.plot import distance
     from rubnoise.figures.stretch import Stretch
     from rubnoise.pages.run_view import RunView
     from rubnoise.pages.sweep_view import sweep_page

@@ -14,12 +14,12 @@ from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.animation import Film
+from rubnoise.figures.axis_labels import key_label, quantity_words
 from rubnoise.figures.catalogue import PICTURES, picture
 from rubnoise.figures.film import write_film
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study_of_sweep import quantities_of, study_of_sweep
+from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
-from rubnoise.figures.sweep_words import key_label, quantity_words
 from rubnoise.pages.page import filled, part
 from rubnoise.pages.words import in_words
 from rubnoise.record.reader import Reader

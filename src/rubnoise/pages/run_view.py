@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.neighbours import check_lives, neighbours
 from rubnoise.analysis.selection import gather
 from rubnoise.errors import Refused
-from rubnoise.figures.stretch import PANEL_ROWS, Stretch
+from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
 from rubnoise.pages.page import packed, page
 from rubnoise.storage.resume import CommittedRun
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Column
@@ -117,8 +117,8 @@ class RunView:
         ends = (float(shown.birth.min()), float(shown.death.max())) if shown.rows.size else (0.0, 0.0)
         rows = neighbours(file, -1, *ends).rows if shown.rows.size else shown.rows
         names = file.columns["junctions"]
-        panels = list(gather(file, rows, names))
-        columns = {name: np.concatenate([panel[name] for panel in panels]) if panels else np.zeros(0) for name in names}
+        chunks = list(gather(file, rows, names))
+        columns = {name: np.concatenate([chunk[name] for chunk in chunks]) if chunks else np.zeros(0) for name in names}
         numbers = {name: columns[name] for name in columns if _column(name).dtype == "<f8" and "time" not in name}
         check_lives(rows, numbers)
         return {"shown": int(shown.rows.size), **{name: _told(_column(name), columns[name]) for name in names}}
@@ -189,18 +189,18 @@ def _power_of_ten(size: Any) -> int:
 
 
 def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
-    """Return the lowest and highest values of columns in cells of equally many rows; a panel is held at a time."""
+    """Return the lowest and highest values of columns in cells of equally many rows; a chunk is held at a time."""
     rows = file.rows(group)
     step = max(1, ceil(rows / CELLS))
     kept = [name for name in (*names, "distance") if name in file.columns[group]]
-    panel_rows = step * max(1, PANEL_ROWS // step)
+    chunk_rows = step * max(1, CHUNK_ROWS // step)
     found: dict[str, Any] = {"step": step, "rows": rows}
     for name in kept:
         low, high = [], []
-        for begin in range(0, rows, panel_rows):
-            panel = file.column(group, name, begin, min(begin + panel_rows, rows)).astype(np.float64)
-            starts = np.arange(0, panel.size, step)
-            low.append(np.minimum.reduceat(panel, starts))
-            high.append(np.maximum.reduceat(panel, starts))
+        for begin in range(0, rows, chunk_rows):
+            chunk = file.column(group, name, begin, min(begin + chunk_rows, rows)).astype(np.float64)
+            starts = np.arange(0, chunk.size, step)
+            low.append(np.minimum.reduceat(chunk, starts))
+            high.append(np.maximum.reduceat(chunk, starts))
         found[name] = {"low": packed(np.concatenate(low)), "high": packed(np.concatenate(high))}
     return found
