@@ -1,4 +1,4 @@
-"""Faults of what people meet: the Python interface, the command line, the figures, the paper's claims."""
+"""Faults of what people meet: the Python interface, the command line, the figures, the pages, the paper's claims."""
 
 from __future__ import annotations
 
@@ -109,5 +109,25 @@ CLAIMS = (
         "test_a_verdict_needs_simulation_and_theory_to_agree",
         "return verdict if all(quantity.agrees for quantity in quantities) else",
         "return verdict if any(quantity.agrees for quantity in (*quantities, *quantities)) or quantities else",
+    ),
+)
+PAGES = (
+    one(
+        "a bar that never ends",
+        "test_lives_have_the_numbers_of_the_command",
+        "birth[row] < s && s <= death[row] : birth[row] <= s && s < death[row]",
+        "birth[row] < s && s <= death[row] : birth[row] <= s",
+    ),
+    one(
+        "or read as and",
+        "test_conditions_choose_the_rows_that_the_command_chooses",
+        "(i) => parts.some((part) => part(i))",
+        "(i) => parts.every((part) => part(i))",
+    ),
+    one(
+        "the lowest of a cell told as its highest",
+        "test_cells_of_a_longer_run_hold_its_extremes",
+        "high.append(np.maximum.reduceat(values, starts))",
+        "high.append(np.minimum.reduceat(values, starts))",
     ),
 )
