@@ -16,7 +16,7 @@ from rubnoise.analysis.verifying.forces import force_moments
 from rubnoise.analysis.verifying.motion import cell_motion
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Slider
-from rubnoise.simulation.propagator import propagator
+from rubnoise.simulation.slider import propagator
 from rubnoise.theory.quadrature import panels
 
 FOLDER = Path(forces.__file__).parent
