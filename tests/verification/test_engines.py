@@ -14,7 +14,7 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.load import build
+from rubnoise.scenario.reading import build
 from rubnoise.simulation import draws, ticks
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import Engine, extent, simulate

@@ -15,7 +15,7 @@ from rubnoise.api.verify_index import index_checks
 from rubnoise.api.verify_journals import journal_check
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.scenario.sweep_settings import Keep
+from rubnoise.scenario.sweep_table import Keep
 from rubnoise.storage.index_file import name_of
 from rubnoise.storage.reader import open_run
 from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text

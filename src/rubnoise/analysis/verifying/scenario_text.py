@@ -9,7 +9,7 @@ from typing import Any, Final
 from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.retold import Retold, retold
+from rubnoise.scenario.reread import Reread, reread
 from rubnoise.scenario.scenario import flattened
 
 PLACE: Final = "/provenance scenario_toml"
@@ -69,7 +69,7 @@ def scenario_check(scenario: Scenario, provenance: Mapping[str, object]) -> tupl
         notes.say(PLACE, found="empty", expected="the file as read" if asked else "empty")
         return notes.check(), []
     try:
-        again = retold(text, run, asked.overrides if asked else ())
+        again = reread(text, run, asked.overrides if asked else ())
     except ScenarioRefused as refusal:
         notes.say(PLACE, found=str(refusal).partition("\n")[0], expected="the scenario of the run")
         return notes.check(), []
@@ -80,13 +80,13 @@ def scenario_check(scenario: Scenario, provenance: Mapping[str, object]) -> tupl
     for key in _keys(again.resolved, run):
         by_text, by_run = different.get(key, ("as run", "as run"))
         notes.say(f"{PLACE} {key}", found=by_text, expected=by_run)
-    return notes.check(), [] if again.whole else [LeftOut(name="scenario", reason=_BASE)]
+    return notes.check(), [] if again.self_contained else [LeftOut(name="scenario", reason=_BASE)]
 
 
 _BASE: Final = "scenario_toml extends a file that is not kept: keys that stand in that one alone are not compared"
 
 
-def _differences(again: Retold, run: Mapping[str, Any], asked: Asked | None) -> Iterator[tuple[str, tuple[str, str]]]:
+def _differences(again: Reread, run: Mapping[str, Any], asked: Asked | None) -> Iterator[tuple[str, tuple[str, str]]]:
     """Yield the keys in which the two scenarios differ, with the values by the text and of the run."""
     by_text, by_run = flattened(again.resolved), flattened(run)
     of_sweep = bool(again.seeds) or (asked is not None and asked.command == "sweep")
