@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Final, get_args
 
 from rubnoise.analysis.verification import ResultFile, verify
+from rubnoise.analysis.verifying.attributes import shown
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes, Verification
-from rubnoise.analysis.verifying.inventories import shown
 from rubnoise.api.verify_index import index_checks
 from rubnoise.api.verify_journals import journal_check
 from rubnoise.errors import Refused, RunFileRefused

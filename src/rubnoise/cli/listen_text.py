@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from rubnoise import __version__
-from rubnoise.analysis.hearing import Hearing
-from rubnoise.analysis.sound import Level, Sound
+from rubnoise.analysis.sound import Hearing, Level, Sound
 from rubnoise.cli.layout import grouped, line, number, remark
 from rubnoise.cli.terminal import sentence
 from rubnoise.storage.wave_file import BITS

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.covariance_errors import covariance_errors
+from rubnoise.analysis.moments import covariance_errors
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.figures.marks import NEAREST, entitle, legend_above
 from rubnoise.figures.stretch import Stretch

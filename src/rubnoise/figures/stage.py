@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.neighbours import Neighbours
+from rubnoise.analysis.selection import Neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.style import FAINT, INK, PALE

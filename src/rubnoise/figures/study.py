@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from rubnoise.analysis.expected_figures import expected_figure
 from rubnoise.analysis.replicates import Pooled
+from rubnoise.analysis.summary import expected_figure
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, build
