@@ -108,7 +108,7 @@ def _made_again(
 ) -> list[Check]:
     """Return the check that makes blocks again, which needs a right seed, and right rows to go on from."""
     # What is asked of rows needs nothing of the simulation but its compiler.
-    from rubnoise.analysis.verifying.blocks import regeneration_check
+    from rubnoise.analysis.verifying.regenerating import regeneration_check
 
     wrong = [check.name for check in needed if not check.holds]
     if wrong:
