@@ -13,8 +13,8 @@ import pytest
 from rubnoise.analysis.stored_model import stored_model
 from rubnoise.analysis.summary import summarise
 from rubnoise.analysis.verification import verify
-from rubnoise.analysis.verifying.regenerating import chosen_blocks
 from rubnoise.analysis.verifying.findings import Verification
+from rubnoise.analysis.verifying.regenerating import chosen_blocks
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Tee
