@@ -29,10 +29,10 @@ def _(mo):
     mo.md(r"""
     # The lives of junctions
 
-    Two rough bodies touch only where their roughness meets. Each such place, a *junction*, is born at first touch,
-    grows as the bodies slide, shrinks and dies when they part. A run of rubnoise writes one row for each of them.
-    Here we read those rows with tools that know nothing of rubnoise, and ask: how long do they live? When is the
-    next one born? And who is it that we meet when we look at a random moment?
+    Two rough bodies touch only at a few small spots, called *junctions*. A junction is born at first touch, grows
+    as the bodies slide, shrinks and dies. A run of rubnoise writes one row for each junction. Here we read these
+    rows with tools that know nothing about rubnoise. How long do junctions live? When is the next one born? Which
+    junctions do we meet when we look at a random moment?
 
     Before you run a cell, guess what it will show.
     """)
@@ -59,8 +59,8 @@ def _(mo):
     mo.md(r"""
     ## What is in the file
 
-    HDF5 is a folder in a file: groups hold datasets, and both carry attributes. Every dataset here is one column,
-    and says its unit.
+    An HDF5 file is like a folder: it has groups, groups have datasets, and both have attributes. Every dataset here
+    is one column with its unit.
     """)
     return
 
@@ -82,9 +82,9 @@ def _(mo):
     mo.md(r"""
     ## One life
 
-    A row tells where a junction was born and how wide its two circles are. That is all that its life needs: the
-    circles, of diameter $d$, first touch at $s = 0$, cover each other at $s = d$ and part at $s = 2d$. The curve is
-    the same for all but for its scale, and the file holds it once, as `/life_curve`.
+    A row says where a junction was born, and the diameter $d$ of its two circles. The whole life follows from these
+    two numbers. The circles first touch at $s = 0$, cover each other at $s = d$ and separate at $s = 2d$. All
+    junctions have the same curve with another scale. The file has it once, as `/life_curve`.
     """)
     return
 
@@ -112,11 +112,11 @@ def _(mo):
     mo.md(r"""
     ## All lives
 
-    `xarray` opens a group as a table with names and units. A life that was cut by the start or the end of the
-    record says so in `state`; only those with state 0 are seen whole.
+    `xarray` opens a group as a table with names and units. The column `state` says whether the start or the end of
+    the record cut a life; a life with state 0 is complete.
 
-    A life lasts $2d$, so that lives spread as diameters do. The wait for the next birth is another matter: births
-    do not know of each other, and the gaps between them are exponential, with many short ones and a few long.
+    A life lasts $2d$, so lives spread like diameters. The wait for the next birth is different. Births are
+    independent, so the gaps between them are exponential: many are short, and a few are long.
     """)
     return
 
@@ -139,7 +139,7 @@ def _(np, path, plt, scenario, xr):
     _right.plot(_gap, _model.birth_rate * np.exp(-_model.birth_rate * _gap), color="#d55e00", label="exponential")
     _right.set(xlabel="gap between births (µm)", ylabel="density (1/µm)")
     _right.legend(frameon=False)
-    # The mean of n exponential gaps strays from theirs by one part in sqrt(n).
+    # The mean of n exponential gaps has a relative standard error of 1/sqrt(n).
     assert abs(gaps.mean() * _model.birth_rate - 1.0) < 4.0 / np.sqrt(gaps.size)
     _figure
     return junctions, whole
@@ -148,15 +148,15 @@ def _(np, path, plt, scenario, xr):
 @app.cell
 def _(mo):
     mo.md(r"""
-    ## Who is there when we look?
+    ## Which junctions do we meet?
 
     Stop the sliding at some moment and measure the junctions that are alive. Are they like those that are born?
 
-    Make your guess, then look: they are **larger**. A wide junction lives longer, in proportion to its diameter,
-    and so is more often there to be met. Those that are met have the mean $E[d^2]/E[d]$ instead of $E[d]$. Waiting
-    for buses is the same paradox: who comes at random meets the long gaps more often.
+    Guess first, then look: they are **larger**. A wide junction lives longer, in proportion to its diameter, so we
+    meet it more often. The junctions that we meet have the mean $E[d^2]/E[d]$ instead of $E[d]$. The same happens
+    at a bus stop: a passenger who comes at a random time meets the long gaps more often.
 
-    How far a junction that we meet has got in its life is anybody's guess: its age is uniform.
+    The age of a junction that we meet is uniform: every part of its life is equally likely.
     """)
     return
 
@@ -165,7 +165,7 @@ def _(mo):
 def _(junctions, np, plt, theory):
     _birth, _death = junctions["birth_distance"].values, junctions["death_distance"].values
     _diameter = junctions["diameter"].values
-    # Looks farther apart than a life meet nobody twice.
+    # Looks farther apart than a life never meet the same junction twice.
     _looks = np.arange(50.0, 9_950.0, 40.0)
     _met = [np.flatnonzero((_birth <= _s) & (_s < _death)) for _s in _looks]
     _rows = np.concatenate(_met)
@@ -199,8 +199,8 @@ def _(mo):
     mo.md(r"""
     ## The rows are the run
 
-    The real contact area is nothing but the sum of the areas of those alive. Does it come out? Take any tick of
-    `/trace`, find who is alive, add.
+    The real contact area is the sum of the areas of the live junctions. We check this: take a tick of `/trace`, find
+    the junctions that are alive, and add their areas.
     """)
     return
 
@@ -226,11 +226,11 @@ def _(mo):
     mo.md(r"""
     ## To try
 
-    - Halve the spread of the diameters. What becomes of the gap between those born and those met? (It goes with the
-      square.)
+    - Halve the spread of the diameters. How does the difference between born and met diameters change? (It is
+      proportional to the square of the spread.)
     - Set `birth.law=regular`. Which of the pictures change, and which do not?
-    - Count the births in stretches of 10 µm. For births at random their variance is their mean; for births by the
-      clock?
+    - Count the births in stretches of 10 µm. For random births, the variance of the counts equals their mean. What
+      is it for regular births?
     """)
     return
 

@@ -29,12 +29,11 @@ def _(mo):
     mo.md(r"""
     # From events to noise
 
-    A junction is born, grows, shrinks, dies. Nothing in its life is random but its beginning. Add some twenty of
-    them, born without regard to each other, and what comes out is noise: a force that never repeats, and a slider
-    that it sets humming.
+    A junction is born, grows, shrinks and dies. Only its birth is random. Add some twenty junctions that are born
+    independently, and you get noise: a force that never repeats, and a slider that vibrates.
 
-    We go that way in four steps: the sum of the lives, its spread, its spectrum, the slider. Each step has a law,
-    and the laws are exact; the run beside them shows how far chance may stray.
+    This notebook has four steps: the sum of the lives, its spread, its spectrum, and the slider. Each step has an
+    exact law. A run beside it shows how much chance changes the result.
     """)
     return
 
@@ -70,9 +69,9 @@ def _(mo):
     mo.md(r"""
     ## 1. The sum
 
-    The real contact area is the sum of the areas of those alive. It swells when by chance several are born close to
-    each other, and wanes when they die. Move the number of junctions and see the curve calm down; then let births
-    go by the clock, and it goes nearly flat. What is left of friction's noise without the disorder of births?
+    The real contact area is the sum of the areas of the live junctions. It grows when, by chance, several are born
+    close to each other, and shrinks when they die. Increase the number of junctions: the curve becomes calmer. Then
+    choose regular births: the curve becomes nearly flat. So most of the noise comes from the randomness of births.
     """)
     return
 
@@ -97,12 +96,12 @@ def _(mo):
     mo.md(r"""
     ## 2. Its spread
 
-    Campbell's theorem: births at a rate $\lambda$ that each leave a pulse $A(s)$ make a sum of mean $\lambda \int
-    A\,ds$ and of variance $\lambda \int A^2 ds$. With the overlap of two circles that is
+    Births come at a rate $\lambda$, and each adds a pulse $A(s)$. Campbell's theorem says: the sum has the mean
+    $\lambda \int A\,ds$ and the variance $\lambda \int A^2 ds$. For the overlap of two circles this gives
 
     $$\frac{\sigma}{\text{mean}} = \frac{3}{2}\sqrt{\frac{2\pi/3 - 64/45}{N}} = \frac{1.2298}{\sqrt N}.$$
 
-    Four times as many junctions, half the noise. Each point below is a run of its own, the line is the law.
+    Four times as many junctions give half the noise. Each point below is a run, and the line is the law.
     """)
     return
 
@@ -136,9 +135,9 @@ def _(mo):
     mo.md(r"""
     ## 3. Its spectrum
 
-    How long does the sum remember? One life and no longer: then everybody who was there has died. So the spectrum
-    is flat for waves much longer than a life, bends at about one cycle a life, and falls as $k^{-4}$ above, since a
-    life begins and ends smoothly and only has a kink in its middle. There is no floor of white noise.
+    How long does the sum remember? For one life: after that, every junction that was alive has died. So the
+    spectrum is flat for waves much longer than a life, and bends at about one cycle a life. Above, it falls as
+    $k^{-4}$, because a life begins and ends smoothly and only has a kink in its middle. There is no white noise.
     """)
     return
 
@@ -168,9 +167,9 @@ def _(mo):
     mo.md(r"""
     ## 4. The slider
 
-    The force is the area times a strength; sliding at a speed $V$ turns waves into tones, $\omega = k V$. A mass on
-    a spring answers most at its natural frequency, so that of the whole rumble it picks one tone: the force
-    rumbles, the slider hums.
+    The force is the area times a strength. Sliding at a speed $V$ turns wavenumbers into frequencies,
+    $\omega = k V$. A mass on a spring responds most at its natural frequency. So the force has many frequencies,
+    like a rumble, and the slider has mostly one, like a hum.
     """)
     return
 
@@ -187,7 +186,7 @@ def _(births, model, plt, record, theory):
     _std = float(record.slider["velocity"].std())
     print(f"natural frequency {model.slider.natural_frequency:.1f} Hz")
     print(f"velocity: std {_std:.4g} um/s, exact {theory.slider.velocity_std:.4g} um/s")
-    # Chance moves the spread of so short a record by some 5 per cent, and by more where junctions are few.
+    # The standard deviation of such a short record varies by some 5 per cent, and by more with few junctions.
     assert births.value == "regular" or abs(_std / theory.slider.velocity_std - 1.0) < 0.4
     _figure
     return
@@ -198,8 +197,8 @@ def _(mo):
     mo.md(r"""
     ## Hear it
 
-    The slider's velocity, ten times faster than it happened, so that its 39 Hz become 390 Hz. The loudest sample is
-    always 3 dB below full scale: two runs sound equally loud, and which one is noisier the scale tells.
+    You hear the slider's velocity, ten times faster than it happened, so its 39 Hz become 390 Hz. The loudest sample
+    is always 3 dB below full scale. So two runs sound equally loud; the printed scale shows which one is noisier.
     """)
     return
 
@@ -221,10 +220,10 @@ def _(mo):
     mo.md(r"""
     ## To try
 
-    - Two junctions or eighty: which of the two has the taller hum, and by how much? The printed full scales tell.
-    - Let births go by the clock. What is left of the force, and what of the hum?
-    - Double the speed in the scenario (`sliding.speed=2 mm/s`). Which way does the bend of the force's spectrum
-      move, and the tone of the slider?
+    - Choose two junctions, then eighty. Which run has the louder hum, and by how much? Compare the printed scales.
+    - Choose regular births. How much of the force remains, and how much of the hum?
+    - Double the speed in the scenario (`sliding.speed=2 mm/s`). In which direction does the bend of the force's
+      spectrum move? Does the tone of the slider move?
     """)
     return
 

@@ -47,7 +47,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
-    """Tell the workers of pytest-xdist, whose command line names files of which nobody has spoken."""
+    """Tell the workers of pytest-xdist, whose command line does not name the requested files."""
     node.workerinput["tortures"] = node.config.option.tortures
 
 

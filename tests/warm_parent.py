@@ -1,4 +1,4 @@
-"""A process that has loaded the program, and is it as often as somebody asks: `warm_parent.py DESCRIPTOR`.
+"""A process that has loaded the program and makes copies of itself on request: `warm_parent.py DESCRIPTOR`.
 
 Each request on the socket brings words, folder and variables, and the descriptors of a pipe, three streams, and what
 else is passed on; the answer is the number of a copy of this process, which then is Python with these words. How it

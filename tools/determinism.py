@@ -191,7 +191,7 @@ def main() -> int:
     print("{:20} {:8} {:28} {:14} {}".format("libraries", "numpy", "setting", "library exp", "bits of the golden runs"))
     with tempfile.TemporaryDirectory(prefix="rubnoise-determinism-") as place:
         folder, cache = Path(place), Path(place) / "machine code"
-        # What is compared with one set of hashes must be one source, also where somebody works on it meanwhile.
+        # What is compared with one set of hashes must be one source, also if the source is edited meanwhile.
         (folder / "source").mkdir()
         source = copy_into(folder / "source")
         well = compared(Place("as set up", PYTHON, source), cache)

@@ -1,7 +1,7 @@
 """Damaged and hostile result files, thrown at the commands: `python tools/fuzz_results.py --count 10000 --jobs 2`.
 
 Every file goes to `verify` and to one other command in turn, each in a process of its own with limits on time and
-memory. Counted are crashes, hangs, tracebacks, files opened that nobody asked for, and files of which verify says that
+memory. Counted are crashes, hangs, tracebacks, files opened without need, and files of which verify says that
 all is well though plain h5py reads something else from them than from the good one. Parts and journals of runs that did
 not finish go to `resume`, or to the same `run`; what it publishes has to be the result. Exit code 1 where there is any.
 """

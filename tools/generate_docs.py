@@ -58,7 +58,7 @@ def read(page: str) -> str:
 
 
 def generated(text: str) -> str:
-    """Return the text of a page with every generated part made anew; raises KeyError for a part that nothing makes."""
+    """Return the text of a page with new generated parts; raises KeyError for a part that nothing makes."""
     return PART.sub(lambda found: found[1] + found[2] + "\n" + "\n".join(PARTS[found[1]]()).rstrip() + "\n\n", text)
 
 

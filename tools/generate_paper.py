@@ -11,7 +11,7 @@ from pathlib import Path
 from rubnoise.claims.catalogue import settle
 from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.figures.paper import FIGURES, paper_figure
-from rubnoise.figures.sources import Sources
+from rubnoise.figures.paper_sources import Sources
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PICTURES = DOCS / "pictures" / "paper"

@@ -25,7 +25,7 @@ from rubnoise.analysis.stick_slip import StickSlip
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.figures.catalogue import picture
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.study_of_sweep import study_of_sweep
+from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import study_picture
 from rubnoise.model import Model
 from rubnoise.storage.reader import RunFile, open_run
@@ -126,8 +126,8 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
     yield from (f"| {' | '.join(point.cells())} |" for point in points)
     yield ""
     yield (
-        f"{points[0].displacement.runs} runs of each, from independent seeds; intervals of 95 % from their scatter."
-        " The change is taken run by run, over a one-way run on the same junctions. The columns r, Pi and"
+        f"{points[0].displacement.runs} runs of each, from independent seeds, with intervals of 95 % from their"
+        " scatter. The change is computed run by run, over a one-way run on the same junctions. The columns r, Pi and"
         " std x, one-way, are exact. The law is known while coupling is weak."
     )
     yield ""
@@ -153,20 +153,21 @@ def figures(one: RunFile, two: RunFile) -> Iterator[str]:
 
 CAPTIONS: Final = {
     "motion": (
-        "Figure 5 both ways, on the same junctions. One-way (pale) the slider swings at its natural frequency. Two-way "
-        "(dark) it sticks while the drive stretches its spring (shaded), and slips when the contact can bear no more."
+        "Figure 5 both ways, on the same junctions. The one-way slider (pale) swings at its natural frequency. The "
+        "two-way slider (dark) sticks while the drive stretches its spring (shaded). It slips when the contact can "
+        "bear no more."
     ),
     "phase": (
-        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. Two-way no path "
-        "goes above that line, unless the slider runs back; one-way it does in every swing."
+        "The same motion in the phase plane. A stick is a horizontal line at the speed of the drive. The two-way "
+        "slider is faster than that only when it runs back. The one-way slider is faster in every swing."
     ),
     "landmarks": (
-        "How far it slips and how long it sticks. Both come in two kinds, short and long, with few between. Many slips "
-        "end before the slider has moved by a junction's diameter; the long ones go over many junctions."
+        "How far it slips and how long it sticks. Most values are either short or long, with few between. Many slips "
+        "end before the slider has moved by a junction's diameter; the long ones pass many junctions."
     ),
     "spectrum": (
-        "The spectrum of the velocity. One-way it has a line at the natural frequency, and follows the exact curve. "
-        "Two-way there is no line; the density is nearly even from the frequency of long slips up to there."
+        "The spectrum of the velocity. One-way, it has a line at the natural frequency, and follows the exact curve. "
+        "Two-way, it has no line. It is nearly flat from the frequency of long slips up to the natural frequency."
     ),
 }
 

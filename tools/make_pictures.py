@@ -1,4 +1,4 @@
-"""Draw the pictures of the documentation anew: `.venv/bin/python tools/make_pictures.py`, after `tools/dev.py sync`."""
+"""Draw the pictures of the documentation: `.venv/bin/python tools/make_pictures.py`, after `tools/dev.py sync`."""
 
 import sys
 import tempfile

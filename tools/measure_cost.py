@@ -1,4 +1,4 @@
-"""What runs of many kinds really take, beside what was foretold: `python tools/measure_cost.py [--large | --two-way]`.
+"""Memory and time of runs of many kinds, beside their forecasts: `python tools/measure_cost.py [--large | --two-way]`.
 
 Each is made in a process of its own, once to load everything and twice to be timed. Printed are the peak of its memory
 and the processor's time, measured and foretold, and at the end the constants of `rubnoise.simulation.cost` that would

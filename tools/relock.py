@@ -1,4 +1,4 @@
-"""Resolve the dependencies of pyproject.toml anew into tools/run.lock, tools/test.lock and tools/bench.lock.
+"""Resolve the dependencies of pyproject.toml into tools/run.lock, tools/test.lock and tools/bench.lock.
 
 `python3 tools/relock.py [run|test|bench ...] [--upgrade]`, with uv on the PATH; all three where none is named. They
 hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files on the

@@ -1,7 +1,7 @@
 """Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
 With --two-way the runs are those with a slider, and it pushes back: its rows and landmarks grow beside the part.
-With --growing nobody counts the rows of /slider beforehand: they grow beside the part, to the same bits.
+With --growing the rows of /slider are not counted beforehand: they grow beside the part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
 
@@ -72,7 +72,7 @@ def main() -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """A torture and the runs that it is for; ``grown``: nobody counts their rows of /slider beforehand.
+    """A torture and the runs that it is for; ``grown``: their rows of /slider are not counted beforehand.
 
     ``part``: which of how many processes does it. A torture that goes through every call takes its share of the calls.
     """

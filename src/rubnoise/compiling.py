@@ -37,7 +37,7 @@ def compiled(function: Any) -> Any:
 def compiled_bare(function: Any) -> Any:
     """Compile a function likewise that makes no arrays, not even in what is compiled into it.
 
-    Nobody then counts who uses its arrays, which takes as long as some hundred steps of arithmetic.
+    This saves counting references to its arrays, which takes as long as some hundred steps of arithmetic.
     """
     return _kept(function, fastmath=False, **_BARE)
 
@@ -59,7 +59,7 @@ def compiled_into(function: Any) -> Any:
 
 
 def compiled_for_speed(function: Any) -> Any:
-    """Compile a function likewise whose bits are promised to nobody: its sums may be added up in any order."""
+    """Compile a function whose bits are not promised: its sums may be added up in any order."""
     return _kept(function, fastmath={"reassoc", "contract"})
 
 
@@ -67,7 +67,7 @@ def _kept(function: Any, **how: Any) -> Any:
     try:
         kernel: Any = njit(cache=True, error_model=_DIVISION, **how)(function)
     except RuntimeError:
-        # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles anew.
+        # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles again.
         return njit(error_model=_DIVISION, **how)(function)
     # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
     kept = kernel._cache._cache_file  # noqa: SLF001  (there is no other way to tell it)

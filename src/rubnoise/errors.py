@@ -63,7 +63,7 @@ class RunStopped(RubnoiseError):  # noqa: N818  (says what happened, which is no
 
 
 def resume_hint(part: str) -> str:
-    """Return how to go on with a part file, in words that can be pasted into a shell."""
+    """Return the shell command that resumes a part file."""
     return f"rubnoise resume {quote(part)} continues it"
 
 

@@ -1,4 +1,4 @@
-"""Regular files opened for reading: no device, pipe or socket is ever opened, and no read waits or goes on for ever."""
+"""Regular files opened for reading: no device, pipe or socket is opened, and no read waits for ever."""
 
 import errno
 import os

@@ -38,7 +38,7 @@ def coupled(ours: float) -> CoupledTimings:
 
 
 def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
-    """Return numbers that reach every goal, with everybody's time made up."""
+    """Return numbers that reach every goal, with made-up times of all tools."""
     times = {"rubnoise, batch": batch, "rubnoise, events": 4.0, "numba loops, RK4": 3.0}
     whole = {each.name: timing(times.get(each.name, 110.0)) for each in runs(ENGINES)}
     bare = {each.name: timing(9.0 if "rubnoise" not in each.name else 0.25) for each in areas(ENGINES)}
@@ -212,7 +212,7 @@ def test_a_goal_that_is_not_measured_is_not_reached() -> None:
 def test_the_page_names_the_closest_peer_and_the_largest_memory() -> None:
     text = page(results(), date(2026, 11, 21))
     assert "numba loops, RK4 comes closest in a whole run." in text
-    assert "memory of at most 150 MB" in text
+    assert "needs at most 150 MB" in text
     other = results()
     runs_of = other.runs | {"naive SimPy, RK4": timing(2.0)}
     assert "naive SimPy, RK4 comes closest" in page(replace(other, runs=runs_of), date(2026, 11, 21))

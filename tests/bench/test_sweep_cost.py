@@ -1,4 +1,4 @@
-"""The cost of a sweep is told only of runs that are all there and right."""
+"""The cost of a sweep is printed only if all its runs are there and right."""
 
 from pathlib import Path
 from types import SimpleNamespace

@@ -68,7 +68,7 @@ LONGEST = ("--set", "sliding.distance=100 m", "--set", "output.tick=10 um")
 """Changes that make it last many seconds to count the births alone; 14 GB have to be free for the result."""
 
 READ_AT_START = ("NUMBA_", "PYTHON")
-"""How variables begin that only a process that loads the program anew looks at."""
+"""How variables begin that only a new process reads."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from tests.cli.terminal import Answer, spawn
 
 
 def _completed(shell: str, *words: str) -> Answer:
-    """Return what a shell is told when the last word is to be completed."""
+    """Return what a shell gets when it completes the last word."""
     line = " ".join(("rubnoise", *words))
     return spawn(
         _RUBNOISE_COMPLETE=f"complete_{shell}",

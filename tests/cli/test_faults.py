@@ -287,7 +287,7 @@ def test_what_is_no_scenario_is_refused_in_a_line(
 
 
 KERNEL_LOG = Path("/proc/kmsg")
-"""It calls itself a regular file, and whoever reads it waits for the kernel to say something."""
+"""A regular file by its type, whose reader waits for the kernel to write something."""
 
 
 def _kernel_log_opens() -> bool:

@@ -83,7 +83,7 @@ def test_what_cannot_be_is_refused_before_anything_is_made(here: Path, arguments
 def test_a_folder_that_cannot_be_made_is_refused(here: Path) -> None:
     answer = call("figures", "fig3", "-o", "/proc/none")
     assert (answer.code, answer.out) == (2, "")
-    # Whoever is not root is told of the folder above.
+    # A user who is not root reads about the folder above.
     assert answer.err.startswith("/proc")
     assert "writable" in answer.err or "cannot be written" in answer.err
 

@@ -11,21 +11,21 @@ from rich.text import Text
 
 import rubnoise
 from rubnoise.cli import export, listen, plot
-from rubnoise.cli.app import app
-from rubnoise.cli.choices import ENGINES, PICTURES
-from rubnoise.cli.helping import literal
+from rubnoise.cli.app import COMMANDS, program
+from rubnoise.cli.commands import literal
+from rubnoise.cli.figures import PICTURES
+from rubnoise.cli.run import ENGINES
 from rubnoise.figures.style import FORMATS
 from rubnoise.scenario import json_schema
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 
-COMMANDS = tuple(str(command.name) for command in app.registered_commands)
 # Newer versions of typer load pydantic themselves when they build a command.
 HEAVY = "{'numpy', 'scipy', 'numba', 'h5py', 'pint', 'simpy', 'matplotlib', 'mpmath', 'xarray', 'rubnoise.scenario'}"
 LOADED = f"""
 import sys
 from rubnoise.cli.app import main
-for command in {COMMANDS}:
+for command in {tuple(COMMANDS)}:
     sys.argv = ["rubnoise", command, "--help"]
     try:
         main()
@@ -45,7 +45,7 @@ def test_every_command_has_help_with_an_example(command: str) -> None:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_shows_its_texts_as_they_are_written(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    (registered,) = (each for each in app.registered_commands if each.name == command)
+    (registered,) = program([command]).registered_commands
     said = _words(call(command, "--help").out)
     hints = get_type_hints(registered.callback, include_extras=True)
     written = [about.help for hint in hints.values() for about in getattr(hint, "__metadata__", ())]

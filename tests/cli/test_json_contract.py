@@ -13,7 +13,7 @@ import pytest
 
 from rubnoise.api.describing import describe
 from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
-from rubnoise.cli.claims import contents
+from rubnoise.cli.claims import claim_as_json
 from rubnoise.model import Model
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
@@ -188,7 +188,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     tell(here / "bare.h5", "provenance", "intervention", "__main__.largest_goes")
     told.append(("info", call("info", "bare.h5", "--json").json()))
     told.append(("verify", call("verify", "long.h5", "--json").json()))
-    return [*told, ("claim", contents(A_CLAIM)), ("claims", {"claims": [contents(A_CLAIM)]})]
+    return [*told, ("claim", claim_as_json(A_CLAIM)), ("claims", {"claims": [claim_as_json(A_CLAIM)]})]
 
 
 def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:

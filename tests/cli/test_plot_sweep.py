@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.figures.study_of_sweep import quantities_of, study_of_sweep
+from rubnoise.figures.study import quantities_of, study_of_sweep
 from tests.cli.terminal import call, names
 from tests.unit.sweeps import HEAD
 

@@ -1,4 +1,4 @@
-"""An installation that cannot be written to, used by somebody without a home."""
+"""An installation that cannot be written to, used without a home."""
 
 import os
 import shutil

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rubnoise.cli.showing import escaped, escaping
+from rubnoise.cli.commands import escaped, escaping
 from rubnoise.storage.rows import REMEDY
 from tests.cli.terminal import WITH_SLIDER, call, spawn
 

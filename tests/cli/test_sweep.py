@@ -1,4 +1,4 @@
-"""A sweep gives the same files whoever makes them and whoever dies meanwhile, and one index of them all."""
+"""A sweep gives the same files with any workers, also if workers die, and one index of all files."""
 
 import json
 import os

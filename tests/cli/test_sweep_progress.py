@@ -4,9 +4,8 @@ import signal
 
 import pytest
 
-from rubnoise.cli import sweep_progress
-from rubnoise.cli.progress import SIGNALS
-from rubnoise.cli.sweep_progress import watching_sweep
+from rubnoise.cli import progress
+from rubnoise.cli.progress import SIGNALS, watching_sweep
 from rubnoise.errors import RunStopped
 from rubnoise.sweep.conduct import SweepProgress
 
@@ -19,7 +18,7 @@ def test_the_line_tells_runs_failures_and_the_time_to_go(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     clock = iter([100.0, 100.0, 110.0, 120.0])
-    monkeypatch.setattr(sweep_progress.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
     with watching_sweep(shown=True) as watch:
         watch(_standing(200, before=200))
         watch(_standing(300, before=200))

@@ -1,4 +1,4 @@
-"""`rubnoise verify`: a result that is what it says, and what is told of one that is not."""
+"""`rubnoise verify`: correct results pass, and it names what is wrong in others."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Programs that are copies of one that has loaded ours are as good as fresh ones."""
+"""Copies of a process that has loaded the program behave like new processes."""
 
 import os
 import signal

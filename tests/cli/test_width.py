@@ -10,13 +10,11 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.cli.app import app
-from rubnoise.cli.layout import line, remark
-from rubnoise.cli.terminal import cut, groups_that_fit, headed, sentence
+from rubnoise.cli.app import COMMANDS
+from rubnoise.cli.layout import cut, groups_that_fit, line, remark, sentence, table_row
 from tests.cli.terminal import WITH_SLIDER, call, command, shown_on_terminal
 
 SLIDER = Path("../given/slider.toml")
-COMMANDS = tuple(str(each.name) for each in app.registered_commands)
 READING = ["info", "junction", "junctions", "compare", "theory", "verify", "check"]
 
 
@@ -117,8 +115,8 @@ def fifty(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("fifty")
 def test_pieces_of_text_are_laid_out_for_the_terminal() -> None:
-    assert headed("  a label     ", "1.0 2.0") == "  a label     1.0 2.0"
-    assert headed("  a label" + " " * 35, "   1.0   2.0") == "  a label\n     1.0   2.0"
+    assert table_row("  a label     ", "1.0 2.0") == "  a label     1.0 2.0"
+    assert table_row("  a label" + " " * 35, "   1.0   2.0") == "  a label\n     1.0   2.0"
     assert groups_that_fit([10, 30, 10, 20, 60, 5]) == [[0, 1, 2], [0, 3], [0, 4], [0, 5]]
     assert all(len(text) <= 50 for text in remark("word " * 40).splitlines())
     assert line("label", "word " * 20).splitlines()[1].index("word") == 27
@@ -138,6 +136,6 @@ def test_where_no_terminal_is_nothing_is_broken_that_programs_read(monkeypatch: 
     monkeypatch.delenv("COLUMNS", raising=False)
     monkeypatch.setattr("sys.stdout", StringIO())
     assert groups_that_fit([50] * 9) == [list(range(9))]
-    assert headed("x" * 80, "1.0") == f"{'x' * 80}1.0"
+    assert table_row("x" * 80, "1.0") == f"{'x' * 80}1.0"
     assert sentence("word " * 50) == "word " * 50
     assert cut("x" * 300, sys.stdout) == "x" * 300

@@ -1,4 +1,4 @@
-"""The constants that docs/model.md derives, worked out once more by quadrature, by sums and by the program."""
+"""The constants that docs/model.md derives, computed again by quadrature, by sums and by the program."""
 
 import re
 from collections.abc import Callable
@@ -167,5 +167,5 @@ def test_nothing_else_stands_out_that_is_a_number() -> None:
     tested = {mark.args[1][i][0] for test in (test_a_formula_holds, test_a_number_is_right_to_its_last_digit)
               for mark in test.pytestmark for i in range(len(mark.args[1]))}  # fmt: skip
     headings = {text for text in BOLD if text.endswith(".")}
-    # Where the paper's 0.327 comes from nobody knows.
+    # The origin of the paper's 0.327 is unknown.
     assert BOLD - headings - {"0.327"} == tested

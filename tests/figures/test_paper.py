@@ -14,7 +14,7 @@ import pytest
 from rubnoise.errors import Refused
 from rubnoise.figures import style
 from rubnoise.figures.paper import FIGURES, caption, check_sources, chosen, paper_figure
-from rubnoise.figures.sources import Sources
+from rubnoise.figures.paper_sources import Sources
 from rubnoise.scenario.shipped import shipped
 from tests.figures.papers import PAPER, of_colour, short_papers
 

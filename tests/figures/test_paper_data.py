@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.spectra import Spectrum
-from rubnoise.figures import fig7
-from rubnoise.figures.sources import Sources, envelope
-from rubnoise.figures.spectra import FIRST, WIDEST, drawn
-from rubnoise.figures.spreads import Spread, spreads_of
+from rubnoise.figures import paper_spread
+from rubnoise.figures.paper_sources import Sources, envelope
+from rubnoise.figures.paper_spectra import FIRST, WIDEST, merged_bins
+from rubnoise.figures.paper_spread import Spread, spreads_of
 from rubnoise.scenario.sweep import load_sweep
 from tests.figures.papers import PAPER
 from tests.verification.seeds import seed_of
@@ -38,7 +38,7 @@ def test_bins_of_a_spectrum_keep_its_integral() -> None:
     wavenumber = np.arange(5001) * 0.006
     density = 1.0 / (1.0 + wavenumber**4)
     seen = Spectrum(wavenumber=wavenumber, density=density, standard_error=density, ticks=10_000, segments=50)
-    places, means = drawn(seen)
+    places, means = merged_bins(seen)
     assert places[0] == wavenumber[FIRST]
     assert places.size < 500
     assert np.all(np.diff(places) > 0.0)
@@ -86,7 +86,7 @@ def test_four_replicates_halve_the_error_of_one(tmp_path: Path) -> None:
 
 
 def test_the_law_is_that_of_one_size() -> None:
-    assert pytest.approx(1.2298, abs=5e-5) == fig7.LAW
+    assert pytest.approx(1.2298, abs=5e-5) == paper_spread.LAW
 
 
 def test_figure_7_takes_every_point_and_replicate() -> None:

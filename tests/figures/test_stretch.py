@@ -81,7 +81,7 @@ def test_few_rows_are_drawn_as_they_are(file: RunFile) -> None:
 
 
 def test_of_many_rows_the_extremes_are_kept(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stretches, "PANEL_ROWS", 999)
+    monkeypatch.setattr(stretches, "CHUNK_ROWS", 999)
     whole = Stretch.of(file)
     distance, area = whole.curve("trace", "real_contact_area")
     values = file.column("trace", "real_contact_area")
@@ -96,8 +96,8 @@ def test_of_many_rows_the_extremes_are_kept(file: RunFile, monkeypatch: pytest.M
 
 
 def test_panels_are_the_rows_in_order(file: RunFile) -> None:
-    panels = list(Stretch.of(file, 10.0, 20.0).panels("trace", "junction_count", 40))
-    assert [panel.size for panel in panels] == [40, 40, 21]
+    panels = list(Stretch.of(file, 10.0, 20.0).chunks("trace", "junction_count", 40))
+    assert [chunk.size for chunk in panels] == [40, 40, 21]
     np.testing.assert_array_equal(np.concatenate(panels), file.column("trace", "junction_count", 100, 201))
 
 

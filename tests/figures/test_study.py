@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from rubnoise.errors import Refused
-from rubnoise.figures.study import Line, Study, exact_at, exact_of
-from rubnoise.figures.study_of import PointRuns, study_of
+from rubnoise.figures.axis_labels import QUANTITIES, key_label, quantity_label
+from rubnoise.figures.study import Line, PointRuns, Study, exact_at, exact_of, study_of_points
 from rubnoise.figures.study_picture import draw_study, study_picture
 from rubnoise.figures.style import house_style
-from rubnoise.figures.sweep_words import QUANTITIES, key_label, quantity_label
 from rubnoise.scenario import Scenario, build
 from rubnoise.scenario.sweep_table import QUANTITIES as FIGURES
 from rubnoise.theory.campbell import area_cumulants
@@ -70,7 +69,9 @@ def _number(scenario: Scenario, key: str) -> float | None:
 
 def _study(grid: dict[str, Sequence[Any]], quantity: str = STD, side_by_side: Sequence[str] = (), **how: Any) -> Study:
     units = {key: UNITS[key] for key in grid}
-    return study_of(_points(grid, quantity, **how), quantity, title="a study", units=units, side_by_side=side_by_side)
+    return study_of_points(
+        _points(grid, quantity, **how), quantity, title="a study", units=units, side_by_side=side_by_side
+    )
 
 
 def _rejected(line: Line) -> bool:
@@ -113,8 +114,8 @@ def test_the_curve_of_another_contact_is_rejected() -> None:
         )
         for point in points
     ]
-    assert _rejected(study_of(wrong, STD, title="", units={COUNT: "1"}).lines[0])
-    assert not _rejected(study_of(points, STD, title="", units={COUNT: "1"}).lines[0])
+    assert _rejected(study_of_points(wrong, STD, title="", units={COUNT: "1"}).lines[0])
+    assert not _rejected(study_of_points(points, STD, title="", units={COUNT: "1"}).lines[0])
 
 
 def test_a_percentage_stays_one_between_the_points() -> None:
@@ -140,7 +141,7 @@ def test_keys_side_by_side_go_along_together(monkeypatch: pytest.MonkeyPatch) ->
         for point in points
     ]
     units = {SPEED: "um/s", DISTANCE: "um"}
-    study = study_of(both, "displacement_std", title="", units=units, side_by_side=tuple(units))
+    study = study_of_points(both, "displacement_std", title="", units=units, side_by_side=tuple(units))
     assert (study.key, study.others, len(study.lines)) == (SPEED, (), 1)
     assert study.lines[0].curve is not None
     across, exact = study.lines[0].curve
@@ -149,7 +150,7 @@ def test_keys_side_by_side_go_along_together(monkeypatch: pytest.MonkeyPatch) ->
         exact_of(_scenario({SPEED: float(across[middle])}), "displacement_std"), rel=1e-9
     )
     assert study.logarithmic
-    apart = study_of(both, "displacement_std", title="", units=units)
+    apart = study_of_points(both, "displacement_std", title="", units=units)
     assert len(apart.lines) == 3
 
 
@@ -178,7 +179,7 @@ def test_what_makes_no_picture_is_refused() -> None:
         for p in _points({COUNT: [10, 20]})
     ]
     with pytest.raises(Refused, match="real_contact_area_std: no run has it"):
-        study_of(points, STD, title="", units={COUNT: "1"})
+        study_of_points(points, STD, title="", units={COUNT: "1"})
 
 
 def test_a_gap_is_left_where_there_is_no_scenario() -> None:

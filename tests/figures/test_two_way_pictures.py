@@ -14,21 +14,19 @@ from scipy.signal import welch
 import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.figures import motion as motions
-from rubnoise.figures import phase as phases
+from rubnoise.figures import slider as phases
 from rubnoise.figures.animation import Film
+from rubnoise.figures.axis_labels import ALL, TWO_WAY, quantity_label
 from rubnoise.figures.catalogue import picture
-from rubnoise.figures.fig5 import draw
-from rubnoise.figures.landmarks import landmarks_figure
 from rubnoise.figures.motion import STICKS, Motion, spans
 from rubnoise.figures.motion_spectrum import motion_spectrum_figure
-from rubnoise.figures.phase import phase_figure, shares
-from rubnoise.figures.slider import slider_figure
-from rubnoise.figures.sources import Sources
+from rubnoise.figures.paper_sources import Sources
+from rubnoise.figures.paper_traces import draw_fig5
+from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure, time_shares
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
-from rubnoise.figures.study_of_sweep import study_of_sweep
+from rubnoise.figures.study import study_of_sweep
 from rubnoise.figures.study_picture import draw_study
 from rubnoise.figures.style import house_style
-from rubnoise.figures.sweep_words import ALL, TWO_WAY, quantity_label
 from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.response import response
@@ -134,8 +132,8 @@ def test_running_back_does_not_end_a_stretch(two_way: Stretch, monkeypatch: pyte
         stop=8.0,
         chosen=True,
     )
-    for panel_rows in (2, 3, 4, 100):
-        monkeypatch.setattr("rubnoise.figures.stretch.PANEL_ROWS", panel_rows)
+    for chunk_rows in (2, 3, 4, 100):
+        monkeypatch.setattr("rubnoise.figures.stretch.CHUNK_ROWS", chunk_rows)
         assert made_up.rows("slider") == (2, 8)
 
 
@@ -240,7 +238,7 @@ def test_a_stick_is_a_line_at_the_speed_of_the_drive(two_way: Stretch) -> None:
 
 def test_the_plane_is_as_dark_as_the_slider_is_often_there(two_way: Stretch, monkeypatch: pytest.MonkeyPatch) -> None:
     motion = Motion.of(two_way)
-    share, (place, speed) = shares(motion)
+    share, (place, speed) = time_shares(motion)
     assert share.sum() == pytest.approx(1.0)
     x, v = _column(two_way, "displacement"), _column(two_way, "velocity")
     i, j = np.unravel_index(np.argmax(share), share.shape)
@@ -383,7 +381,7 @@ def test_figure_5_of_a_two_way_slider_has_no_one_way_band(folder: Path) -> None:
     lines = ["format = 1", f'extends = "{FIG5}"', '[sliding]\ndistance = "1.2 mm"', '[slider]\ncoupling = "two-way"']
     (folder / "fig5.toml").write_text("\n".join(lines), encoding="utf-8")
     with house_style():
-        figure = draw(Sources(folder=folder))
+        figure = draw_fig5(Sources(folder=folder))
     for axes in figure.axes:
         assert [each.get_label() for each in axes.collections] == ["stick"]
         assert not any(str(each.get_label()).startswith("exact") for each in [*axes.patches, *axes.lines])

@@ -34,7 +34,7 @@ def test_a_change_that_goes_unseen_would_be_found(tmp_path: Path, monkeypatch: p
     judge, tally = Judge(tmp_path), Tally()
     judge.judge(another_unit, "bare", Random(1), sealed=True, tally=tally)  # noqa: S311  (no secret)
     assert (tally.named["another_unit"], tally.found) == (1, [])
-    monkeypatch.setattr("rubnoise.cli.verify.described", lambda *_: ["nothing"])
+    monkeypatch.setattr("rubnoise.cli.verify.format_verification", lambda *_: ["nothing"])
     monkeypatch.setattr("rubnoise.analysis.verifying.findings.Verification.different", ())
     judge.judge(another_unit, "bare", Random(1), sealed=True, tally=tally)  # noqa: S311  (no secret)
     (found,) = tally.found

@@ -13,7 +13,7 @@ import pytest
 from tests.architecture.sources import PACKAGE
 
 UNSTORED = {"cost.py", "yardstick.py"}
-"""What a run will cost is told before it, and not kept."""
+"""The forecast of a run is printed, and not stored."""
 
 FILES = sorted(path for folder in ("contact", "record", "simulation") for path in (PACKAGE / folder).rglob("*.py"))
 SEARCHED = [PACKAGE / "streams.py", PACKAGE / "model.py", *(path for path in FILES if path.name not in UNSTORED)]

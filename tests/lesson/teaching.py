@@ -1,4 +1,4 @@
-"""What docs/teaching.md tells a teacher: numbers, answers and mistakes, lesson by lesson."""
+"""What docs/teaching.md has for a teacher: numbers, answers and mistakes, lesson by lesson."""
 
 import re
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ def lessons() -> list[Lesson]:
 def pushing_back() -> list[Row]:
     """Return the questions of the second half of the lesson on the slider."""
     text = PAGE.read_text(encoding="utf-8")
-    return _rows(text.partition("## Lesson 7 goes on")[2].partition("\n## ")[0])
+    return _rows(text.partition("## Lesson 7, second half")[2].partition("\n## ")[0])
 
 
 def other_numbers() -> list[str]:

@@ -1,4 +1,4 @@
-"""The page in a real browser: it opens, plays, is quick, fits, and asks nothing of anybody."""
+"""The page in a real browser: it opens, plays, is quick, fits, and makes no requests."""
 
 from math import sqrt
 from typing import Any

@@ -1,4 +1,4 @@
-"""The page as a file: one, small, and asking nothing of anybody."""
+"""The page as a file: one, small, and without requests."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Runs of contacts nobody has thought of: their rows and ticks are sound, and they repeat themselves to the bit."""
+"""Runs of random contacts: their rows and ticks are right, and they repeat to the bit."""
 
 from contextlib import suppress
 from typing import Any

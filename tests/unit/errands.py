@@ -56,7 +56,7 @@ def leave(point: Point) -> str:
 
 
 def leave_a_result_and_die(point: Point, folder: Path) -> str:
-    """Do the work, write it down, and die before anybody hears of it."""
+    """Do the work, write it down, and die before the caller gets an answer."""
     with (folder / point.run_id).open("a", encoding="utf-8") as done:
         done.write("x")
     if point.replicate == 3:
@@ -73,5 +73,5 @@ def sleep(point: Point, folder: Path) -> str:
 
 
 def threads(_point: Point) -> dict[str, str | None]:
-    """Return what the process was told of threads."""
+    """Return the number of threads that the process has in its environment."""
     return {name: os.environ.get(name) for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")}

@@ -1,4 +1,4 @@
-"""A small result file whose lives are given row by row, for what is told of single junctions."""
+"""A small result file whose lives are given row by row, for the commands on single junctions."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A result tells of its junctions with the pulse that it was run with, from the scenario in the file alone."""
+"""Junctions of a result have the pulse of the run, from the scenario in the file alone."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What a run will take is told before it, and what this machine has no room for is refused by the keys to change."""
+"""The forecast of a run: a run that does not fit on this machine is refused with the keys to change."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Whatever a part says of itself, it is gone on with or refused in a sentence that names the part."""
+"""Whatever the attributes of a part say, it is resumed or refused in a sentence that names the part."""
 
 import json
 import re
@@ -156,7 +156,7 @@ def test_a_part_without_rows_is_looked_at(part: Path) -> None:
 
 
 def other_columns(path: Path) -> None:
-    """Let a journal tell of columns that the run does not have."""
+    """Give a journal columns that the run does not have."""
     (first, *_) = frames(path)
     run = json.loads(first.content)
     run["columns"][0] = ["junctions", "temperature"]

@@ -226,7 +226,7 @@ CHANGES: dict[Callable[[h5py.File], None], str] = {
     other_figure: "/provenance xxh3_128 is ",
     other_seed: "/provenance xxh3_128 is ",
 }
-"""What somebody may do to a whole part, and what is then said of it."""
+"""Changes of a complete part, and the message for each."""
 
 
 @pytest.fixture(scope="module")

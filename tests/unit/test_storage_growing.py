@@ -82,7 +82,7 @@ def part(rows: Rows, group: str, first: int, end: int) -> dict[str, np.ndarray]:
 
 
 def make(path: Path, description: RunDescription | None, *, force: bool = False) -> None:
-    """Make a run, or without a description go on with what is there."""
+    """Make a run, or without a description resume the one that is there."""
     with RunWriter(path, description, force=force) as file:
         play(file, file.state or START, file.commit)
         file.publish({"area_mean": 204.6736})
@@ -102,7 +102,7 @@ def assert_whole(path: Path) -> None:
 
 
 def gone_on(folder: Path, description: RunDescription) -> None:
-    """Go on with whatever a folder holds, and look at the result."""
+    """Resume the run in a folder, and look at the result."""
     path = folder / "x.h5"
     paths = OutputPaths.of(path)
     if paths.part.exists():
@@ -421,7 +421,7 @@ def test_a_record_in_memory_grows(tmp_path: Path) -> None:
 def test_a_simulated_run_is_the_same_whether_its_slider_grows_or_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The seam as a model meets it: rows that nobody counted, stopped, gone on with, verified."""
+    """The seam as a model meets it: uncounted rows, stopped, resumed, verified."""
     keys = {
         "format": 1,
         "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},

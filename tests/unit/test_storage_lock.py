@@ -141,7 +141,7 @@ def test_only_the_file_of_a_lock_is_removed_and_only_where_nobody_holds_it(tmp_p
 
 
 def test_a_lock_made_anew_by_others_stays_theirs(tmp_path: Path) -> None:
-    """Where somebody removes the file of a lock that is held, its holder leaves the next one alone."""
+    """If another process removes the file of a lock that is held, its holder leaves the next one alone."""
     path = tmp_path / "lock"
     with holding(path):
         path.unlink()

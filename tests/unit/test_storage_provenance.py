@@ -1,4 +1,4 @@
-"""Provenance names software, machine and command, and nobody."""
+"""Provenance names software, machine and command, and no person."""
 
 import getpass
 import json

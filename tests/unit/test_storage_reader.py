@@ -301,7 +301,7 @@ def test_a_file_system_without_locks_is_read_all_the_same(path: Path, monkeypatc
 
 
 def test_rows_are_read_from_the_file_that_was_opened(path: Path) -> None:
-    """Whoever puts another file in its place after the look inside gains nothing."""
+    """Another file put in its place after the check is not read."""
     with open_run(path) as run:
         before = run.column("trace", "distance").tobytes()
         (path.parent / "other.h5").write_bytes(b"x" * path.stat().st_size)

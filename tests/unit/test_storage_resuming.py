@@ -1,4 +1,4 @@
-"""Whatever stops a run, at whatever moment: it goes on, and ends in the same bits."""
+"""Whatever stops a run, at whatever moment: it resumes, and gives the same bits."""
 
 import errno
 import os
@@ -165,7 +165,7 @@ def recorded(folder: Path, run: Scenario) -> Iterator[Recording]:
 
 
 def gone_on(folder: Path, run: Scenario) -> dict[str, tuple[bytes, bytes]]:
-    """Go on with whatever a folder holds, and return the datasets of its result."""
+    """Resume the run in a folder, and return the datasets of its result."""
     path = folder / "x.h5"
     if (folder / "x.h5.part").exists():
         rubnoise.resume(f"{path}.part").close()

@@ -1,4 +1,4 @@
-"""What is told of a file that has just been written is what a read_structure finds in it."""
+"""The structure derived from what was written is what read_structure finds in the file."""
 
 import json
 import os

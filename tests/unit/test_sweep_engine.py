@@ -1,4 +1,4 @@
-"""Every point is carried out once, whoever dies meanwhile, in this process and in others."""
+"""Every point is run once, also if workers die, in this process and in others."""
 
 import os
 import sys

@@ -47,7 +47,7 @@ def _made(point: Point, folder: SweepFolder, ledger: StatusLog) -> Path:
 
 
 def _left(point: Point, folder: SweepFolder) -> Path:
-    """Make a run that nobody takes in, as one that is killed in the same moment."""
+    """Make a run that no journal lists, as if its sweep were killed in the same moment."""
     return folder.root / keep_run(point, root=folder.root, command=("x",), durable=False).file
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with a sweep is told all at once, each thing once, where it stands."""
+"""All problems of a sweep are reported at once, each one time, with its place."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Seeds nobody has chosen: the hash of what is tested, so that a lucky seed cannot be picked by hand.
+"""Seeds that are not chosen: the hash of what is tested, so that a lucky seed cannot be picked by hand.
 
 RUBNOISE_TEST_SALT=anything gives every statistical test another seed; tools/verify_long.py does so on purpose.
 """

@@ -47,7 +47,7 @@ def record(name: str, given: Callable[[], Scenario]) -> Record:
 
 
 def judge(found: Figures) -> None:
-    """Tell every score to whoever asked for it, and refuse those beyond four standard errors."""
+    """Report every score to the caller, and refuse those beyond four standard errors."""
     if asked := os.environ.get("RUBNOISE_SCORES"):
         with Path(asked).open("a", encoding="utf-8") as file:
             file.writelines(f"{z:.2f}\t{name}\n" for name, z in found.items())

@@ -44,7 +44,7 @@ def counted() -> set[int]:
 
 
 def _end_all(env: Environment, live: LiveJunctions) -> ProcessGenerator:
-    """End whoever lives in the middle of a run."""
+    """End all junctions alive in the middle of a run."""
     yield env.timeout(max(300.0 - env.now, 0.0))
     for junction in live:
         live.end(junction.number)

@@ -88,7 +88,7 @@ def test_reversals_longer_than_what_is_carried_change_no_bit(monkeypatch: pytest
     monkeypatch.setattr(fold, "look_back", lambda _model: 0.0)
     assert coupled(run, 3, pieces=40, earlier=earlier).contents() == carried.contents()
     assert asked
-    # Whoever forgot the junctions behind would find another force there.
+    # Without the junctions behind, the force there would be another one.
     nobody = coupled(run, 3, pieces=40, earlier=lambda _begin, _end: LiveRows.none())
     assert nobody.contents() != carried.contents()
 

@@ -1,4 +1,4 @@
-"""A run is a fold over blocks: cut anywhere and gone on with, it is the same run."""
+"""A run is a fold over blocks: stopped anywhere and resumed, it is the same run."""
 
 import numpy as np
 import pytest

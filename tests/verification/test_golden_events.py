@@ -38,7 +38,7 @@ def test_event_count(name):
     "name", [pytest.param(name, marks=pytest.mark.torture if name == "dense" else ()) for name in GOLDEN]
 )
 def test_event_count_with_an_observer(name):
-    """Births and deaths are told without any event more, mid-lives with one each."""
+    """Births and deaths are observed without another event, mid-lives with one each."""
     run, expected = GOLDEN[name]
     told = []
     _, state = run_to_end(run, observe=Observer(birth=lambda *_: None, death=lambda *_: None))

@@ -1,4 +1,4 @@
-"""An observer is told of every birth, mid-life and death once, where and in the order in which they happen."""
+"""An observer gets every birth, mid-life and death once, where and in the order in which they happen."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ RUNS = {
 
 
 class Diary:
-    """Writes down what it is told."""
+    """Records what it gets."""
 
     def __init__(self):
         self.entries = []
@@ -40,7 +40,7 @@ class Diary:
 
 
 def expected(run, rows):
-    """Return what has to be told of rows, by junction."""
+    """Return the expected events of rows, by junction."""
     birth, death = rows["birth_distance"], rows["death_distance"]
     middle = birth + rows["diameter"]
     places = {"birth": birth, "middle": np.where(middle < death, middle, np.inf), "death": death}
@@ -163,7 +163,7 @@ def test_a_two_way_run_that_goes_on_tells_the_rest(monkeypatch):
         assert 100 < len(rest.entries) < len(whole.entries)
         assert rest.entries == whole.entries[-len(rest.entries) :]
         births = [told[0] for what, *told in whole.entries[: -len(rest.entries)] if what == "birth"]
-        # All that the slider had not passed is told, also what lay before the next block.
+        # Everything that the slider had not passed is observed, also before the next block.
         assert births[-1] < rest_births(rest)[0] == births[-1] + 1
 
 

@@ -1,7 +1,7 @@
 """Sentinels without a tolerance to speak of: what a seed draws, and everything that follows from the rows, done again.
 
 From birth, diameter and strength alone, by the slow references of tests/oracle and by one line of numpy for each
-stream. Whoever changes a law, a kernel, a place or a unit breaks one of these to many digits.
+stream. A change of a law, a kernel, a place or a unit breaks one of these to many digits.
 """
 
 from collections.abc import Callable

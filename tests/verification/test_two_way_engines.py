@@ -110,7 +110,7 @@ def test_resumed_after_any_block_it_has_equal_bits(
 
 
 def test_rows_wait_until_their_death_has_been_passed() -> None:
-    """The rows written at a cut are those of junctions that all were passed; nobody waits without a reason."""
+    """The rows written at a cut are those of junctions that all were passed; no row waits without a reason."""
     run = two_way(model(distance=2000.0))
     written: list[int] = []
     record = MemoryRecord(extent(run, 3))

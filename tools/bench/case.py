@@ -1,4 +1,4 @@
-"""What everybody in the benchmark is given: one contact, one slider, ticks, and junctions to draw."""
+"""The input of all tools in the benchmark: one contact, one slider, ticks, and junctions to draw."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,7 +21,7 @@ SPEED = 1000.0
 MASS, STIFFNESS, DAMPING = 0.005, 300.0, 0.05
 
 SEED = 1
-"""Of the run whose junctions everybody is asked for."""
+"""The seed of the run whose junctions all tools get."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class Drawn:
 
 
 class Given:
-    """Junctions that rubnoise has drawn from a seed, so that everybody can be asked for the same run."""
+    """Junctions that rubnoise has drawn from a seed, so that all tools can make the same run."""
 
     def __init__(self, birth: Doubles, diameter: Doubles, seed: int = SEED) -> None:
         """Hand out these rows (um)."""
@@ -155,7 +155,7 @@ class Given:
 
 @dataclass(frozen=True, kw_only=True)
 class Output:
-    """What somebody made of a run, as far as it was asked for: at the ticks (um^2, um), and by junction (um)."""
+    """The result of one tool for a run, as far as requested: at the ticks (um^2, um), and by junction (um)."""
 
     area: Doubles | None = None
     displacement: Doubles | None = None

@@ -143,7 +143,7 @@ def relative_error(found: Doubles, right: Doubles) -> float:
 
 
 def life_error(made: Output, known: Truth) -> float | None:
-    """Return the largest error of births and deaths over the distance; libraries of queues tell of the dead only."""
+    """Return the largest error of births and deaths over the distance; libraries of queues report only the dead."""
     if made.birth is None or made.death is None:
         return None
     death = known.birth + 2.0 * known.diameter

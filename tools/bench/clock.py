@@ -1,4 +1,4 @@
-"""Time that cannot be blamed on the neighbours: CPU time of this process and its children, in interleaved repeats."""
+"""CPU time of this process and its children, in interleaved repeats."""
 
 import gc
 import resource

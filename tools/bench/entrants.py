@@ -1,4 +1,4 @@
-"""Who takes part, in what, and how much of it is fair to ask: slow ones run shorter, told per junction all the same."""
+"""The tools of the benchmark, their parts, and how long each runs: slow ones run shorter."""
 
 from dataclasses import dataclass
 from importlib import import_module
@@ -37,7 +37,7 @@ class Entrant:
 
 
 def runs(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
-    """Return everybody who makes a whole run: births, area, force, slider, and a file of it all."""
+    """Return the tools that make a whole run: births, area, force, slider, and a file of it all."""
     return (
         *_ours(engines, "run"),
         Entrant(NUMBA, "peers.numba_loops", "run", 100_000, 20_000),
@@ -48,7 +48,7 @@ def runs(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
 
 
 def areas(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
-    """Return everybody who makes births and the trace of the area, in memory."""
+    """Return the tools that make births and the trace of the area, in memory."""
     return (
         *_ours(engines, "area_alone"),
         Entrant("numba loops", "peers.numba_loops", "area_alone", 100_000, 20_000),

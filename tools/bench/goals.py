@@ -1,4 +1,4 @@
-"""What was aimed at, as ratios within one call of the benchmark, and what came of it."""
+"""The goals of the benchmark, as ratios within one call, and the values reached."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

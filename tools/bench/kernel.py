@@ -42,7 +42,7 @@ class KernelTimings:
 
 
 def fills(case: Case, birth: Doubles, diameter: Doubles) -> dict[str, Fill]:
-    """Return everybody's way of adding the areas of junctions to the ticks."""
+    """Return each tool's way of adding the areas of junctions to the ticks."""
     weight = diameter * diameter
     count = np.zeros(case.ticks.size)
     found: dict[str, Fill] = {
@@ -90,7 +90,7 @@ def _of_c(case: Case, deposit: c_kernel.Deposit, birth: Doubles, diameter: Doubl
 
 
 def measured(repeats: int) -> KernelTimings:
-    """Return times and errors of everybody's kernel on the contact of Figure 5."""
+    """Return times and errors of each tool's kernel on the contact of Figure 5."""
     return _measured(CASE, repeats, lambda _: True)
 
 

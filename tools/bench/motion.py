@@ -38,7 +38,7 @@ class MotionTimings:
 
 
 def errors(known: checks.Truth, engine: str) -> dict[str, float]:
-    """Return everybody's error on a small run; the peers are given the exact areas at the ticks."""
+    """Return each tool's error on a small run; the peers are given the exact areas at the ticks."""
     made = {name: move(known.case, known.area) for name, move in MOVERS.items()}
     made[EXACT] = sliders.solve_exactly(known.case, known.birth, known.diameter)
     made[OURS] = doubles(ours.in_memory(known.case, engine)["slider"]["displacement"])
@@ -46,7 +46,7 @@ def errors(known: checks.Truth, engine: str) -> dict[str, float]:
 
 
 def measured(engine: str, repeats: int) -> MotionTimings:
-    """Return times and errors of everybody's slider.
+    """Return times and errors of each tool's slider.
 
     Ours is the difference of a run in memory with the slider and one without, which holds the force's integrals too.
     """

@@ -1,4 +1,4 @@
-"""The judge: the slow references of tests/oracle, which share no code with rubnoise nor with any peer."""
+"""The slow references of tests/oracle, which share no code with rubnoise nor with any other tool."""
 
 import sys
 from pathlib import Path
@@ -26,7 +26,7 @@ def rows(birth: Doubles, diameter: Doubles) -> Rows:
 
 
 def area(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
-    """Return the real contact area (um^2) at the ticks: the sum over everybody alive, one by one."""
+    """Return the real contact area (um^2) at the ticks: the sum over all live junctions, one by one."""
     return traces(rows(birth, diameter), case.ticks)[0]
 
 

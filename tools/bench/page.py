@@ -14,34 +14,35 @@ from bench.two_way import CoupledTimings
 
 HEAD = """# Performance
 
-How fast rubnoise is, how right, and how much memory it takes, beside everything else a user could pick. This page is
-written by `python3 tools/dev.py bench`, which takes some ten minutes and an environment of its own; `bench --quick`
-prints a taste of it in a minute or two and writes nothing.
+This page shows speed, accuracy and memory of rubnoise and of other tools for the same work.
+`python3 tools/dev.py bench` writes it, in some ten minutes and an environment of its own. `bench --quick` prints a
+short version in a minute or two, and writes nothing.
 
 ![CPU time for each junction of whole runs, of the area and of births, and its growth](pictures/performance.png)
 """
 FAIR = """## What is compared, and how
 
 - **The work.** Figure 5's contact and slider (A_rm = 200 um^2, N_jm = 20, some 221 ticks in a mean life), from an
-  empty start. A *whole run* draws births and diameters, sums the area at every tick, moves the slider, and leaves
-  junctions, trace and motion in an HDF5 file. Ours also sets exact theory beside its summary and hashes every
-  column, in the same time.
-- **Correct first.** All entrants are given the same junctions, whole runs at each number of junctions and of ticks in
-  a life that is timed below, and are compared with the slow references of `tests/oracle`, which share no code with
-  any of them. One wrong result ends the benchmark with exit code 1, and no page is written; a slow result never does.
-- **Written as a user would write it**, each peer in its own file under `tools/bench/peers`. SimPy is used as in its
-  tutorial, with a process for each junction and one that wakes at every tick; NumPy with a loop over junctions;
-  superposed-pulses, the package for shot noise, with the junction's life as its pulse; numba for two plain loops;
-  Ciw and salabim for births and deaths, which is all they know; scipy.signal.lsim, solve_ivp and Runge-Kutta steps
-  for the slider. Where a peer has a faster way of its own (no progress bar, Python's generator for single draws),
-  it goes that way.
-- **CPU time** of the process and its children, warm, in medians of repeats that take turns (A B C A B C), so that a
-  slow minute hits everybody. Each repeat has a seed of its own. Ratios are of such medians. Importing and compiling
-  are left out, and told on their own below.
-- **One thread.** Left to themselves, libraries for linear algebra keep idle threads busy, which can double the time
-  of lsim.
-- **Slow peers run shorter**, with the number of junctions beside them. They have no fixed cost that a longer run
-  would spread. Ours has one, for theory and the file's structure, which the growth over run length shows.
+  empty start. A *whole run* draws births and diameters, sums the area at every tick and moves the slider. It writes
+  junctions, trace and motion into an HDF5 file. In the same time, rubnoise also writes exact theory into the summary
+  and hashes every column.
+- **Correct first.** All tools get the same junctions. Their whole runs, at each number of junctions and of ticks in a
+  life that is timed below, are compared with the slow references of `tests/oracle`, which share no code with them. One
+  wrong result ends the benchmark with exit code 1, and no page is written. A slow result does not.
+- **Written as a user would write it.** Each other tool has its own file under `tools/bench/peers`:
+  - SimPy as in its tutorial, with a process for each junction and one that wakes at every tick;
+  - NumPy with a loop over junctions, and numba for two plain loops;
+  - superposed-pulses, the package for shot noise, with the junction's life as its pulse;
+  - Ciw and salabim for births and deaths, the only part of the work that they can do;
+  - scipy.signal.lsim, solve_ivp and Runge-Kutta steps for the slider.
+
+  If a tool has a faster way of its own (no progress bar, Python's generator for single draws), its file uses it.
+- **CPU time** of the process and its children, warm. The tools take turns (A B C A B C), so that a slow minute affects
+  all of them. Each repeat has its own seed. The tables show medians of the repeats, and ratios of medians. Importing
+  and compiling are left out; they have a section of their own below.
+- **One thread.** By default, libraries for linear algebra keep idle threads busy, which can double the time of lsim.
+- **Slow tools run shorter**; the tables show the number of junctions. They have no fixed cost that a longer run would
+  spread. rubnoise has one, for theory and the file's structure; the growth over run length shows it.
 
 """
 
@@ -120,10 +121,10 @@ def _not_compared(found: Results) -> Iterator[str]:
     whole = sorted(found.runs.items(), key=lambda item: item[1].each)
     peer = next(name for name, _ in whole if not name.startswith(OURS))
     peak = max(max(peaks.values()) for name, peaks in found.memory.items() if name.startswith(OURS))
-    yield "What is not compared: other physics, and peers improved beyond what a user would do. Of the peers,"
-    yield f"{peer} comes closest in a whole run. What rubnoise adds is a motion that is right to {OUR_MOTION_BOUND:.0e}"
-    yield f"of the largest displacement, memory of at most {peak:.0f} MB in every run below, a file that says what it"
-    yield "is, and each junction as a process that can be watched and ended."
+    yield "The benchmark does not compare other physics, or tools improved beyond what a user would do. Of the other"
+    yield f"tools, {peer} comes closest in a whole run. rubnoise adds a motion that is right to"
+    yield f"{OUR_MOTION_BOUND:.0e} of the largest displacement, and needs at most {peak:.0f} MB in every run below."
+    yield "Its file describes itself, and each junction is a process that you can watch and end."
 
 
 def _small(found: Results, part: str) -> dict[str, Verdict]:
@@ -135,8 +136,8 @@ def _whole(found: Results) -> Iterator[str]:
     head = ("who", "us a junction", "+-", "times the fastest", "junctions", "error of area, motion")
     yield from table(head, _speed_rows(found.runs, errors))
     yield ""
-    yield "Errors are the largest at any tick over the largest value, in a short run of the same contact; +- is half"
-    yield "the range of the repeats."
+    yield "The error is the largest at any tick over the largest value, in a short run of the same contact. +- is"
+    yield "half the range of the repeats."
 
 
 def _parts(found: Results) -> Iterator[str]:
@@ -157,9 +158,10 @@ def _error(value: float | None) -> str:
 
 
 def _kernel(found: Results) -> Iterator[str]:
-    yield "ns for each tick of each junction; the square roots alone are a bound for any kernel that takes one."
+    yield "The table shows ns for each tick of each junction. The square roots alone are a bound for any kernel that"
+    yield "uses one."
     if "C, the same polynomial" not in found.kernel.timings:
-        yield "The C program was left out: there is no gcc here."
+        yield "There is no gcc here, so the C program is missing."
     yield ""
     rows = (
         (name, f"{1e9 * timing.each:.3g}", f"{100.0 * timing.spread:.0f} %", _error(found.kernel.errors.get(name)))
@@ -167,7 +169,7 @@ def _kernel(found: Results) -> Iterator[str]:
     )
     yield from table((f"who ({kernel.OURS} is numba too)", "ns", "+-", "error"), rows)
     yield ""
-    yield "Beside plain loops, from coarse ticks to fine ones, also in ns for each tick of each junction:"
+    yield "The next table compares with plain loops, from coarse ticks to fine ones, in the same unit:"
     yield ""
     points = found.kernel_over_ticks
     rows_over_ticks = (
@@ -178,9 +180,9 @@ def _kernel(found: Results) -> Iterator[str]:
 
 
 def _motion(found: Results) -> Iterator[str]:
-    yield "Everybody at the same ticks. The error is the largest over the largest displacement, against exact"
-    yield "convolution. Ours is a run in memory with the slider less one without it, the force's integrals included;"
-    yield "the others are handed the force at the ticks, and solve_ivp with the exact force the junctions."
+    yield "All methods use the same ticks. The error is the largest over the largest displacement, compared with exact"
+    yield "convolution. For rubnoise, the time is that of a run in memory with the slider less one without it, with the"
+    yield "force's integrals. The others get the force at the ticks. solve_ivp with the exact force gets the junctions."
     yield ""
     rows = (
         (
@@ -195,12 +197,13 @@ def _motion(found: Results) -> Iterator[str]:
 
 
 def _two_way(found: Results) -> Iterator[str]:
-    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). Ours is a whole run into"
-    yield "a file. Peers are handed the junctions and keep displacements in memory; they move over short stretches of"
-    yield "the same motion, since it is chaotic, and what they take for a second of sliding is scaled from there. All"
-    yield f"are right to {two_way.BOUND:.0e} of the largest displacement, checked against the slow reference at a"
-    yield f"tolerance of {two_way.REFERENCE_TOLERANCE:.0e}: ours with its default tolerance, each peer with the loosest"
-    yield "tolerance or longest step that does it. solve_ivp (DOP853) begins anew at every birth, mid-life and death."
+    yield "Figure 5 with two-way coupling (`scenarios/paper/fig5_two_way.toml`, V = 1 mm/s). For rubnoise, the time"
+    yield "is that of a whole run into a file. The other tools get the junctions and keep displacements in memory."
+    yield "The motion is chaotic, so they compute short stretches of it; their time for a second of sliding is"
+    yield f"scaled from there. All are right to {two_way.BOUND:.0e} of the largest displacement, compared with the"
+    yield f"slow reference at a tolerance of {two_way.REFERENCE_TOLERANCE:.0e}. rubnoise uses its default tolerance,"
+    yield "each other tool the loosest tolerance or longest step that reaches this. solve_ivp (DOP853) starts again"
+    yield "at every birth, mid-life and death."
     for mean_count, coupled in found.two_way.items():
         yield ""
         yield from table((f"N_jm = {mean_count:g}", *_TWO_WAY_HEAD), _two_way_rows(coupled))
@@ -222,11 +225,12 @@ def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
 
 
 def _growth(found: Results) -> Iterator[str]:
-    yield "us a junction of whole runs, over one number at a time, the others as in Figure 5. Beside few ticks in a"
-    yield "life two parts of our runs weigh most. One is the same for every run: exact theory, the file's structure,"
-    yield "hashes, and waiting for the disk, which the growth over length shows. The other is the motion, whose cells"
-    yield f"are then finer than ticks, as many as it takes to be right to {OUR_MOTION_BOUND:.0e}; peers move from tick"
-    yield "to tick, and check nothing. By 3 ticks in a life, which have no row, no peer's slider is right to 1 %."
+    yield "The tables show us a junction of whole runs. One number changes, the others are as in Figure 5. With few"
+    yield "ticks in a life, two parts of a rubnoise run take the most time. One is the same for every run: exact"
+    yield "theory, the file's structure, hashes, and waiting for the disk. The growth over length shows it. The"
+    yield f"other is the motion: its cells are then finer than ticks, so that it is right to {OUR_MOTION_BOUND:.0e}."
+    yield "The other tools move from tick to tick and check nothing. With 3 ticks in a life, which have no row, none"
+    yield "of their sliders is right to 1 %."
     words = {"count": "mean number of junctions N_jm", "ticks": "ticks in a mean life", "length": "junctions in a run"}
     for what, growth in found.growth.items():
         yield ""
@@ -237,14 +241,15 @@ def _growth(found: Results) -> Iterator[str]:
 
 
 def _growth_of_errors(found: Results, growth: Growth) -> Iterator[str]:
-    """Yield by number of ticks how wrong everybody's motion is that was made in those times."""
+    """Yield by number of ticks the error of each tool's motion that was made in those times."""
     points = sorted({point for timings in growth.values() for point in timings})
     errors = {
         (each.name, each.case.ticks_per_life): each.motion
         for each in found.verdicts
         if each.part == "runs" and each.case.mean_count == SMALL.mean_count and each.case != SMALL
     }
-    yield "What is made in these times is not the same: the motion is off by so much of its largest displacement."
+    yield "The results of these times are not equally exact. This table shows the error of the motion, over its largest"
+    yield "displacement."
     yield ""
     rows = ((name, *(_error(errors.get((name, point))) for point in points)) for name in growth)
     yield from table(("ticks in a mean life", *map(grouped, points)), rows)
@@ -260,9 +265,10 @@ def _growth_table(what: str, growth: Growth) -> Iterator[str]:
 
 
 def _memory(found: Results) -> Iterator[str]:
-    yield "Peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), 20 ticks in a mean life."
+    yield "The table shows the peak resident memory of a whole run in a process of its own, in MB (1e6 bytes), with"
+    yield "20 ticks in a mean life."
     if not found.plan.quick:
-        yield "With 100 junctions it is what Python and the libraries take."
+        yield "With 100 junctions it is the memory of Python and the libraries."
     yield ""
     head = ("junctions", *map(grouped, found.plan.memory))
     rows = (
@@ -273,9 +279,9 @@ def _memory(found: Results) -> Iterator[str]:
 
 
 def _starting(found: Results) -> Iterator[str]:
-    yield f"Engine `{found.engines[-1]}`, the best of some new processes. Where the clock shows much more than the"
-    yield "processor's time, the machine was busy with something else. Compiled code is kept from before, except in"
-    yield "the last line."
+    yield f"The table shows the best of some new processes, with the engine `{found.engines[-1]}`. If the clock shows"
+    yield "much more than the CPU, the machine was busy with something else. Compiled code is kept from earlier"
+    yield "runs, except in the last line."
     yield ""
     rows = ((name, f"{wait.wall:.2f}", f"{wait.cpu:.2f}") for name, wait in found.startup.items())
     yield from table(("what", "clock, s", "CPU, s"), rows)

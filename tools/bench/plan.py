@@ -1,4 +1,4 @@
-"""How much is measured: all of it for the page, or a taste of it in a minute or two."""
+"""The plan of the measurements: all of them for the page, or a short version in a minute or two."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Plan:
 
     ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths``,
     ``memory`` and, of our run with a slider that pushes back, ``two_way`` numbers of junctions. Whole runs need ticks
-    that are fine enough for everybody's slider.
+    that are fine enough for each tool's slider.
     """
 
     quick: bool

@@ -18,7 +18,7 @@ Growth = dict[str, dict[float, Timing]]
 def task(entrant: Entrant, case: Case, path: Path | None) -> Task:
     """Return a run of an entrant as a task, in units of junctions; into a file where there is a path.
 
-    Each repeat has a seed of its own, so that nobody finds what was drawn for the one before.
+    Each repeat has a seed of its own, so that no tool finds what was drawn for the one before.
     """
     seeds = count(1)
 
@@ -26,18 +26,18 @@ def task(entrant: Entrant, case: Case, path: Path | None) -> Task:
         draws = Drawn(case, seed=next(seeds))
         entrant.call(case, draws, *([path] if path else []))
 
-    # Everybody writes a new file: to take an old one off the disk is nobody's work.
+    # Each tool writes a new file, so that removing an old one is not measured.
     return Task(call, case.junctions, partial(path.unlink, missing_ok=True) if path else lambda: None)
 
 
 def warm(entrants: Iterable[Entrant], path: Path | None) -> None:
-    """Let everybody load and compile what they need."""
+    """Let each tool load and compile what it needs."""
     for entrant in entrants:
         task(entrant, Case(junctions=100), path).call()
 
 
 def timed(entrants: Sequence[Entrant], plan: Plan, path: Path | None = None) -> Timings:
-    """Return the timings of everybody on the contact of Figure 5."""
+    """Return the timings of all tools on the contact of Figure 5."""
     warm(entrants, path)
     return interleaved({each.name: task(each, plan.case(each), path) for each in entrants}, plan.repeats)
 

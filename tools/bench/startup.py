@@ -20,7 +20,7 @@ RUN = f"rubnoise run, {JUNCTIONS} junctions"
 IMPORT = "import rubnoise's functions, read a scenario"
 FIRST = "first run after that, beyond a second one"
 COMPILING = "the same with nothing compiled before"
-# Python keeps what it has compiled unless it is told not to, and the first of these processes is not counted.
+# Python keeps what it has compiled unless a variable forbids it, and the first of these processes is not counted.
 VARIABLES = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 FRESH = f"""
 import json, sys, time

@@ -22,7 +22,7 @@ COMPILED_SOLVER = "solve_ivp, compiled force"
 STEPS = "RK4, numba"
 
 BOUND = 1e-9
-"""Of the largest displacement, for everybody: ours keeps it by itself, each peer is given the loosest way to do so."""
+"""Largest error of all tools, over the largest displacement: each other tool gets the loosest setting that keeps it."""
 
 FIGURE_5_COUNT = 20.0
 GOALS = {FIGURE_5_COUNT: 1000.0, 5.0: 300.0}
@@ -131,7 +131,7 @@ def loosest(peer: Peer, stretches: Sequence[Known]) -> tuple[float, float]:
 
 
 def measured(junctions: int, repeats: int, folder: Path) -> dict[float, CoupledTimings]:
-    """Return times and errors of everybody at each N_jm.
+    """Return times and errors of all tools at each N_jm.
 
     Ours is a whole run, long enough for what does not grow with it to count little; peers move in memory through the
     stretches on which they have been checked.

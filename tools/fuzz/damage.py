@@ -101,7 +101,7 @@ def sealed_superblock(content: bytearray, _other: bytes, random: Random) -> None
 
 
 SEALED: frozenset[str] = frozenset(("sealed_header", "sealed_superblock"))
-"""Forged rather than damaged: whoever puts checksums right can put our hashes right, too."""
+"""Forged rather than damaged: a program that corrects checksums can correct our hashes, too."""
 
 DAMAGES: tuple[Damage, ...] = (
     *(bits,) * 4,

@@ -1,4 +1,4 @@
-"""Changes of a result that nothing else in it can tell, where the hash of its attributes was put right.
+"""Changes of a result that nothing else in it contradicts, if the hash of its attributes is corrected too.
 
 These are the ones that docs/verifying.md lists: what only the machine and the moment of the run knew.
 """
@@ -27,7 +27,7 @@ CLOSE: Final = {"_exact": 1e-6, "_standard_error": 1e-4, "": 1e-9}
 
 
 def is_hidden(right: Path, changed: Path, places: Places) -> bool:
-    """Whether a change of one attribute is one that cannot be told; others can."""
+    """Whether a change of one attribute is one that `verify` cannot find."""
     (place,) = places
     with h5py.File(right) as before, h5py.File(changed) as after:
         if place.attribute not in before[place.path].attrs:
@@ -59,7 +59,7 @@ def _environment(before: str, after: str, _file: h5py.File) -> bool:
 
 
 def _command(before: str, after: str, _file: h5py.File) -> bool:
-    """What changes the scenario stands in it as options; of another program nobody knows what it changed."""
+    """What changes the scenario stands in it as options; what another program changed is unknown."""
     try:
         one, two = split(before), split(after)
     except ValueError:

@@ -271,7 +271,7 @@ CONSTRUCTIONS: tuple[Construction, ...] = (
 
 
 def make_canary(path: Path) -> None:
-    """Make the file that nobody may look into."""
+    """Make the file that no command may open."""
     with h5py.File(path, "w") as file:
         file["values"] = np.arange(1000.0)
 

@@ -1,4 +1,4 @@
-"""What a file says to whoever opens it with plain h5py: every value and every attribute of a run."""
+"""Every value and every attribute of a run, read with plain h5py."""
 
 import hashlib
 from pathlib import Path

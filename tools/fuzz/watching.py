@@ -1,4 +1,4 @@
-"""Whether anybody opened a file meanwhile, as the kernel tells it (inotify, on Linux)."""
+"""Whether any process opened a file meanwhile, as the kernel reports (inotify, on Linux)."""
 
 import ctypes
 import os

@@ -1,4 +1,4 @@
-"""Damage to scenarios: to bytes, tokens and tables; numbers, units and keys that nobody means well."""
+"""Damage to scenarios: to bytes, tokens and tables; hostile numbers, units and keys."""
 
 import re
 from collections.abc import Callable
@@ -81,7 +81,7 @@ def token_replaced(content: bytes, random: Random) -> bytes:
 
 
 def value_replaced(content: bytes, random: Random) -> bytes:
-    """Give a key a value that nobody means well."""
+    """Give a key a hostile value."""
     lines = content.split(b"\n")
     keyed = [number for number, line in enumerate(lines) if b"=" in line]
     if keyed:
@@ -114,7 +114,7 @@ def lines_moved(content: bytes, random: Random) -> bytes:
 
 
 def line_added(content: bytes, random: Random) -> bytes:
-    """Add a line that nobody means well."""
+    """Add a hostile line."""
     lines = content.split(b"\n")
     lines.insert(random.randrange(len(lines) + 1), random.choice(LINES))
     return b"\n".join(lines)

@@ -74,8 +74,8 @@ FIGURES = (
     one(
         "a thinned column without its peaks",
         "test_of_many_rows_the_extremes_are_kept",
-        "np.maximum.reduceat(panel, starts)",
-        "np.minimum.reduceat(panel, starts)",
+        "np.maximum.reduceat(chunk, starts)",
+        "np.minimum.reduceat(chunk, starts)",
     ),
     one(
         "lenses drawn too narrow",

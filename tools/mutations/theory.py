@@ -1,4 +1,4 @@
-"""Faults of the exact theory, which judges runs: whatever it says wrong, right runs would be blamed for."""
+"""Faults of the exact theory, with which runs are compared."""
 
 from __future__ import annotations
 

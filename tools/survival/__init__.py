@@ -1,1 +1,1 @@
-"""What `tools/survive.py` does to runs, and how it is told whether anything was lost."""
+"""What `tools/survive.py` does to runs, and how it checks whether anything was lost."""

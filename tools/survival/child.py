@@ -34,7 +34,7 @@ def committing(seconds: float) -> Iterator[None]:
 
 @contextmanager
 def telling(tell: Tell, *, seconds: float) -> Iterator[None]:
-    """Commit after so many seconds, and tell of every start, commit and end of a run, with the ticks that are done."""
+    """Commit after so many seconds, and report every start, commit and end of a run, with the ticks that are done."""
     enter, commit, publish = RunWriter.__enter__, RunWriter._commit, RunWriter.publish  # noqa: SLF001
 
     def entering(self: RunWriter) -> RunWriter:

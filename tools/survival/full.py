@@ -1,6 +1,6 @@
-"""A disk that fails at each call in turn, or does less than it was asked for; a small one that somebody fills up.
+"""A disk that fails at each call in turn, or writes less than requested; and a small disk that fills up.
 
-What fails is told in one line, without a crash and without half a file; what is only short changes nothing.
+A failure gives one line, without a crash and without half a file; a short write changes nothing.
 """
 
 import errno
@@ -146,7 +146,7 @@ def words(story: Story, *more: str) -> list[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """From where a run is begun or gone on with: the files that are there, and the words that do it."""
+    """Where a run begins or resumes: the files that are there, and the command that does it."""
 
     name: str
     story: Story
@@ -280,7 +280,7 @@ def _afterwards(folder: Path, story: Story) -> Iterator[str]:
 
 
 def _filling(outcome: Outcome, folder: Path, random: Random) -> None:
-    """Let somebody else take all the space that is left, at some moment of a run."""
+    """Let another program take all the space that is left, at some moment of a run."""
     story = random.choice(FILLING)
     for each in folder.iterdir():
         each.unlink()

@@ -51,7 +51,7 @@ class Pace:
 
 
 def make(scenario: Scenario, path: Path, tell: Tell, *, again: bool) -> None:
-    """Make a run, or go on with what is there; ``again``: by resume, where there is a part file."""
+    """Make a run, or resume the one that is there; ``again``: by resume, where there is a part file."""
     with telling(tell, seconds=BETWEEN_COMMITS):
         if again and OutputPaths.of(path).part.exists():
             rubnoise.resume(f"{path}.part").close()
@@ -123,7 +123,7 @@ class Torture:
         return self.story.scenario.model().tick_count + 1
 
     def _compare(self, child: Child) -> None:
-        """Hold where it went on against what had been committed."""
+        """Compare where it resumed with what had been committed."""
         entered = child.last("entered")
         if 0 <= entered < self.committed:
             self._find(f"{self.committed} ticks had been committed, and it went on from {entered}")

@@ -1,4 +1,4 @@
-"""Power cuts: of what was not seen onto the disk any part is lost; what was committed or published is there."""
+"""Power cuts: any part of what was not flushed is lost; what was committed or published is there."""
 
 from pathlib import Path
 

@@ -1,6 +1,6 @@
 """A disk that writes down every call by which a result reaches it, and makes any moment of it again.
 
-After a kill everything that was called has happened. After a power cut, of what no call had seen onto the disk, any
+After a kill everything that was called has happened. After a power cut, of what no call had flushed to disk, any
 part may be missing: of the bytes of a file any pages, of the names of a file the latest.
 """
 
@@ -30,7 +30,7 @@ PAGE = 4096
 class Recording:
     """All calls of a stretch of work in one folder; ``moments`` are the numbers of calls after which it may stop.
 
-    What is in the folder before has been made, and seen onto the disk, by the first calls.
+    What is in the folder before has been made, and flushed to disk, by the first calls.
     """
 
     folder: Path
@@ -120,7 +120,7 @@ class Recording:
 
 
 def _lost_names(done: Sequence[tuple[int, Call]], random: Random) -> set[int]:
-    """Choose what is lost of the names since the folder was last seen onto the disk.
+    """Choose what is lost of the names since the folder was last flushed to disk.
 
     What happened to one file is lost from some moment on; what happened to different ones, in any order.
     """
@@ -138,7 +138,7 @@ def _lost_names(done: Sequence[tuple[int, Call]], random: Random) -> set[int]:
 
 
 def _left(done: Sequence[tuple[int, Call]], lost: set[int], random: Random) -> Iterator[tuple[int, Call]]:
-    """Yield what is left; of some files all that was not seen onto the disk is gone, of others any pages are."""
+    """Yield what is left; of some files all that was not flushed to disk is gone, of others any pages are."""
     synced = {call[1]: n for n, call in done if call[0] in SYNCING}
     kept = {call[1]: random.choice((0.0, 0.5, 0.95)) for _, call in done if call[0] in CHANGING}
     for n, call in done:

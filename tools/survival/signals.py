@@ -92,7 +92,7 @@ def _run(story: Story, folder: Path, tell: Tell, *, alone: bool) -> int:
     if alone:
         os.chdir(folder)
         os.execv(sys.executable, [sys.executable, "-m", "rubnoise", *words(story)])
-    # Where somebody has put other streams in Python's, as pytest does, they would not hear of it.
+    # Where Python's streams were replaced, as pytest does, they would not hear of it.
     with (
         os.fdopen(1, "w", closefd=False) as sys.stdout,
         os.fdopen(2, "w", closefd=False) as sys.stderr,
@@ -124,7 +124,7 @@ def _wrong(stop: Stop, folder: Path, number: int) -> Iterator[str]:
 
 
 def _afterwards(story: Story, folder: Path) -> Iterator[str]:
-    """Go on with what is there, and yield what is wrong."""
+    """Resume the run that is there, and yield what is wrong."""
     if (folder / f"{NAME}.part").exists():
         ending = isolated(lambda: command(["resume", f"{NAME}.part", "-q"], folder))
     elif not (folder / NAME).exists():

@@ -112,7 +112,7 @@ def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
 
 @contextmanager
 def growing(stories: Sequence[Story] = (*SMALL, *LONG)) -> Iterator[None]:
-    """Let nobody know how many rows of /slider there will be, so that they grow beside the part, in short steps.
+    """Hide how many rows of /slider there will be, so that they grow beside the part, in short steps.
 
     What is expected of a story is asked before: the result of a run whose rows were counted.
     """

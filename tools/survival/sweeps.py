@@ -1,4 +1,4 @@
-"""Power cuts in sweeps, whose runs are seen onto the disk together: what was written down as done is there, whole."""
+"""Power cuts in sweeps, which fsync many results at once: every run that the journal lists as done is intact."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -24,7 +24,7 @@ TOGETHER: Final = (1, 2, 1)
 
 
 def sweeps(count: int, seed: int, stories: tuple[Story, ...] = SMALL) -> Outcome:
-    """Cut the power of sweeps so many times, and go on with them."""
+    """Cut the power of sweeps so many times, and resume them."""
     outcome = Outcome()
     sweeping = [(story, points_of(story), recorded(story, seconds)) for story in stories for seconds in (1e9, 0.0, 1e9)]
     for turn in range(count):
@@ -53,7 +53,7 @@ def points_of(story: Story) -> Sequence[Point]:
 
 
 def recorded(story: Story, seconds: float) -> Recording:
-    """Record the runs of a sweep, some of them seen onto the disk at a time; they commit after so many seconds."""
+    """Record the runs of a sweep, some of them flushed to disk at a time; they commit after so many seconds."""
     points = iter(points_of(story))
     with TemporaryDirectory(prefix="rubnoise-") as name:
         (folder := SweepFolder(Path(name))).run("x").parent.mkdir()
@@ -72,7 +72,7 @@ def _made(point: Point, folder: SweepFolder) -> Path:
 
 
 def _go_on(outcome: Outcome, folder: SweepFolder, points: Sequence[Point]) -> None:
-    """Make what nobody wrote down as done, as a sweep does that goes on."""
+    """Make what no journal lists as done, as a resumed sweep does."""
     for point in points:
         there = folder.run(point.run_id).exists()
         found = found_run(point, root=folder.root, begun=True)

@@ -15,7 +15,7 @@ from survival.stories import NAME, SMALL, Story, chance, judged
 
 
 def recorded(story: Story, halfway: int | None = None, seconds: float = 0.0) -> Recording:
-    """Record a run that commits after so many seconds; ``halfway``: that goes on after so many calls of another."""
+    """Record a run that commits after so many seconds; ``halfway``: one that resumes another after so many calls."""
     with TemporaryDirectory(prefix="rubnoise-") as name:
         folder = Path(name)
         if halfway is not None:
@@ -40,7 +40,7 @@ def writes(_count: int, seed: int, stories: tuple[Story, ...] = SMALL, every: in
 
 
 def gone_on(outcome: Outcome, story: Story, folder: Path, committed: int, *, again: bool) -> Iterator[str]:
-    """Go on with what a folder holds, and yield what is wrong; ``again``: by resume, where there is a part file."""
+    """Resume the run in a folder, and yield what is wrong; ``again``: by resume, where there is a part file."""
     path, told = folder / NAME, [-1]
 
     def tell(line: str) -> None:

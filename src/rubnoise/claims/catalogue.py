@@ -33,7 +33,7 @@ ORDER = (
 def settle(tell: Tell) -> tuple[Claim, ...]:
     """Run what the claims rest on, from fixed seeds, and return every claim with its verdict.
 
-    ``tell`` is told what is being run.
+    ``tell`` is called with a text on the run that begins.
     """
     return tuple(sorted(_all(tell), key=lambda claim: ORDER.index(claim.name)))
 

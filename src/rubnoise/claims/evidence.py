@@ -15,7 +15,7 @@ Read = Callable[[Model, MemoryRecord], dict[str, float]]
 """Finds named numbers in the record of one run."""
 
 Tell = Callable[[str], None]
-"""Is told what is being run, before it is."""
+"""Called with a text on each run before it begins."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

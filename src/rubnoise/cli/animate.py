@@ -5,6 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rubnoise.cli.layout import printable, sentence, size
+from rubnoise.cli.plot import distance
+from rubnoise.cli.progress import watching
+
 if TYPE_CHECKING:
     from rubnoise.figures.film import Kind
 
@@ -31,11 +35,7 @@ def command(
 
     Example: rubnoise animate fig5.h5 -o contact.gif --to 60
     """
-    from rubnoise.cli.layout import size
-    from rubnoise.cli.lengths import distance
-    from rubnoise.cli.progress import watching
-    from rubnoise.cli.results import finished_run
-    from rubnoise.cli.terminal import sentence
+    from rubnoise.cli.loading import finished_run
     from rubnoise.figures.animation import Film
     from rubnoise.figures.film import write_film
     from rubnoise.figures.stretch import Stretch
@@ -55,7 +55,6 @@ def command(
 
 def _kind(path: Path, *, force: bool) -> "Kind":
     """Return what a path's ending names; raises Refused where it can't be made, or nothing may be written there."""
-    from rubnoise.cli.layout import printable
     from rubnoise.figures.film import KINDS, check_film
     from rubnoise.storage.output import check_output
 

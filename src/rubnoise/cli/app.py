@@ -1,85 +1,80 @@
-"""The command line: `rubnoise COMMAND`. Commands import what they need when they are called, so that --help is fast."""
+"""The command line: `rubnoise COMMAND`.
 
+A call imports the module of its command alone, and each command imports large libraries in its functions: --help, which
+shows all commands, takes a tenth of a second.
+"""
+
+import gc
 import os
 import sys
 import traceback
+from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import import_module
 from io import TextIOWrapper
+from typing import Final
 
 import typer
 from typer import Typer
 
-from rubnoise.cli import (
-    animate,
-    check,
-    claims,
-    compare,
-    export,
-    figures,
-    info,
-    junction,
-    junctions,
-    listen,
-    new,
-    plot,
-    resume,
-    run,
-    schema,
-    sweep,
-    teach,
-    theory,
-    verify,
-)
-from rubnoise.cli.helping import Command
-from rubnoise.cli.showing import Commands, escaping
-from rubnoise.cli.starting import collect_garbage_seldom
+from rubnoise.cli.commands import Command, Commands, escaping
 from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
 
 DEBUG = "--debug"
 
-app = Typer(
-    name="rubnoise",
-    cls=Commands,
-    help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.",
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-)
-app.command("run", cls=Command)(run.command)
-app.command("resume", cls=Command)(resume.command)
-app.command("sweep", cls=Command)(sweep.command)
-app.command("check", cls=Command)(check.command)
-app.command("info", cls=Command)(info.command)
-# Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others.
-app.command("junction", cls=Command, context_settings={"ignore_unknown_options": True})(junction.command)
-app.command("junctions", cls=Command)(junctions.command)
-app.command("compare", cls=Command)(compare.command)
-app.command("verify", cls=verify.BareCount)(verify.command)
-app.command("plot", cls=Command)(plot.command)
-app.command("animate", cls=Command)(animate.command)
-app.command("theory", cls=Command)(theory.command)
-app.command("figures", cls=Command)(figures.command)
-app.command("claims", cls=Command)(claims.command)
-app.command("listen", cls=Command)(listen.command)
-app.command("teach", cls=Command)(teach.command)
-app.command("export", cls=Command)(export.command)
-app.command("new", cls=Command)(new.command)
-app.command("schema", cls=Command)(schema.command)
+COMMANDS: Final = {
+    "run": "run.command",
+    "resume": "run.resume",
+    "sweep": "sweep.command",
+    "check": "check.command",
+    "info": "info.command",
+    "junction": "junction.command",
+    "junctions": "junctions.command",
+    "compare": "compare.command",
+    "verify": "verify.command",
+    "plot": "plot.command",
+    "animate": "animate.command",
+    "theory": "theory.command",
+    "figures": "figures.command",
+    "claims": "claims.command",
+    "listen": "listen.command",
+    "teach": "teach.command",
+    "export": "export.command",
+    "new": "new.command",
+    "schema": "new.print_schema",
+}
+"""The module of this package and the function of each command, in the order of --help."""
 
-for registered in app.registered_commands:
-    for annotation in getattr(registered.callback, "__annotations__", {}).values():
-        for about in getattr(annotation, "__metadata__", ()):
-            # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
-            about.readable = False
+
+def program(names: Iterable[str] = COMMANDS) -> Typer:
+    """Return the command line with some of its commands; the modules of the others are not imported."""
+    app = Typer(
+        name="rubnoise",
+        cls=Commands,
+        help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.",
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+    )
+    app.callback(invoke_without_command=True)(root)
+    for name in names:
+        module_name, _, function = COMMANDS[name].partition(".")
+        module = import_module(f"rubnoise.cli.{module_name}")
+        command = getattr(module, function)
+        app.command(name, **{"cls": Command, **getattr(module, "SETTINGS", {})})(command)
+        for annotation in command.__annotations__.values():
+            for about in getattr(annotation, "__metadata__", ()):
+                # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
+                about.readable = False
+    return app
 
 
 @dataclass(slots=True)
-class Wishes:
-    """What was asked of the command line as a whole, for ``main`` to know when a command has failed."""
+class Flags:
+    """The options of the command line as a whole, which ``main`` needs when a command has failed."""
 
     debug: bool = False
 
 
-@app.callback(invoke_without_command=True)
 def root(
     context: typer.Context,
     *,
@@ -96,36 +91,40 @@ def root(
 
 
 def main() -> None:
-    """Run the command line; what is refused or fails is one text on stderr and an exit code.
+    """Run the command line; a refusal or a failure is one text on stderr and an exit code.
 
-    A traceback is for who asks for it, with --debug.
+    A traceback is printed with --debug only.
     """
-    collect_garbage_seldom()
+    # What a command loads stays to the end, and a run makes no garbage that grows.
+    gc.set_threshold(20_000, 50, 50)
     for stream in (sys.stdout, sys.stderr):
         # A file name or title that the terminal's encoding lacks is no reason to fail.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    wishes = Wishes()
+    flags = Flags()
     try:
-        _call(wishes)
+        _call(flags)
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:
-        _forget_output()  # whoever read it has seen enough
+        _discard_output()  # the reader has closed the pipe
         sys.exit(1)
-    except Exception as problem:  # noqa: BLE001  (whatever it is, it is told in a line)
+    except Exception as problem:  # noqa: BLE001  (any failure is printed as one line)
         if isinstance(problem, OSError):
-            _forget_output()
+            _discard_output()
         with escaping():
-            if wishes.debug:
+            if flags.debug:
                 traceback.print_exc()
-            print(_told(problem), file=sys.stderr)
+            print(_error_text(problem), file=sys.stderr)
         sys.exit(problem.exit_code if isinstance(problem, RubnoiseError) else 1)
 
 
-def _call(wishes: Wishes) -> None:
+def _call(flags: Flags) -> None:
     try:
-        app(_debug_first(sys.argv[1:]), prog_name="rubnoise", obj=wishes)
+        arguments = _debug_first(sys.argv[1:])
+        command = next((word for word in arguments if not word.startswith("-")), None)
+        app = program([command]) if command in COMMANDS else program()
+        app(arguments, prog_name="rubnoise", obj=flags)
     finally:
         sys.stdout.flush()
 
@@ -137,8 +136,8 @@ def _debug_first(arguments: list[str]) -> list[str]:
     return [DEBUG] * (len(others) < end) + others + arguments[end:]
 
 
-def _told(problem: Exception) -> str:
-    """Return a failure as a line; a refused scenario has one for each of its problems."""
+def _error_text(problem: Exception) -> str:
+    """Return the message of a failure: one line, for a refused scenario one for each of its problems."""
     if isinstance(problem, RunFileRefused | OutputRefused):
         return str(problem).replace("\n", "\\n")  # of a name, which has no line of its own
     if isinstance(problem, RubnoiseError):
@@ -151,6 +150,6 @@ def _told(problem: Exception) -> str:
     return f"internal error, which should not be: {what} ({DEBUG} shows where)"
 
 
-def _forget_output() -> None:
+def _discard_output() -> None:
     """Keep Python from trying once more, at exit, to write what could not be written."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

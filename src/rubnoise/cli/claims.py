@@ -1,9 +1,13 @@
 """`rubnoise claims`: what the paper claims, settled by simulation and by theory."""
 
+import json
 from math import isnan
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from rubnoise.cli.layout import remark, table_row
+from rubnoise.cli.progress import StatusLine, on_terminal
 
 if TYPE_CHECKING:
     from rubnoise.claims.claim import Claim, Quantity
@@ -22,21 +26,21 @@ def command(
 
     Example: rubnoise claims
     """
-    import json
-
     from rubnoise.claims.catalogue import settle
     from rubnoise.claims.claim import Verdict
-    from rubnoise.cli.progress import on_terminal
-    from rubnoise.cli.status import StatusLine
 
     with StatusLine(shown=on_terminal() and not quiet) as status:
-        claims = settle(status.tell)
-    print(json.dumps({"claims": [contents(claim) for claim in claims]}) if as_json else "\n".join(described(claims)))
+        claims = settle(status.show)
+    print(
+        json.dumps({"claims": [claim_as_json(claim) for claim in claims]})
+        if as_json
+        else "\n".join(format_claims(claims))
+    )
     if any(claim.verdict is Verdict.UNSETTLED for claim in claims):
         raise typer.Exit(3)
 
 
-def contents(claim: "Claim") -> dict[str, Any]:
+def claim_as_json(claim: "Claim") -> dict[str, Any]:
     """Return a claim by name, numbers in the unit of each quantity."""
     return {
         "name": claim.name,
@@ -61,30 +65,26 @@ def _quantity(quantity: "Quantity") -> dict[str, Any]:
     }
 
 
-def described(claims: tuple["Claim", ...]) -> list[str]:
+def format_claims(claims: tuple["Claim", ...]) -> list[str]:
     """Return all claims as lines to print."""
-    from rubnoise.cli.layout import remark
-    from rubnoise.cli.terminal import headed
-
     lines = []
     for claim in claims:
         lines += [f"{claim.where}: {claim.verdict.value}", remark(claim.says)]
-        lines += [headed(f"  {'':<{_LABEL}}", f"{'printed':>8} {'simulated (95 %)':>20} {'exact':>9}")]
+        lines += [table_row(f"  {'':<{_LABEL}}", f"{'printed':>8} {'simulated (95 %)':>20} {'exact':>9}")]
         lines += [line for quantity in claim.quantities for line in _lines(quantity)]
         lines += [remark(claim.because), ""]
     return lines[:-1]
 
 
 def _lines(quantity: "Quantity") -> list[str]:
-    from rubnoise.cli.terminal import headed
 
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.4g}"
     numbers = f"{printed:>8} {_with_interval(quantity):>20} {exact:>9}"
     if len(label) < _LABEL:
-        return [headed(f"  {label:<{_LABEL}}", numbers)]
-    return [f"  {label}", headed(f"  {'':<{_LABEL}}", numbers)]
+        return [table_row(f"  {label:<{_LABEL}}", numbers)]
+    return [f"  {label}", table_row(f"  {'':<{_LABEL}}", numbers)]
 
 
 def _with_interval(quantity: "Quantity") -> str:

@@ -1,12 +1,20 @@
-"""`rubnoise compare`: a result held against the theory of its own scenario."""
+"""`rubnoise compare`: the rows of a result beside the theory of its scenario."""
 
+import json
+from collections.abc import Iterator
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
+from rubnoise.cli.layout import number, printable, remark, table_row
+from rubnoise.errors import Refused, RunOutside
+
 if TYPE_CHECKING:
-    from rubnoise.analysis.comparing.findings import Comparison
+    from rubnoise.analysis.agreement import Agreement
+    from rubnoise.analysis.comparing.findings import Comparison, Identity
 
 
 def command(
@@ -26,16 +34,10 @@ def command(
 
     Example: rubnoise compare fig5.h5
     """
-    import json
-    from math import isfinite
-
     from rubnoise.analysis.comparison import compare
     from rubnoise.analysis.records import RecordTooShort
     from rubnoise.analysis.stored_model import stored_model
-    from rubnoise.cli.compare_text import described
-    from rubnoise.cli.layout import printable
-    from rubnoise.cli.results import finished_run
-    from rubnoise.errors import Refused, RunOutside
+    from rubnoise.cli.loading import finished_run
 
     if bound is not None and not (isfinite(bound) and bound > 0.0):
         raise typer.BadParameter(f"--bound: {bound} is no bound on |z|; it is a number above 0")
@@ -44,15 +46,13 @@ def command(
             found = compare(stored_model(run), run, bound)
         except RecordTooShort as refusal:
             raise Refused(str(refusal)) from refusal
-        print(json.dumps(contents(found, file)) if as_json else "\n".join(described(found, file)))
+        print(json.dumps(comparison_as_json(found, file)) if as_json else "\n".join(format_comparison(found, file)))
     if found.outside:
         raise RunOutside(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 
 
-def contents(found: "Comparison", file: Path) -> dict[str, Any]:
+def comparison_as_json(found: "Comparison", file: Path) -> dict[str, Any]:
     """Return a comparison by name."""
-    from rubnoise.analysis.agreement import FAMILY_WISE_ERROR, as_json
-
     identities = {
         each.name: {"deviation": each.deviation, "allowed": each.allowed, "holds": each.holds}
         for each in found.identities
@@ -68,3 +68,98 @@ def contents(found: "Comparison", file: Path) -> dict[str, Any]:
         "identities": identities,
         "left_out": {each.name: each.reason for each in found.left_out},
     }
+
+
+UNITS = {
+    "birth_gap": "um",
+    "asked_mean_area": "um^2",
+    "asked_area_from_rows": "um^2",
+    "start_": "",
+    "diameter": "um",
+    "shear_strength": "MPa",
+    "area_from_rows": "um^2",
+    "life_": "",
+    "life": "um",
+    "death": "um",
+    "real_contact_area_autocovariance": "um^4",
+    "real_contact_area": "um^2",
+    "friction_force": "uN",
+    "spectrum": "um^4",
+    "displacement": "um",
+    "velocity": "um/s",
+    "mean_force": "uN",
+}
+PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")
+"""Ends of names of figures without a unit."""
+
+SHORTER = {
+    "junction_count_zero_share": "share without contact",
+    "real_contact_area_autocovariance_": "area autocovariance ",
+    "real_contact_area": "area",
+    "junction_count": "count",
+    "friction_force": "force",
+    "spectrum_": "power, k ",
+    "kolmogorov": "Kolmogorov D",
+}
+
+
+def format_comparison(found: "Comparison", file: Path) -> Iterator[str]:
+    """Yield a table a part, what holds to rounding, what was left out, and the verdict."""
+    yield f"{printable(str(file))}: compared with the theory of its scenario"
+    for part in found.parts:
+        if part.figures:
+            heading = f"{part.heading}, from {part.begins:.4g} um on" if part.begins else part.heading
+            yield ""
+            yield table_row(f"{heading:<34}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7} ")
+            yield from (_figure(figure, found) for figure in part.figures)
+    if found.identities:
+        yield ""
+        yield table_row(f"{'exact but for rounding':<34}", f"{'off by':>13}{'allowed':>14}  ")
+        yield from map(_identity, found.identities)
+    if found.left_out:
+        yield "\nleft out"
+        yield from (remark(f"{label(each.name)}: {each.reason}") for each in found.left_out)
+    yield ""
+    yield from format_verdict(found)
+
+
+def format_verdict(found: "Comparison") -> list[str]:
+    """Return how many figures keep which bound, and how many identities hold."""
+    scored = sum(figure.z is not None for figure in found.figures)
+    whence = f", which all keep in {1.0 - FAMILY_WISE_ERROR:.1%} of right runs" if found.by_family else ""
+    broken = sum(not each.holds for each in found.identities)
+    beyond = len(found.outside) - broken
+    figures = remark(f"{scored - beyond} of {scored} figures are within |z| <= {found.bound:.2f}{whence}")
+    identities = remark(f"{len(found.identities) - broken} of {len(found.identities)} identities hold")
+    return [figures, identities] if scored else [identities]
+
+
+def label(name: str) -> str:
+    """Return a name as words, shortened where it is long."""
+    for long, short in SHORTER.items():
+        name = name.replace(long, short)
+    return name.replace("_", " ")
+
+
+def _figure(figure: "Agreement", found: "Comparison") -> str:
+    unit = "" if figure.name.endswith(PLAIN) else _unit(figure.name)
+    name = label(figure.name) + (f" ({unit})" if unit else "")
+    expected = "" if figure.expected is None else number(figure.expected)
+    error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
+    z = "" if figure.z is None else _score(figure.z)
+    star = "*" if figure.name in found.outside else " "
+    return table_row(f"  {name:<32}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}{star}")
+
+
+def _score(z: float) -> str:
+    """Return a score in six places at most."""
+    return f"{z:+.2f}" if abs(z) < 99.995 else f"{z:+.0f}" if abs(z) < 99_999.5 else f"{z:+.0e}"
+
+
+def _identity(each: "Identity") -> str:
+    name = label(each.name) + (f" ({each.units})" if each.units else "")
+    return table_row(f"  {name:<32}", f"{each.deviation:>13.3g}{each.allowed:>14.3g}{'  ' if each.holds else ' *'}")
+
+
+def _unit(name: str) -> str:
+    return next((unit for quantity, unit in UNITS.items() if name.startswith(quantity)), "")

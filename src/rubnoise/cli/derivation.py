@@ -1,18 +1,18 @@
-"""What follows from a scenario: sizes, exact means and spreads, validity and cost, as figures and as lines to print."""
+"""What follows from a scenario: sizes, exact means and spreads, validity and cost, by name and as lines to print."""
 
 from pathlib import Path
 from typing import Any
 
 from rubnoise.analysis.summary import missing_for_motion
-from rubnoise.cli.coupling import coupling_figures, coupling_lines
-from rubnoise.cli.foresight import told
 from rubnoise.cli.layout import (
     ONE_WAY_ALONE,
+    WORTH_A_WARNING,
     about,
     duration,
     grouped,
     line,
     number,
+    one_way_warning,
     remark,
     size,
     too_short_for_motion,
@@ -21,13 +21,13 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.slider import cells_per_tick
-from rubnoise.storage.forecast import check_disk_space, counted, expected
+from rubnoise.storage.forecast import Budget, check_disk_space, counted, expected
 from rubnoise.theory.exact import Exact, exact
 
 WORTH_A_NOTE = 0.01
 
 
-def derived(scenario: Scenario) -> dict[str, Any]:
+def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
     """Return what follows from a scenario, by name, in working units; what a run would cost is `cost`."""
     model = scenario.model()
     theory = exact(model)
@@ -58,20 +58,20 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
             "displacement_std": theory.slider.displacement_std,
             "velocity_std": theory.slider.velocity_std,
             "one_way_validity": theory.slider.one_way_validity,
-            **coupling_figures(theory),
+            **coupling_as_json(theory),
         }
         answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
         answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
     return answer
 
 
-def cost(scenario: Scenario) -> dict[str, float]:
+def cost_as_json(scenario: Scenario) -> dict[str, float]:
     """Return what a run of a scenario would take, by name; its births are counted from its seed."""
     budget = counted(scenario)
-    return told(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
+    return budget_as_json(budget) | {"events": 2 * budget.junctions, "working_memory": budget.working_bytes}
 
 
-def shortages(scenario: Scenario, file: Path) -> list[str]:
+def missing_resources(scenario: Scenario, file: Path) -> list[str]:
     """Return what this machine lacks for a run of a scenario file into this folder, if anything."""
     try:
         check_disk_space(scenario, expected(scenario), f"{file.stem}.h5")
@@ -80,7 +80,7 @@ def shortages(scenario: Scenario, file: Path) -> list[str]:
     return []
 
 
-def described(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
+def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     """Return what follows from a scenario, as lines to print under a heading."""
 
     def spread(name: str, unit: str) -> str:
@@ -113,7 +113,8 @@ def _cost_lines(scenario: Scenario, cost: dict[str, float]) -> list[str]:
         ),
         line("events", about(cost["events"])),
         line(
-            "file size", size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else "")
+            "file size",
+            size(cost["bytes"]) + (" before compression" if scenario.output.compression != "none" else ""),
         ),
         *([line("free disk", size(cost["free_disk"]))] if cost["free_disk"] > cost["bytes"] else []),
         line("memory", f"about {size(cost['peak_memory'])}, {size(cost['working_memory'])} beside the program's own"),
@@ -131,7 +132,7 @@ def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> list[str]:
             "displacement", f"mean {number(slider['displacement_mean'])}, std {number(slider['displacement_std'])} um"
         ),
         line("velocity", f"std {number(slider['velocity_std'])} um/s"),
-        *coupling_lines(slider, two_way=two_way),
+        *format_coupling(slider, two_way=two_way),
     ]
 
 
@@ -160,3 +161,48 @@ def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
         notes.append(ONE_WAY_ALONE)
     missing = missing_for_motion(model)
     return notes if missing is None else [*notes, too_short_for_motion(missing.decays, missing.needed)]
+
+
+def coupling_as_json(theory: Exact) -> dict[str, Any]:
+    """Return by name what judges one-way coupling, of a model with a slider; a change not known is None, with why."""
+    found = theory.coupling()
+    figures: dict[str, Any] = {
+        "coupling_strength": found.strength,
+        "stick_number": found.stick_number,
+        "expected_change": found.expected_change,
+    }
+    return figures if found.unknown is None else figures | {"expected_change": None, "change_unknown": found.unknown}
+
+
+def format_coupling(slider: dict[str, Any], *, two_way: bool) -> list[str]:
+    """Return the same as lines to print, one-way validity first, and a warning where two-way coupling is needed."""
+    validity = slider["one_way_validity"]
+    doubt = [remark(f"warning: {one_way_warning(validity)}")] if validity > WORTH_A_WARNING and not two_way else []
+    return [
+        line("one-way validity", f"{validity:.6g} (std of velocity over sliding speed)"),
+        line("coupling strength", f"{number(slider['coupling_strength'])} (Pi; weak below 0.03)"),
+        line("stick number", f"{number(slider['stick_number'])} (theta; a slow slider sticks above 1)"),
+        line("expected change", _change(slider)),
+        *doubt,
+    ]
+
+
+def _change(slider: dict[str, Any]) -> str:
+    change = slider["expected_change"]
+    if change is None:
+        return f"not known: {slider['change_unknown']}"
+    return f"{change - 1.0:+.2%} of std displacement, if two-way"
+
+
+def budget_as_json(budget: Budget) -> dict[str, float]:
+    """Return a budget by the names that answers have for it; estimates to three digits."""
+    grown = budget.slider_rows_at_most
+    return {
+        "junctions": budget.junctions,
+        "ticks": budget.ticks,
+        **({} if grown is None else {"slider_rows_at_most": grown}),
+        "bytes": budget.result_bytes,
+        "free_disk": budget.disk_bytes,
+        "peak_memory": int(float(f"{budget.peak_bytes:.3g}")),
+        "seconds": float(f"{budget.seconds:.3g}"),
+    }

@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+from rubnoise.cli.layout import grouped, size
+from rubnoise.cli.progress import watching
+
 STANDARD_OUTPUT = Path("-")
 
 
@@ -54,8 +57,6 @@ def command(
 
     Example: rubnoise export fig5.h5 --to csv --group trace -o trace.csv
     """
-    from rubnoise.cli.layout import grouped, size
-    from rubnoise.cli.progress import watching
     from rubnoise.storage.export import export, plan, print_csv
     from rubnoise.storage.reader import open_run
 

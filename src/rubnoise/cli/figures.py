@@ -2,15 +2,23 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from rubnoise.cli.choices import pictures
+from rubnoise.cli.progress import StatusLine, announce_compilation, on_terminal
+from rubnoise.errors import OutputRefused
 
 if TYPE_CHECKING:
-    from rubnoise.cli.status import StatusLine
     from rubnoise.figures.style import Format
+
+
+PICTURES: Final = ("png", "pdf", "svg")
+
+
+def formats_of_pictures() -> tuple[str, ...]:
+    """Return the values of --format, which shells complete."""
+    return PICTURES
 
 
 def command(
@@ -28,7 +36,7 @@ def command(
             "--format",
             help="png, pdf or svg; repeat it for several; default: all three.",
             metavar="FORMAT",
-            autocompletion=pictures,
+            autocompletion=formats_of_pictures,
         ),
     ] = None,
     scenarios: Annotated[
@@ -42,8 +50,6 @@ def command(
 
     Example: rubnoise figures fig4 fig8 -o figures --format png
     """
-    from rubnoise.cli.progress import announce_compilation, on_terminal
-    from rubnoise.cli.status import StatusLine
     from rubnoise.figures.paper import check_sources, chosen
     from rubnoise.figures.style import house_style
 
@@ -66,7 +72,6 @@ def command(
 
 
 def _make(folder: Path) -> None:
-    from rubnoise.errors import OutputRefused
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -78,10 +83,10 @@ def _drawn(
     name: str, kinds: "tuple[Format, ...]", scenarios: Path | None, status: "StatusLine"
 ) -> "dict[Format, bytes]":
     from rubnoise.figures.paper import paper_figure
-    from rubnoise.figures.sources import Sources
+    from rubnoise.figures.paper_sources import Sources
 
-    status.tell(name)
-    sources = Sources(folder=scenarios, watch=lambda done, runs: status.tell(f"{name}: {done} of {runs} runs"))
+    status.show(name)
+    sources = Sources(folder=scenarios, watch=lambda done, runs: status.show(f"{name}: {done} of {runs} runs"))
     return paper_figure(name, kinds, sources)
 
 
@@ -96,7 +101,6 @@ def _formats(wanted: Sequence[str] | None) -> "tuple[Format, ...]":
 
 def _check_places(folder: Path, files: Sequence[Path], *, force: bool) -> None:
     """Raise OutputRefused before anything is drawn where a picture may not or cannot be written."""
-    from rubnoise.errors import OutputRefused
     from rubnoise.storage.output import check_output
 
     try:

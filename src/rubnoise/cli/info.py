@@ -1,12 +1,22 @@
-"""`rubnoise info`: what is in a result file, measured beside exact."""
+"""`rubnoise info`: what is in a result, in an unfinished run, or in the folder of a sweep."""
 
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rubnoise.cli.layout import agreement_table, grouped, line, printable, sentence, size
+from rubnoise.cli.sweep import format_failures
+from rubnoise.errors import Refused, resume_hint
+from rubnoise.regular_file import is_folder
+
 if TYPE_CHECKING:
+    from rubnoise.analysis.replicates import Pooled
     from rubnoise.api import Run
+    from rubnoise.api.sweep_result import SweepResult
 
 
 def command(
@@ -37,55 +47,47 @@ def command(
 
     Example: rubnoise info fig5.h5
     """
-    import json
-
     from rubnoise import api
-    from rubnoise.regular_file import is_folder
     from rubnoise.storage.resume import SUFFIX, refusal
 
     if is_folder(file):
-        _tell_of_sweep(file, figures, over, as_json=as_json)
+        _show_sweep(file, figures, over, as_json=as_json)
         return
     if figures is not None or over is not None:
         raise typer.BadParameter("--figures and --over are for the folder of a sweep")
     if file.suffix == SUFFIX:
-        _tell_of_part(file, as_json=as_json)
+        _show_part(file, as_json=as_json)
         return
     with api.open(file) as run:
         if not run.provenance["finished"]:
             raise refusal(file)
-        answer = contents(run, file)
-        print(json.dumps(answer) if as_json else "\n".join(described(run, answer)))
+        answer = run_as_json(run, file)
+        print(json.dumps(answer) if as_json else "\n".join(format_run(run, answer)))
 
 
-def _tell_of_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
-    import json
+def _show_sweep(folder: Path, figures: str | None, over: str | None, *, as_json: bool) -> None:
 
     from rubnoise import api
-    from rubnoise.cli import sweep_info
 
     if over is not None and figures is None:
         raise typer.BadParameter("--over is for --figures")
     with api.open_sweep(folder) as sweep:
-        answer = sweep_info.contents(sweep, folder)
+        answer = sweep_as_json(sweep, folder)
         if figures is not None:
-            answer["estimates"] = sweep_info.estimates(sweep, [name.strip() for name in figures.split(",")], over)
-    print(json.dumps(answer) if as_json else "\n".join(sweep_info.described(answer)))
+            answer["estimates"] = estimates_as_json(sweep, [name.strip() for name in figures.split(",")], over)
+    print(json.dumps(answer) if as_json else "\n".join(format_sweep(answer)))
 
 
-def _tell_of_part(part: Path, *, as_json: bool) -> None:
-    import json
+def _show_part(part: Path, *, as_json: bool) -> None:
 
-    from rubnoise.cli import info_part
-
-    answer = info_part.contents(part)
-    print(json.dumps(answer) if as_json else "\n".join(info_part.described(answer)))
+    answer = part_as_json(part)
+    print(json.dumps(answer) if as_json else "\n".join(format_part(answer)))
 
 
-def contents(run: "Run", file: Path) -> dict[str, Any]:
+def run_as_json(run: "Run", file: Path) -> dict[str, Any]:
     """Return what a result file holds and what follows from its scenario, by name."""
     from rubnoise.analysis.agreement import as_json
-    from rubnoise.cli.derivation import derived
+    from rubnoise.cli.derivation import derivation_as_json
 
     origin, groups = run.provenance, run.groups()
     return {
@@ -100,16 +102,14 @@ def contents(run: "Run", file: Path) -> dict[str, Any]:
         "finished": origin["finished"],
         "bytes": file.stat().st_size,
         "groups": {name: {"rows": len(group), "columns": list(group.names)} for name, group in groups.items()},
-        "derived": derived(run.scenario),
+        "derived": derivation_as_json(run.scenario),
         "summary": as_json(run.summary),
     }
 
 
-def described(run: "Run", answer: dict[str, Any]) -> list[str]:
+def format_run(run: "Run", answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     from rubnoise.cli import derivation
-    from rubnoise.cli.layout import agreement_table, grouped, line, printable, size
-    from rubnoise.cli.terminal import sentence
 
     lines = [
         sentence(f"{answer['file']}: {printable(answer['title'])}"),
@@ -124,5 +124,168 @@ def described(run: "Run", answer: dict[str, Any]) -> list[str]:
         line(f"/{name}", f"{grouped(group['rows'])} rows: {', '.join(group['columns'])}")
         for name, group in answer["groups"].items()
     ]
-    lines += ["", "from its scenario", *derivation.described(run.scenario, answer["derived"])]
+    lines += ["", "from its scenario", *derivation.format_derivation(run.scenario, answer["derived"])]
     return [*lines, "", "measured over the whole run, with exact values", *agreement_table(run.summary)]
+
+
+def part_as_json(file: Path) -> dict[str, Any]:
+    """Return how far a run is, by name."""
+    from rubnoise.storage.resume import look
+
+    found = look(file)
+    about, origin = found.description, found.description.provenance
+    return {
+        "file": str(file),
+        "title": about.title,
+        "source": found.source,
+        "seed": origin.seed,
+        "command": origin.command,
+        "started": origin.started,
+        "bytes": file.stat().st_size,
+        "share": found.share,
+        "done": {"junctions": found.junctions, "ticks": found.ticks, **found.grown},
+        "whole": {"junctions": about.extent.junctions, "ticks": about.extent.ticks},
+        "committed": found.committed or None,
+        "being_written": found.being_written,
+    }
+
+
+def format_part(answer: dict[str, Any]) -> list[str]:
+    """Return the same as lines to print."""
+    done, whole = answer["done"], answer["whole"]
+    rows = ", ".join(
+        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else f"{grouped(count)} rows of /{name}"
+        for name, count in done.items()
+    )
+    hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
+    return [
+        sentence(f"{answer['file']}: {printable(answer['title'])}, unfinished"),
+        line("written by", answer["source"]),
+        line("from", answer["started"]),
+        line("command", answer["command"], whole=True),
+        line("seed", str(answer["seed"])),
+        line("size", size(answer["bytes"])),
+        line("done", f"{answer['share']:.0%}: {rows}"),
+        line("last commit", answer["committed"] or "none yet"),
+        line("now", hint, whole=True),
+    ]
+
+
+def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
+    """Return what the folder of a sweep holds, by name."""
+    attributes = sweep.attributes
+    return {
+        "folder": str(folder),
+        "title": sweep.title,
+        "source": attributes["source"],
+        "command": attributes["command"],
+        "written": attributes["written"],
+        "grid": list(sweep.grid),
+        "side_by_side": list(sweep.side_by_side),
+        "points": len(sweep.points),
+        "runs": len(sweep.runs),
+        "done": sweep.count("done"),
+        "failed": sweep.count("failed"),
+        "planned": sweep.count("planned"),
+        "bytes": sum(file.stat().st_size for file in folder.rglob("*") if file.is_file()),
+        "figures": list(sweep.figures),
+        "summaries": list(sweep.summaries),
+        "failures": [
+            {"run_id": each.run_id, "values": dict(each.values), "replicate": each.replicate, "reason": each.reason}
+            for each in sweep.failures
+        ],
+    }
+
+
+def estimates_as_json(sweep: "SweepResult", names: Sequence[str], over: str | None = None) -> list[dict[str, Any]]:
+    """Return figures of each point over its replicates with their 95 % intervals, and ratios ``over`` other points.
+
+    Raises Refused for a figure that no run has, and for what is not KEY=VALUE of a point.
+    """
+    if unknown := [name for name in names if name not in sweep.figures]:
+        raise Refused(f'"{unknown[0]}": no figure of this sweep; there are {", ".join(sweep.figures) or "none yet"}')
+    found: list[dict[str, Any]] = [{"values": values, "figures": {}} for values in sweep.values]
+    for name in names:
+        for point, estimate in zip(found, sweep.estimates(name), strict=True):
+            point["figures"][name] = _interval(estimate)
+    if over is None:
+        return found
+    key, value = _swept_value(sweep, over)
+    for point in found:
+        point["over"] = {}
+    for name in names:
+        try:
+            ratios = sweep.ratios(name, key, value)
+        except ValueError as problem:
+            raise Refused(
+                f"--over {over}: {problem}, and all else as at another; keys that go side by side change together"
+            ) from problem
+        for point, estimate in zip(found, ratios, strict=True):
+            point["over"][name] = _interval(estimate)
+    return found
+
+
+def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
+    """Return the key and the value, as written in the file, of KEY=VALUE."""
+    key, _, text = over.partition("=")
+    if key not in sweep.keys:
+        raise Refused(f"--over {over}: not KEY=VALUE with a swept key; swept: {', '.join(sweep.keys)}")
+    written = list(dict.fromkeys(str(values[key]) for values in sweep.values))
+    if text not in written:
+        raise Refused(f'--over {over}: no point has the value "{text}"; there are {", ".join(written)}')
+    return key, next(values[key] for values in sweep.values if str(values[key]) == text)
+
+
+def _interval(estimate: "Pooled") -> dict[str, float | int | None]:
+    """Return value, standard error, 95 % interval and the number of runs; None for what is not known."""
+    numbers = {
+        "value": estimate.value,
+        "standard_error": estimate.standard_error,
+        "low": estimate.value - estimate.reach,
+        "high": estimate.value + estimate.reach,
+    }
+    told: dict[str, float | int | None] = {name: each if isfinite(each) else None for name, each in numbers.items()}
+    return {**told, "runs": estimate.runs}
+
+
+def format_sweep(answer: Mapping[str, Any]) -> list[str]:
+    """Return the same as lines to print."""
+    states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
+    lines = [
+        sentence(f"{answer['folder']}: {printable(answer['title'])}"),
+        line("written by", f"{answer['source']}, {answer['written']}"),
+        line("command", answer["command"], whole=True),
+        line("points", grouped(answer["points"])),
+        line("runs", f"{grouped(answer['runs'])}: {states}"),
+        line("size", size(answer["bytes"])),
+        *(line("swept", key) for key in answer["grid"]),
+        *(line("swept in parallel", key) for key in answer["side_by_side"]),
+        line("figures of each run", ", ".join(answer["figures"])),
+    ]
+    lines += ["", *format_failures(answer["failures"])] if answer["failures"] else []
+    return lines + (["", *_estimate_lines(answer["estimates"])] if "estimates" in answer else [])
+
+
+def _estimate_lines(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield a line for each figure of each point, below the swept values."""
+    for point in points:
+        yield sentence(printable(", ".join(f"{key} = {value}" for key, value in point["values"].items())))
+        for name, told in point["figures"].items():
+            over = point.get("over", {}).get(name, {"runs": 0})
+            # A point over itself is 1, which needs no telling.
+            ratio = f"; ratio {_with_interval(over)}" if over["runs"] and over["standard_error"] != 0.0 else ""
+            runs = f" ({told['runs']} runs)" if told["runs"] else ""
+            yield line(name.replace("_", " "), f"{_with_interval(told)}{runs}{ratio}")
+
+
+def _with_interval(told: Mapping[str, Any]) -> str:
+    """Return a value to two digits of the 95 % interval about it."""
+    if told["value"] is None:
+        return "not known"
+    if told["low"] is None:
+        return f"{told['value']:.5g}"
+    reach = 0.5 * (told["high"] - told["low"])
+    if reach == 0.0:
+        return f"{told['value']:g}"
+    places = max(1 - floor(log10(reach)), 0)
+    return f"{told['value']:.{places}f} +- {reach:.{places}f}"

@@ -1,13 +1,22 @@
 """`rubnoise junction`: one life in words and numbers, as a curve, or as a picture."""
 
+import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from rubnoise.cli.layout import filled, grouped, number, printable, table_row
+
 if TYPE_CHECKING:
     from rubnoise.analysis.life import Life
+    from rubnoise.record.rows import JunctionState
+
+
+SETTINGS: Final = {"context_settings": {"ignore_unknown_options": True}}
+"""Unknown options pass, so that the row number -1 gets its own answer; the command refuses the others."""
 
 
 def command(
@@ -32,30 +41,25 @@ def command(
 
     Example: rubnoise junction fig5.h5 17 --plot
     """
-    import json
-
     from rubnoise.analysis.life import life_of
-    from rubnoise.cli import junction_text
-    from rubnoise.cli.results import finished_run
+    from rubnoise.cli.loading import finished_run
 
-    _check_wishes(picture, plot=plot, force=force, as_csv=as_csv, as_json=as_json)
+    _check_options(picture, plot=plot, force=force, as_csv=as_csv, as_json=as_json)
     row = _row(number)
     with finished_run(file) as run:
         life = life_of(run, row)
         if plot:
             _draw(life, file, picture or Path(f"{file.stem}_junction{life.number}.png"), force=force)
         elif as_json:
-            print(json.dumps(contents(life, file)))
+            print(json.dumps(life_as_json(life, file)))
         elif as_csv:
-            print("\n".join(junction_text.curve_lines(life)))
+            print("\n".join(curve_lines(life)))
         else:
-            print("\n".join(junction_text.described(life, file)))
+            print("\n".join(format_life(life, file)))
 
 
-def contents(life: "Life", file: Path) -> dict[str, Any]:
+def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
     """Return everything about a life, by name; what the run does not have, or the life did not reach, is None."""
-    from rubnoise.cli.junction_text import state_names
-
     middle = life.mid_life_distance
     return {
         "file": str(file),
@@ -91,7 +95,7 @@ def _number(value: Any) -> float | None:
     return None if value is None else float(value)
 
 
-def _check_wishes(picture: Path | None, *, plot: bool, force: bool, as_csv: bool, as_json: bool) -> None:
+def _check_options(picture: Path | None, *, plot: bool, force: bool, as_csv: bool, as_json: bool) -> None:
     if as_csv + as_json + plot > 1:
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
@@ -109,7 +113,6 @@ def _row(number: str) -> int:
 
 
 def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
-    from rubnoise.cli.layout import printable
     from rubnoise.figures.life import life_png
     from rubnoise.storage.output import check_output, whole_file
 
@@ -118,3 +121,98 @@ def _draw(life: "Life", file: Path, path: Path, *, force: bool) -> None:
     with whole_file(path, force=force) as part:
         part.write_bytes(picture)
     print(path)
+
+
+UNITS = {"distance": "um", "time": "s", "area": "um^2", "force": "uN"}
+STATES = {
+    "alive_at_start": "alive at the start",
+    "alive_at_end": "alive at the end",
+    "ended_early": "ended early",
+    "complete": "a complete life",
+}
+MOST_NAMED = 60
+"""Others named on the terminal; --json names all."""
+
+
+def state_names(state: "JunctionState") -> list[str]:
+    """Return the names of a state's bits as the file has them, ``complete`` where there are none."""
+    return [str(bit.name).lower() for bit in state] or ["complete"]
+
+
+def curve_lines(life: "Life") -> Iterator[str]:
+    """Yield the curve as a table with commas, the units in its heading; every number reads back to the same bits."""
+    curve = life.curve()
+    yield ",".join(f"{name}_{UNITS[name].replace('^', '')}" for name in curve)
+    for values in zip(*(column.tolist() for column in curve.values()), strict=True):
+        yield ",".join(map(repr, values))
+
+
+def format_life(life: "Life", file: Path) -> Iterator[str]:
+    """Yield the life in words and numbers."""
+    state = ", ".join(STATES[name] for name in state_names(life.state))
+    yield f"{printable(str(file))}: junction {life.number} of 0 to {life.rows - 1}, {state}"
+    yield ""
+    yield from _event_lines(life)
+    yield ""
+    yield _line("diameter", life.diameter, "um")
+    yield _line("area at full overlap", life.max_area, "um^2")
+    if life.shear_strength is not None:
+        yield _line("shear strength", life.shear_strength, "MPa")
+    yield ""
+    yield from _peak(life)
+
+
+def _event_lines(life: "Life") -> Iterator[str]:
+    yield _event("birth", life, life.birth_distance)
+    middle = life.mid_life_distance
+    yield _event("mid-life", life, middle) if middle is not None else "  mid-life    not reached"
+    yield _event("death", life, life.death_distance)
+    length = _line("life", life.life_distance, "um")
+    if life.birth_time is not None and life.death_time is not None:
+        length = f"{length:<31}{number(life.death_time - life.birth_time):>14} s"
+    yield length
+
+
+def _event(name: str, life: "Life", distance: float) -> str:
+    time = life.time(distance)
+    after = "" if time is None else f"{number(float(time)):>14} s"
+    if distance < 0.0:
+        after += "   before the start"
+    elif distance > life.record_end:
+        after += "   after the end"
+    return table_row(f"{_line(name, distance, 'um'):<31}", after)
+
+
+def _line(name: str, value: float, unit: str, after: str = "") -> str:
+    return table_row(f"  {name:<22}{number(value):>13} {unit}", after)
+
+
+def _peak(life: "Life") -> Iterator[str]:
+    yield f"at {_peak_occasion(life)}, {number(life.peak_distance)} um"
+    yield _line("its area", life.peak_area, "um^2", f"   {_percent(life.area_share)} of the contact")
+    yield _line("real contact area", life.real_contact_area, "um^2")
+    if life.peak_force is not None and life.friction_force is not None and life.force_share is not None:
+        yield _line("its force", life.peak_force, "uN", f"   {_percent(life.force_share)} of the friction force")
+        yield _line("friction force", life.friction_force, "uN")
+    yield from _neighbour_lines(life)
+
+
+def _peak_occasion(life: "Life") -> str:
+    if life.peak_distance == life.mid_life_distance:
+        return "its peak, mid-life"
+    if life.peak_distance == life.death_distance:
+        return "its peak, just before it was ended"
+    return f"its largest in the record, at the {'end' if life.peak_distance == life.record_end else 'start'}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
+
+
+def _neighbour_lines(life: "Life") -> Iterator[str]:
+    rows = life.beside.rows
+    yield f"  alive beside it: {grouped(rows.size)}" + (", row numbers" if rows.size else "")
+    named = ", ".join(str(row) for row in rows[:MOST_NAMED].tolist())
+    more = f" and {grouped(rows.size - MOST_NAMED)} more (--json names all)" if rows.size > MOST_NAMED else ""
+    if rows.size:
+        yield filled(named + more, "    ", "    ")

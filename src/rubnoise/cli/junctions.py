@@ -1,9 +1,23 @@
-"""`rubnoise junctions`: the rows of a result that a condition chooses, in the order asked for."""
+"""`rubnoise junctions`: the rows of a result that meet a condition, as text, CSV or JSON."""
 
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import typer
+
+from rubnoise.cli.junction import state_names
+from rubnoise.cli.layout import grouped, groups_that_fit, number, printable
+from rubnoise.errors import Refused
+
+if TYPE_CHECKING:
+    from rubnoise.analysis.selection import RowNumbers
+    from rubnoise.analysis.where_tree import Node
+    from rubnoise.record.reader import Rows
+    from rubnoise.storage.schema import Column
 
 ROWS_SHOWN = 20
 """Rows printed as text where nobody said how many."""
@@ -35,8 +49,7 @@ def command(
 
     Example: rubnoise junctions fig5.h5 --where "diameter > 6 um" --sort life_distance --head 10
     """
-    from rubnoise.cli.junction_rows import Found, print_csv, print_json, print_text
-    from rubnoise.cli.results import finished_run
+    from rubnoise.cli.loading import finished_run
 
     if as_csv and as_json:
         raise typer.BadParameter("only one of --csv and --json")
@@ -44,7 +57,152 @@ def command(
     if head is None and show is print_text:
         head = ROWS_SHOWN
     with finished_run(file) as run:
-        found = Found.of(
+        found = ChosenRows.of(
             run, file, where=where, sort=sort, reverse=reverse, head=head, columns=columns, brief=show is print_text
         )
         show(found)
+
+
+BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
+"""What fits a terminal; columns that are asked about join them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChosenRows:
+    """Rows in the order asked for, how many there are in all, and the columns to print."""
+
+    run: "Rows"
+    path: Path
+    where: str | None
+    sort: str | None
+    rows: "RowNumbers"
+    total: int
+    columns: "tuple[Column, ...]"
+
+    @classmethod
+    def of(
+        cls,
+        run: "Rows",
+        path: Path,
+        *,
+        where: str | None,
+        sort: str | None,
+        reverse: bool,
+        head: int | None,
+        columns: str | None,
+        brief: bool,
+    ) -> Self:
+        """Find the rows; raises Refused for a condition or a column that is none."""
+        from rubnoise.analysis.selection import select
+        from rubnoise.analysis.where import condition
+        from rubnoise.storage.schema import JUNCTIONS
+
+        there = tuple(column for column in JUNCTIONS.columns if column.name in run.columns["junctions"])
+        tree = None if where is None else condition(where, there)
+        by = None if sort is None else _column_named(sort.removeprefix("-"), "--sort", there).name
+        wanted = _chosen_columns(columns, there, _named_columns(tree, by) if brief else None)
+        descending = reverse != (sort is not None and sort.startswith("-"))
+        rows, total = select(run, tree, sort=by, descending=descending, head=head)
+        told = f"-{by or 'junction'}" if descending else by
+        return cls(run=run, path=path, where=where, sort=told, rows=rows, total=total, columns=wanted)
+
+    def values(self) -> Iterator[tuple[Any, ...]]:
+        """Yield the values of each row as numbers of Python."""
+        from rubnoise.analysis.selection import gather
+
+        names = [column.name for column in self.columns]
+        for chunk in gather(self.run, self.rows, names):
+            yield from zip(*(chunk[name].tolist() for name in names), strict=True)
+
+
+def print_csv(found: ChosenRows) -> None:
+    """Print a heading of names with units, then a line a row, every number to its last bit."""
+    from rubnoise.storage.export_csv import heading
+
+    print(",".join(map(heading, found.columns)))
+    for row in found.values():
+        print(",".join(map(repr, row)))
+
+
+def print_json(found: ChosenRows) -> None:
+    """Print one JSON object, a line a row, written as it is read."""
+    from rubnoise.record.rows import JunctionState
+
+    about: dict[str, Any] = {"file": str(found.path), "where": found.where, "sort": found.sort}
+    about |= {"rows": found.run.rows("junctions"), "matched": found.total}
+    names = [column.name for column in found.columns]
+    print(json.dumps(about)[:-1] + ', "junctions": [', end="")
+    for i, row in enumerate(found.values()):
+        told: dict[str, Any] = {
+            name: value if isfinite(value) else None for name, value in zip(names, row, strict=True)
+        }
+        if "state" in told:
+            told["state"] = state_names(JunctionState(told["state"]))
+        print(",\n" if i else "\n", json.dumps(told), sep="", end="")
+    print("]}")
+
+
+def print_text(found: ChosenRows) -> None:
+    """Print the rows in columns below their names and units, and how many more there are."""
+    all_rows = grouped(found.run.rows("junctions"))
+    print(f"{printable(str(found.path))}: {grouped(found.total)} of {all_rows} junctions")
+    if found.rows.size:
+        print()
+        print("\n".join(_table(found)))
+    if found.total > found.rows.size:
+        print(f"\n  and {grouped(found.total - found.rows.size)} more (--head N for more, --csv for all)")
+
+
+def _table(found: ChosenRows) -> Iterator[str]:
+    cells = [[_cell(c.name, value) for c, value in zip(found.columns, row, strict=True)] for row in found.values()]
+    names = [column.name for column in found.columns]
+    units = ["" if column.units == "1" else column.units for column in found.columns]
+    widths = [max(map(len, column)) + 2 for column in zip(names, units, *cells, strict=True)]
+    for place, group in enumerate(groups_that_fit(widths)):
+        if place:
+            yield ""
+        for line in (names, units, *cells):
+            if not place or any(line[n] for n in group):  # no line of units where none has one
+                yield "".join(_aligned(names[n], line[n], widths[n]) for n in group).rstrip()
+
+
+def _aligned(name: str, cell: str, width: int) -> str:
+    return f"  {cell.ljust(width - 2)}" if name == "state" else cell.rjust(width)
+
+
+def _cell(name: str, value: float) -> str:
+    if name == "state":
+        from rubnoise.record.rows import JunctionState
+
+        return ", ".join(state_names(JunctionState(int(value))))
+    return str(value) if isinstance(value, int) else number(value)
+
+
+def _named_columns(tree: "Node | None", sort: str | None) -> frozenset[str]:
+    return frozenset(() if tree is None else tree.columns) | frozenset(() if sort is None else (sort,))
+
+
+def _chosen_columns(
+    columns: str | None, there: "tuple[Column, ...]", asked: frozenset[str] | None
+) -> "tuple[Column, ...]":
+    if columns is not None:
+        names = [name.strip() for name in columns.split(",")]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise Refused(f"--columns: {printable(twice) or 'nothing'} is named twice")
+        return tuple(_column_named(name, "--columns", there) for name in names)
+    if asked is None:
+        return there
+    return tuple(column for column in there if column.name in asked.union(BRIEF))
+
+
+def _column_named(name: str, option: str, there: "tuple[Column, ...]") -> "Column":
+    from rubnoise.analysis.where import did_you_mean
+    from rubnoise.storage.schema import JUNCTIONS
+
+    for column in there:
+        if column.name == name:
+            return column
+    if any(column.name == name for column in JUNCTIONS.columns):
+        raise Refused(f"{option}: this run has no {name}; it has {', '.join(column.name for column in there)}")
+    raise Refused(f"{option}: no column {printable(name)}; {did_you_mean(name, (column.name for column in there))}")

@@ -1,10 +1,83 @@
-"""How figures are laid out on a terminal: a label, a value, a unit."""
+"""How text is laid out: lines of a label, a value and a unit, tables, and the width of the terminal."""
 
-from collections.abc import Iterable
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from math import isfinite
+from textwrap import fill
+from typing import TYPE_CHECKING, TextIO
 
-from rubnoise.analysis.agreement import Agreement
-from rubnoise.cli.terminal import filled, headed, width
+if TYPE_CHECKING:
+    from rubnoise.analysis.agreement import Agreement
+
+WIDTH = 80
+"""Columns of text that goes to no terminal."""
+
+NARROWEST = 40
+"""Columns below which nothing is laid out any narrower."""
+
+
+def columns_of(stream: TextIO) -> int | None:
+    """Return the columns of the terminal behind a stream, None where there is none; COLUMNS in the environment wins."""
+    with suppress(ValueError):
+        if (wanted := int(os.environ.get("COLUMNS", ""))) > 0:
+            return wanted
+    try:
+        # A terminal that does not know its size says 0.
+        return os.get_terminal_size(stream.fileno()).columns or None
+    except (OSError, ValueError):
+        return None
+
+
+def width() -> int:
+    """Return the columns of text on standard output."""
+    return max(columns_of(sys.stdout) or WIDTH, NARROWEST)
+
+
+def filled(text: str, first: str = "", others: str = "") -> str:
+    """Return a text in lines of the terminal's width, broken between words, with what each begins with."""
+    return fill(
+        text, width(), initial_indent=first, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
+    )
+
+
+def sentence(text: str) -> str:
+    """Return a sentence broken between words on a terminal, and in one line elsewhere."""
+    return text if columns_of(sys.stdout) is None else filled(text, "", "  ")
+
+
+def table_row(label: str, numbers: str) -> str:
+    """Return a row of a table, its label above its numbers where the terminal is too narrow for both in a line.
+
+    Both come padded to the widths that they have in every row, so that all rows are broken or none.
+    """
+    most = columns_of(sys.stdout)
+    if most is None or len(label) + len(numbers) <= most:
+        return (label + numbers).rstrip()
+    return "\n".join(part.rstrip() for part in (label, f"  {numbers}") if part.strip())
+
+
+def groups_that_fit(widths: Sequence[int]) -> list[list[int]]:
+    """Return the numbers of the columns of a table in groups that fit a terminal, each beginning with the first column.
+
+    Elsewhere than on a terminal they are one group, for programs that read a row a line.
+    """
+    most = columns_of(sys.stdout)
+    groups = [[0]]
+    for number in range(1, len(widths)):
+        taken = sum(widths[each] for each in groups[-1]) + widths[number]
+        if most is not None and taken > max(most, NARROWEST) and len(groups[-1]) > 1:
+            groups.append([0])
+        groups[-1].append(number)
+    return groups
+
+
+def cut(text: str, stream: TextIO) -> str:
+    """Return a line, without its end where that would run over: a broken line is not written over by the next one."""
+    columns = columns_of(stream)
+    return text if columns is None else text[: columns - 1]
+
 
 LABEL_WIDTH, SHORTER_LABEL_WIDTH, NARROW = 30, 25, 72
 """Columns of labels before their values, and the same on terminals of fewer columns than the last."""
@@ -105,19 +178,19 @@ def too_short_for_motion(decays: float, needed: float) -> str:
     )
 
 
-def agreement_table(figures: Iterable[Agreement]) -> list[str]:
+def agreement_table(figures: Iterable["Agreement"]) -> list[str]:
     """Return a table of measured beside exact figures, with z-scores where there are any."""
-    heading = headed(f"  {'':<33}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}")
+    heading = table_row(f"  {'':<33}", f"{'measured':>13}{'exact':>14}{'std error':>11}{'z':>7}")
     return [heading, *map(_row, figures)]
 
 
-def _row(figure: Agreement) -> str:
+def _row(figure: "Agreement") -> str:
     unit = "" if figure.name.endswith(("skewness", "kurtosis")) else _unit(figure.name)
     label = printable(figure.name).replace("one_way", "one-way").replace("_", " ") + (f" ({unit})" if unit else "")
     expected = "" if figure.expected is None else number(figure.expected)
     error = "" if figure.standard_error is None else f"{figure.standard_error:.3g}"
     z = "" if figure.z is None else f"{figure.z:+.2f}"
-    return headed(f"  {label:<33}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}")
+    return table_row(f"  {label:<33}", f"{number(figure.observed):>13}{expected:>14}{error:>11}{z:>7}")
 
 
 def _unit(name: str) -> str:

@@ -1,10 +1,18 @@
-"""`rubnoise listen`: a run as sound."""
+"""`rubnoise listen`: a run as sound, and what of it can be heard."""
 
 from enum import StrEnum
+from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from rubnoise import __version__
+from rubnoise.cli.layout import grouped, line, number, remark, sentence
+from rubnoise.cli.progress import watching
+
+if TYPE_CHECKING:
+    from rubnoise.analysis.sound import Hearing, Level, Sound
 
 
 class What(StrEnum):
@@ -46,12 +54,8 @@ def command(
 
     Example: rubnoise listen fig5.h5 -o noise.wav --speed-up 10
     """
-    from math import isfinite
-
     from rubnoise.analysis.sound import Sound, level_of, samples_of
-    from rubnoise.cli.listen_text import comments, told
-    from rubnoise.cli.progress import watching
-    from rubnoise.cli.results import finished_run
+    from rubnoise.cli.loading import finished_run
     from rubnoise.storage.output import check_output, whole_file
     from rubnoise.storage.wave_file import check_length, write_wave
 
@@ -68,5 +72,69 @@ def command(
         level = level_of(sound, lambda: watcher(0.0, 0, 0))
         with whole_file(path, force=force) as part:
             panels = samples_of(sound, level, lambda: watcher(0.0, 0, 0))
-            write_wave(part, panels, samples=sound.samples, rate=sound.rate, texts=comments(sound, level))
-        print(*told(path, sound, level), sep="\n")
+            write_wave(part, panels, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
+        print(*format_sound(path, sound, level), sep="\n")
+
+
+def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
+    """Return the texts that a sound carries: title, what its samples stand for, and who wrote it."""
+    figures = {
+        "quantity": sound.what,
+        "unit": sound.units,
+        "full_scale": repr(level.full_scale),
+        "mean": repr(level.mean),
+        "speed_up": repr(sound.speed_up),
+        "sample_rate": str(sound.rate),
+        "run": sound.file.path.name,
+    }
+    return {
+        "INAM": str(sound.file.attributes["title"]) or sound.file.path.stem,
+        "ICMT": "; ".join(f"{name}={text}" for name, text in figures.items()),
+        "ISFT": f"rubnoise {__version__}",
+    }
+
+
+def format_sound(path: Path, sound: "Sound", level: "Level") -> list[str]:
+    """Return what was written, its scale, and what of it can be heard."""
+    from rubnoise.storage.wave_file import BITS
+
+    rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
+    return [
+        sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"),
+        line("speed-up", number(sound.speed_up)),
+        line("full scale", f"{number(level.full_scale)} {sound.units}, the loudest sample 3 dB below"),
+        line("mean, taken away", f"{number(level.mean)} {sound.units}"),
+        *_natural_lines(sound),
+        *_audible_lines(sound, level),
+    ]
+
+
+def _natural_lines(sound: "Sound") -> list[str]:
+    if sound.natural is None:
+        return []
+    return [line("natural frequency", f"{number(sound.natural)} Hz, heard at {sound.natural * sound.speed_up:.4g} Hz")]
+
+
+def _audible_lines(sound: "Sound", level: "Level") -> list[str]:
+    if level.spectrum is None:
+        return [remark("too short to estimate the audible part")]
+    from rubnoise.analysis.sound import Hearing
+
+    hearing = Hearing.of(level.spectrum)
+    lines = [
+        line("half of the power below", f"{hearing.middle:.3g} Hz"),
+        line("audible, 20 Hz to 20 kHz", f"{100.0 * hearing.audible:.3g} % of the power"),
+    ]
+    better = hearing.better(sound.speed_up)
+    return lines if better is None else [*lines, remark(_advice(hearing, sound.speed_up, better))]
+
+
+def _advice(hearing: "Hearing", speed_up: float, better: float) -> str:
+    """Return what to do about a sound that most ears and small loudspeakers miss."""
+    if hearing.audible < 0.01:
+        problem = "next to nothing of it can be heard"
+    elif hearing.middle < 100.0:
+        problem = "most of it is deeper than small loudspeakers go"
+    else:
+        problem = "most of it is higher than many can hear"
+    return f"{problem}; --speed-up {better:g} would bring the middle to {hearing.middle * better / speed_up:.3g} Hz"

@@ -1,15 +1,17 @@
-"""Reading a scenario for a command: overrides in, warnings on stderr, refusals raised."""
+"""Open what a command is about: a scenario with its overrides and warnings, a sweep, or a finished result."""
 
 import sys
-from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from rubnoise.errors import Refused
+from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.resume import refusal
 
 _HDF5 = b"\x89HDF"
 
@@ -73,3 +75,33 @@ def is_result(file: Path) -> bool:
     with suppress(OSError):
         return read_at_most(file, len(_HDF5)) == _HDF5
     return False
+
+
+@contextmanager
+def complete_run(path: Path) -> Iterator[RunFile]:
+    """Open a result file; raises RunFileRefused for one that is unfinished or that open_run refuses."""
+    with open_run(path) as file:
+        if not file.provenance["finished"]:
+            raise refusal(path)
+        yield file
+
+
+@contextmanager
+def finished_run(path: Path) -> Iterator[RunFile]:
+    """Open a result file; what is refused about it is told with its name.
+
+    Raises RunFileRefused for one that is unfinished, that open_run refuses, or whose values cannot be calculated with.
+    """
+    with complete_run(path) as file:
+        try:
+            yield file
+        except OutputRefused:
+            raise
+        except Refused as refused:
+            if str(refused).startswith((f"{path}: ", "--")):
+                raise
+            raise type(refused)(f"{path}: {refused}") from refused
+        except (ArithmeticError, ValueError, IndexError) as problem:
+            # Rows may hold anything: what no run has is nothing to calculate with.
+            reason = " ".join(str(problem).split())
+            raise RunFileRefused(f"{path}: {reason}; rubnoise verify says whether its values are sound") from problem

@@ -1,5 +1,8 @@
 """`rubnoise plot`: pictures of a run or of a sweep, simulation and theory in each."""
 
+import re
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
@@ -8,9 +11,14 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from rubnoise.cli.layout import printable
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.regular_file import is_folder
+
 if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.figures.motion_spectrum import Heard
+    from rubnoise.figures.style import Format
 
 
 class What(StrEnum):
@@ -41,7 +49,7 @@ OVERLAID = (What.SLIDER, What.PHASE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wish:
+class PictureRequest:
     """A picture of a run that is wanted: which one, whose spectrum, of which stretch in um, with which run over it."""
 
     what: What
@@ -74,7 +82,7 @@ DEFAULTS = ("displacement_std", "real_contact_area_std")
 
 def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
-    from rubnoise.figures.sweep_words import ALL
+    from rubnoise.figures.axis_labels import ALL
 
     return [name for name in (*What, *ALL) if name.startswith(incomplete)]
 
@@ -129,9 +137,6 @@ def command(
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
-    from rubnoise.cli.lengths import distance
-    from rubnoise.regular_file import is_folder
-
     ends = distance("--from", start), distance("--to", stop)
     _refuse_missing(file)  # which of the two it should have been says what may be drawn of it
     if is_folder(file):
@@ -139,13 +144,12 @@ def command(
             raise typer.BadParameter("--from, --to, --of and --with are for the pictures of one run")
         _plot_sweep(file, what, output, force=force)
     else:
-        wish = Wish(what=_picture(what), of=of, start=ends[0], stop=ends[1], beside=beside)
-        wish.check()
-        _plot_run(file, wish, output, force=force)
+        request = PictureRequest(what=_picture(what), of=of, start=ends[0], stop=ends[1], beside=beside)
+        request.check()
+        _plot_run(file, request, output, force=force)
 
 
 def _refuse_missing(file: Path) -> None:
-    from rubnoise.errors import RunFileRefused
 
     try:
         file.stat()
@@ -162,33 +166,29 @@ def _picture(what: str | None) -> What:
         raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'") from None
 
 
-def _plot_run(file: Path, wish: Wish, output: Path | None, *, force: bool) -> None:
-    from contextlib import ExitStack
+def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force: bool) -> None:
 
-    from rubnoise.cli.pictures import check_picture, write_picture
-    from rubnoise.cli.results import complete_run, finished_run
+    from rubnoise.cli.loading import complete_run, finished_run
     from rubnoise.figures.catalogue import picture
-    from rubnoise.figures.motion import naming
+    from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
 
-    path = output or Path(f"{file.stem}_{wish.name}.png")
+    path = output or Path(f"{file.stem}_{request.name}.png")
     check_picture(path, force=force)
     with finished_run(file) as run, ExitStack() as opened:
-        stretch = Stretch.of(run, wish.start, wish.stop)
+        stretch = Stretch.of(run, request.start, request.stop)
         other = None
-        if wish.beside is not None:
-            file_beside = opened.enter_context(complete_run(wish.beside))
-            with naming(f"--with {wish.beside}"):
+        if request.beside is not None:
+            file_beside = opened.enter_context(complete_run(request.beside))
+            with prefix_refusals(f"--with {request.beside}"):
                 other = Stretch.of(file_beside)
-        draw = partial(picture, wish.what.value, stretch, heard=wish.heard, beside=other)
+        draw = partial(picture, request.what.value, stretch, heard=request.heard, beside=other)
         write_picture(path, draw, force=force)
 
 
 def _plot_sweep(folder: Path, what: str | None, output: Path | None, *, force: bool) -> None:
     from rubnoise import api
-    from rubnoise.cli.pictures import check_picture, write_picture
-    from rubnoise.errors import Refused
-    from rubnoise.figures.study_of_sweep import study_of_sweep
+    from rubnoise.figures.study import study_of_sweep
     from rubnoise.figures.study_picture import study_picture
 
     with api.open_sweep(folder) as sweep:
@@ -204,3 +204,41 @@ def _plot_sweep(folder: Path, what: str | None, output: Path | None, *, force: b
 
 def _first(sweep: "SweepResult") -> str:
     return next((name for name in DEFAULTS if name in sweep.runs), DEFAULTS[-1])
+
+
+def distance(option: str, text: str | None) -> float | None:
+    """Return a sliding distance in um, which is what a number without a unit is in; None for none.
+
+    Raises Refused, naming the option, for what is no length.
+    """
+    from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
+
+    if text is None:
+        return None
+    try:
+        return float(read_quantity(f"{text} um" if re.fullmatch(NUMBER, text) else text, LENGTH))
+    except QuantityError as problem:
+        hint = f"; {problem.hint}" if problem.hint else ""
+        raise Refused(f"{option}: {printable(text)}: {problem}{hint}") from problem
+
+
+def check_picture(path: Path, *, force: bool) -> "Format":
+    """Return the format that a path's ending names; raises Refused where nothing may or can be written there."""
+    from rubnoise.figures.style import FORMATS
+    from rubnoise.storage.output import check_output
+
+    kind = next((kind for kind in FORMATS if path.suffix.lower() == f".{kind}"), None)
+    if kind is None:
+        raise typer.BadParameter(f"{printable(str(path))} ends in none of .png, .pdf and .svg")
+    check_output(path, force=force)
+    return kind
+
+
+def write_picture(path: Path, draw: "Callable[[Format], bytes]", *, force: bool) -> None:
+    """Draw a picture in the format of its file's ending, write the file whole or not at all, and print its name."""
+    from rubnoise.storage.output import whole_file
+
+    picture = draw(check_picture(path, force=force))
+    with whole_file(path, force=force) as part:
+        part.write_bytes(picture)
+    print(path)

@@ -1,4 +1,4 @@
-"""What a terminal shows while a run is under way, and how a signal stops it."""
+"""What a terminal shows during a run or a sweep, and how a signal stops it."""
 
 import signal
 import sys
@@ -7,14 +7,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, ParamSpec
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, ParamSpec, Self
 
-from rubnoise.cli.terminal import cut
+from rubnoise.cli.layout import cut
 from rubnoise.errors import RunStopped
 
 if TYPE_CHECKING:
     from rubnoise.storage.reader import RunFile
+    from rubnoise.sweep.conduct import SweepProgress
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _BETWEEN = 0.1
@@ -176,3 +177,79 @@ def clock(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+
+
+class StatusLine:
+    """Shows what it is told, each text in place of the one before; nothing at all where ``shown`` is False."""
+
+    def __init__(self, *, shown: bool) -> None:
+        """Begin with an empty line."""
+        self._shown = shown
+        self._width = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._width:
+            self.show("")
+            sys.stderr.write("\r")
+            sys.stderr.flush()
+
+    def show(self, text: str) -> None:
+        """Show a text in place of what is there."""
+        if self._shown:
+            text = cut(text, sys.stderr)
+            sys.stderr.write("\r" + text.ljust(self._width))
+            sys.stderr.flush()
+            self._width = len(text)
+
+
+class SweepWatcher:
+    """Told several times a second how far a sweep is: shows it, and raises RunStopped after a signal."""
+
+    def __init__(self, line: StatusLine) -> None:
+        """Watch a sweep that has not begun."""
+        self._line = line
+        self._began: float | None = None
+        self.stopped_by: int | None = None
+
+    def __call__(self, progress: "SweepProgress") -> None:
+        """Take note of how far the sweep is."""
+        if self.stopped_by is not None:
+            raise RunStopped(self.stopped_by)
+        self._began = self._began or time.monotonic()
+        self._line.show(_text(progress, time.monotonic() - self._began))
+
+    def interrupt(self, number: int, _frame: FrameType | None) -> None:
+        """Take note of a signal; obey it at once where nothing has begun, and leave at once at the second one."""
+        for each in SIGNALS:
+            signal.signal(each, signal.SIG_DFL)
+        self.stopped_by = number
+        if self._began is None:
+            raise RunStopped(number)
+
+
+def _text(progress: "SweepProgress", seconds: float) -> str:
+    ended = progress.done + progress.failed
+    text = f"{ended / max(progress.runs, 1):4.0%}  {ended:,} of {progress.runs:,} runs"
+    if progress.failed:
+        text += f", {progress.failed:,} failed"
+    if new := ended - progress.before:
+        text += f"  {clock(seconds * (progress.runs - ended) / new)} to go"
+    return text
+
+
+@contextmanager
+def watching_sweep(*, shown: bool) -> Iterator[SweepWatcher]:
+    """Watch a sweep; SIGINT and SIGTERM stop it within moments, a second one leaves at once."""
+    with StatusLine(shown=shown) as line:
+        watcher = SweepWatcher(line)
+        before = {each: signal.signal(each, watcher.interrupt) for each in SIGNALS}
+        try:
+            yield watcher
+        finally:
+            for each, handler in before.items():
+                signal.signal(each, handler)

@@ -1,16 +1,30 @@
-"""`rubnoise run`: a scenario file in, a result file out."""
+"""`rubnoise run` and `rubnoise resume`: a scenario file in, a result file out, and a few lines about it."""
 
+import json
 import sys
+import time
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.choices import engines
-from rubnoise.cli.progress import interrupted_at_once
+from rubnoise.cli import layout
+from rubnoise.cli.layout import duration, grouped, line, sentence, size
+from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
 
 if TYPE_CHECKING:
+    from rubnoise.api import Run
     from rubnoise.scenario import Scenario
+
+
+ENGINES: Final = ("events", "batch")
+
+
+def engines() -> tuple[str, ...]:
+    """Return the values of --engine, which shells complete; loading the scenario refuses others."""
+    return ENGINES
 
 
 @interrupted_at_once
@@ -54,24 +68,20 @@ def command(
     scenario = scenario_of(file, overrides(changes, seed=seed, engine=engine), quiet=quiet or as_json)
     path = Path(f"{file.stem}.h5") if output is None else output
     if dry_run:
-        _foresee(scenario, path, force=force, as_json=as_json, quiet=quiet)
+        _print_forecast(scenario, path, force=force, as_json=as_json, quiet=quiet)
     else:
         _run(scenario, path, force=force, as_json=as_json, quiet=quiet)
 
 
 def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
-    import time
 
     from rubnoise import api
-    from rubnoise.cli.outcome import tell
-    from rubnoise.cli.progress import announce_compilation, on_terminal, watching
-    from rubnoise.cli.starting import prepare_kernels
     from rubnoise.storage.output import check_output
 
     check_output(path, force=force, unfinished=True)
     prepare_kernels()
     if not force and not quiet:
-        _tell_of_going_on(scenario, path)
+        _announce_resume(scenario, path)
     shown = on_terminal() and not quiet and not as_json
     if shown:
         announce_compilation()
@@ -80,10 +90,10 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         watcher.counting()
         result = api.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
     with result:
-        tell(result, path, time.monotonic() - began, warnings=scenario.warnings, as_json=as_json, quiet=quiet)
+        print_result(result, path, time.monotonic() - began, warnings=scenario.warnings, as_json=as_json, quiet=quiet)
 
 
-def _tell_of_going_on(scenario: "Scenario", path: Path) -> None:
+def _announce_resume(scenario: "Scenario", path: Path) -> None:
     """Say on stderr that a run of this scenario did not finish there, and from where it goes on."""
     from rubnoise.api.resuming import interrupted
     from rubnoise.storage.resume import SUFFIX, look
@@ -93,11 +103,9 @@ def _tell_of_going_on(scenario: "Scenario", path: Path) -> None:
         print(f"{part}: resumes an unfinished run at {look(part).share:.0%}", file=sys.stderr)
 
 
-def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
-    import json
+def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:
 
-    from rubnoise.cli.foresight import told
-    from rubnoise.cli.layout import duration, grouped, line, size
+    from rubnoise.cli.derivation import budget_as_json
     from rubnoise.storage.forecast import check_disk_space, counted, expected
     from rubnoise.storage.output import check_output
 
@@ -105,7 +113,7 @@ def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, qu
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)
-    foreseen = told(budget)
+    foreseen = budget_as_json(budget)
     if as_json:
         print(json.dumps({"output": str(path), "dry_run": True} | foreseen | {"warnings": list(scenario.warnings)}))
     elif not quiet:
@@ -119,3 +127,98 @@ def _foresee(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, qu
             print(line("free disk", size(budget.disk_bytes)))
         print(line("memory", f"about {size(foreseen['peak_memory'])}"))
         print(line("time", duration(foreseen["seconds"])))
+
+
+@interrupted_at_once
+def resume(
+    part: Annotated[
+        Path,
+        typer.Argument(help="The part file of an unfinished run.", metavar="RUN.h5.part", show_default=False),
+    ],
+    *,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing result.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
+) -> None:
+    """Resume a run after a signal, a kill, a full disk or a power cut, with the same bits.
+
+    Example: rubnoise resume fig5.h5.part
+    """
+    from rubnoise import api
+    from rubnoise.api.resuming import distance_of
+
+    prepare_kernels()
+    shown = on_terminal() and not quiet and not as_json
+    began = time.monotonic()
+    distance = distance_of(part)
+    if shown:
+        announce_compilation()
+    with watching(distance, shown=shown) as watcher:
+        result = api.resume(part, force=force, watch=watcher)
+    with result:
+        print_result(result, part.with_suffix(""), time.monotonic() - began, as_json=as_json, quiet=quiet)
+
+
+def print_result(
+    result: "Run", path: Path, seconds: float, *, warnings: Sequence[str] = (), as_json: bool, quiet: bool
+) -> None:
+    """Print what became of a run that took so many seconds and lies at a path."""
+    if as_json:
+        _print_json(result, path, warnings)
+    elif not quiet:
+        _print_result(result, path, seconds)
+
+
+def _print_result(result: "Run", path: Path, seconds: float) -> None:
+
+    rows, ticks = layout.grouped(len(result.junctions)), layout.grouped(len(result.trace))
+    size = layout.size(path.stat().st_size)
+    print(sentence(f"{path}: {rows} junctions, {ticks} ticks, {size}, in {seconds:.1f} s"))
+    print("\n".join(layout.agreement_table(result.summary)))
+    for doubt in _doubts(result):
+        print(layout.remark(f"warning: {doubt}"), file=sys.stderr)
+
+
+def _doubts(result: "Run") -> list[str]:
+    """Return what makes the result doubtful, or what it is too short for."""
+    from rubnoise.analysis.summary import missing_for_motion
+
+    spread = [figure.observed for figure in result.summary if figure.name == "one_way_validity"]
+    doubts = [layout.one_way_warning(validity) for validity in spread if validity > layout.WORTH_A_WARNING]
+    missing = missing_for_motion(result.scenario.model())
+    return doubts if missing is None else [*doubts, layout.too_short_for_motion(missing.decays, missing.needed)]
+
+
+def _print_json(result: "Run", path: Path, warnings: Sequence[str]) -> None:
+
+    from rubnoise.analysis.agreement import as_json
+
+    answer = {
+        "output": str(path),
+        "seed": result.provenance["seed"],
+        "junctions": len(result.junctions),
+        "ticks": len(result.trace),
+        "bytes": path.stat().st_size,
+        "summary": as_json(result.summary),
+        "warnings": [*warnings, *_doubts(result)],
+    }
+    print(json.dumps(answer))
+
+
+_BLAS = "scipy.linalg.cython_blas"
+
+
+def prepare_kernels() -> None:
+    """Load numba's array functions without SciPy's linear algebra, which none of our kernels calls.
+
+    Only for a process that is all ours: compiled functions of other people could not multiply matrices in it.
+    """
+    if "numba.np.arraymath" in sys.modules or _BLAS in sys.modules:
+        return
+    modules: dict[str, Any] = sys.modules
+    modules[_BLAS] = None  # so that its import fails, as where there is no SciPy
+    try:
+        with suppress(ImportError):
+            import numba.np.arraymath  # noqa: F401
+    finally:
+        del modules[_BLAS]

@@ -1,13 +1,15 @@
 """`rubnoise sweep`: every run of a sweep that is not done yet, and an index of them all."""
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rubnoise.cli.choices import engines
-from rubnoise.cli.progress import interrupted_at_once
+from rubnoise.cli.layout import grouped, printable, remark
+from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching_sweep
+from rubnoise.cli.run import engines
 
 if TYPE_CHECKING:
     from rubnoise.scenario.sweep import Sweep
@@ -81,8 +83,6 @@ def command(
     """
     from rubnoise.api.sweeping import carry_out
     from rubnoise.cli.loading import overrides, sweep_of
-    from rubnoise.cli.progress import announce_compilation, on_terminal
-    from rubnoise.cli.sweep_progress import watching_sweep
 
     security = _security(authority, certificate, key, cluster)
     sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
@@ -101,7 +101,7 @@ def command(
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
-    _tell(sweep, place, ending, merged=_merged(place) if merge else None, as_json=as_json, quiet=quiet)
+    _print_outcome(sweep, place, ending, merged=_merged(place) if merge else None, as_json=as_json, quiet=quiet)
     if ending.known.count("failed"):
         raise typer.Exit(1)
 
@@ -126,21 +126,20 @@ def _merged(folder: Path) -> Path:
     return merge(SweepFolder(folder))
 
 
-def _tell(
+def _print_outcome(
     sweep: "Sweep", folder: Path, ending: "SweepOutcome", *, merged: Path | None, as_json: bool, quiet: bool
 ) -> None:
-    import json
 
-    answer = contents(sweep, folder, ending, merged)
+    answer = outcome_as_json(sweep, folder, ending, merged)
     if as_json:
         print(json.dumps(answer))
     elif not quiet:
-        print("\n".join(described(answer)))
+        print("\n".join(format_outcome(answer)))
     if answer["failures"] and not as_json:
-        print("\n".join(failures(answer["failures"])), file=sys.stderr)
+        print("\n".join(format_failures(answer["failures"])), file=sys.stderr)
 
 
-def contents(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged: Path | None) -> dict[str, Any]:
+def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged: Path | None) -> dict[str, Any]:
     """Return what became of a sweep, by name."""
     known = ending.known
     failed = [
@@ -171,10 +170,8 @@ def contents(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged: Path 
     }
 
 
-def described(answer: dict[str, Any]) -> list[str]:
+def format_outcome(answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print; failed runs are told apart."""
-    from rubnoise.cli.layout import grouped, remark
-
     states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
     lines = [f"{answer['folder']}: {grouped(answer['points'])} points, {grouped(answer['runs'])} runs: {states}"]
     if answer["merged"]:
@@ -185,10 +182,8 @@ def described(answer: dict[str, Any]) -> list[str]:
     return lines
 
 
-def failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
+def format_failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
     """Return a table of runs that failed."""
-    from rubnoise.cli.layout import grouped, printable
-
     lines = [f"{grouped(len(failed))} {'run' if len(failed) == 1 else 'runs'} failed; the same command tries again:"]
     for each in failed[:most]:
         where = ", ".join(part for part in (_values(each["values"]), f"replicate {each['replicate']}") if part)
@@ -197,6 +192,5 @@ def failures(failed: list[dict[str, Any]], most: int = 20) -> list[str]:
 
 
 def _values(values: dict[str, Any]) -> str:
-    from rubnoise.cli.layout import printable
 
     return printable(", ".join(f"{key} = {value}" for key, value in values.items()))

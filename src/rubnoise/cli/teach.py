@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from rubnoise.cli.layout import sentence, size
+
 if TYPE_CHECKING:
     from rubnoise.scenario import Scenario
 
@@ -30,8 +32,6 @@ def command(
 
     Example: rubnoise teach scenarios/paper/fig5.toml -o lesson.html
     """
-    from rubnoise.cli.layout import size
-    from rubnoise.cli.terminal import sentence
     from rubnoise.lesson.page import page
     from rubnoise.lesson.settings import settings_of
     from rubnoise.scenario.shipped import shipped
@@ -49,8 +49,7 @@ def command(
 def _read(source: Path) -> "tuple[Scenario, dict[str, Any] | None]":
     """Return the scenario, and of a finished result its junctions too."""
     from rubnoise import api
-    from rubnoise.cli.loading import is_result, scenario_of
-    from rubnoise.cli.results import finished_run
+    from rubnoise.cli.loading import finished_run, is_result, scenario_of
     from rubnoise.lesson.replay import record_of
 
     if not is_result(source):

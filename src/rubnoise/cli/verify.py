@@ -1,12 +1,17 @@
 """`rubnoise verify`: a result file asked whether every value in it is what it should be."""
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from rubnoise.cli.helping import Command
+from rubnoise.cli.commands import Command
+from rubnoise.cli.layout import grouped, printable, remark
+from rubnoise.cli.progress import StatusLine, on_terminal, watching_reads
+from rubnoise.errors import RunDiffers
+from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.analysis.verifying.findings import Check, Difference, Verification
@@ -29,6 +34,10 @@ class BareCount(Command):
         return super().parse_args(ctx, words)
 
 
+SETTINGS: Final = {"cls": BareCount}
+"""How the command is registered."""
+
+
 def command(
     file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
     *,
@@ -49,41 +58,31 @@ def command(
 
     Example: rubnoise verify fig5.h5 --regenerate
     """
-    import json
-
     from rubnoise.analysis.verification import verify
-    from rubnoise.cli.layout import printable
-    from rubnoise.cli.progress import on_terminal, watching_reads
-    from rubnoise.cli.results import finished_run
-    from rubnoise.errors import RunDiffers
-    from rubnoise.regular_file import is_folder
+    from rubnoise.cli.loading import finished_run
 
     if regenerate is not None and regenerate < 1:
         raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number of blocks; it is 1 or more")
     if is_folder(file):
-        found = _of_folder(file, regenerate or 0, shown=not as_json)
+        found = _verify_folder(file, regenerate or 0, shown=not as_json)
     else:
         with finished_run(file) as run, watching_reads(run, shown=on_terminal() and not as_json):
             found = verify(run, regenerate or 0)
-    print(json.dumps(contents(found, file)) if as_json else "\n".join(described(found, file)))
+    print(json.dumps(verification_as_json(found, file)) if as_json else "\n".join(format_verification(found, file)))
     if found.different:
-        raise RunDiffers(printable(f"{file}: differs: {_place(found)}"))
+        raise RunDiffers(printable(f"{file}: differs: {_first_place(found)}"))
 
 
-def _of_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
+def _verify_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
     """Ask a sweep folder, and say on a terminal how many of its runs have been looked at."""
     from rubnoise.api.verify_sweep import verify_sweep
-    from rubnoise.cli.progress import on_terminal
-    from rubnoise.cli.status import StatusLine
 
     with StatusLine(shown=shown and on_terminal()) as line:
-        return verify_sweep(folder, regenerate, lambda done, runs: line.tell(f"{done:,} of {runs:,} runs verified"))
+        return verify_sweep(folder, regenerate, lambda done, runs: line.show(f"{done:,} of {runs:,} runs verified"))
 
 
-def contents(found: "Verification", file: Path) -> dict[str, Any]:
+def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
     """Return a verification by name."""
-    from rubnoise.regular_file import is_folder
-
     return {
         "folder" if is_folder(file) else "file": str(file),
         "verified": not found.different,
@@ -93,11 +92,8 @@ def contents(found: "Verification", file: Path) -> dict[str, Any]:
     }
 
 
-def described(found: "Verification", file: Path) -> Iterator[str]:
+def format_verification(found: "Verification", file: Path) -> Iterator[str]:
     """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
-    from rubnoise.cli.layout import grouped, printable, remark
-    from rubnoise.regular_file import is_folder
-
     of_folder, of_file = "its description, its journals and its runs", "its hashes, its rows and its scenario"
     parts = of_folder if is_folder(file) else of_file
     yield f"{printable(str(file))}: compared with {parts}"
@@ -124,7 +120,7 @@ def _fields(check: "Check") -> dict[str, Any]:
     return fields | {"place": told.place, "found": told.found, "expected": told.expected} | row
 
 
-def _place(found: "Verification") -> str:
+def _first_place(found: "Verification") -> str:
     """Return the first place that has a row, since it says most, else the first one."""
     places = [check.first for check in found.different if check.first is not None]
     return str(next((place for place in places if place.row is not None), places[0]))

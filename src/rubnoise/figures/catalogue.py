@@ -3,18 +3,12 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from rubnoise.figures.acf import acf_figure
-from rubnoise.figures.count import count_figure
-from rubnoise.figures.histogram import histogram_figure
-from rubnoise.figures.landmarks import landmarks_figure
-from rubnoise.figures.lives import lives_figure
+from rubnoise.figures.area import count_figure, lives_figure, trace_figure
+from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
 from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
-from rubnoise.figures.phase import phase_figure
-from rubnoise.figures.psd import psd_figure
-from rubnoise.figures.slider import slider_figure
+from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import Format, as_bytes, house_style
-from rubnoise.figures.trace import trace_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

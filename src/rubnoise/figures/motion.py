@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from rubnoise.analysis.stick_slip import StickSlip, first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import printed
-from rubnoise.figures.stretch import MOST_READ, PANEL_ROWS, Stretch, thinned
-from rubnoise.figures.style import STUCK, shortened
+from rubnoise.figures.stretch import CHUNK_ROWS, MOST_READ, Stretch, thinned
+from rubnoise.figures.style import STUCK, one_line, shortened
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Reader
 
@@ -99,10 +98,10 @@ class Motion:
         place, value = thinned(self.file, "slider", name, self.first, self.last)
         return self.apart * place, value
 
-    def panels(self, name: str) -> Iterator[NDArray[Any]]:
+    def chunks(self, name: str) -> Iterator[NDArray[Any]]:
         """Yield a column as arrays of some rows."""
-        for begin in range(self.first, self.last, PANEL_ROWS):
-            yield self.file.column("slider", name, begin, min(begin + PANEL_ROWS, self.last))
+        for begin in range(self.first, self.last, CHUNK_ROWS):
+            yield self.file.column("slider", name, begin, min(begin + CHUNK_ROWS, self.last))
 
     def stick_slip(self) -> StickSlip:
         """Return the sticks and slips of a two-way slider, of a very long stretch those of its beginning."""
@@ -114,20 +113,20 @@ def motions_of(stretch: Stretch, beside: Stretch | None) -> list[Motion]:
     first = Motion.of(stretch)
     if beside is None:
         return [first]
-    with naming(f"--with {beside.file.path}"):
+    with prefix_refusals(f"--with {beside.file.path}"):
         return [first, Motion.of(beside)]
 
 
-def names_of(motions: Sequence[Motion]) -> list[str]:
+def labels_of(motions: Sequence[Motion]) -> list[str]:
     """Return what tells motions apart: how they are coupled, or else their files' names."""
     couplings = [f"{motion.slider.coupling} coupling" for motion in motions]
     if len(set(couplings)) == len(couplings):
         return couplings
-    return [shortened(printed(motion.file.path.name)) for motion in motions]
+    return [shortened(one_line(motion.file.path.name)) for motion in motions]
 
 
 @contextmanager
-def naming(what: str) -> Iterator[None]:
+def prefix_refusals(what: str) -> Iterator[None]:
     """Begin what is refused with what it is about."""
     try:
         yield

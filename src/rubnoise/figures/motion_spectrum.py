@@ -11,10 +11,9 @@ from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import NEAREST, entitle, legend_above
-from rubnoise.figures.motion import Motion, motions_of, names_of
+from rubnoise.figures.motion import Motion, labels_of, motions_of
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import BLUE, FAINT, VERMILION, logarithmic, new_figure
+from rubnoise.figures.style import BLUE, FAINT, NEAREST, VERMILION, add_title, legend_above, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of
 from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
@@ -90,7 +89,7 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
             needed = FEWEST_ROWS * (SEGMENTS + 1) / 2 * motion.apart
             raise Refused(f"a spectrum needs {needed:.3g} s of a {heard} that varies")
     figure = new_figure(7.2, 4.4)
-    entitle(figure, stretch, f"The spectrum of the {heard}", beside)
+    add_title(figure, stretch, f"The spectrum of the {heard}", beside)
     draw_spectra(figure.subplots(), list(zip(motions, filter(None, found), strict=True)), heard)
     return figure
 
@@ -101,18 +100,18 @@ def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:
     None for too few rows, and where nothing but rounding varies.
     """
     quantity = QUANTITIES[heard]
-    rows = 2 * (min(2 * (motion.last - motion.first) // (SEGMENTS + 1), _longest(motion)) // 2)
+    rows = 2 * (min(2 * (motion.last - motion.first) // (SEGMENTS + 1), _longest_segment(motion)) // 2)
     if rows < FEWEST_ROWS:
         return None
     total = WelchSum(rows, motion.apart)
-    for panel in motion.panels(quantity.column):
-        total.add(panel)
+    for chunk in motion.chunks(quantity.column):
+        total.add(chunk)
     seen = total.spectrum()
     rounding = NEAREST * quantity.still(motion.model) * response(motion.model).mean_displacement
     return seen if seen.power > rounding**2 else None
 
 
-def _longest(motion: Motion) -> int:
+def _longest_segment(motion: Motion) -> int:
     """Return the rows of a segment that is long enough: of many natural periods and, if it sticks, of many sticks."""
     duration = PERIODS / motion.slider.natural_frequency
     if motion.model.is_two_way:
@@ -133,8 +132,8 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
     highest = min(fastest, max(FARTHEST * natural, 10.0 * lowest))
     labels = [f"simulated ({found[0][1].segments} segments)"]
     if len(found) > 1:
-        labels = names_of([motion for motion, _ in found])
-    for (_, seen), label, look in zip(found, labels, looks(len(found)), strict=True):
+        labels = labels_of([motion for motion, _ in found])
+    for (_, seen), label, look in zip(found, labels, curve_styles(len(found)), strict=True):
         frequency = seen.wavenumber[1:] / (2.0 * pi)
         shown = frequency <= highest
         density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[1:] / (2.0 * pi)
@@ -165,7 +164,7 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Quantity, low
         axes.plot(frequency, exact, color=VERMILION, lw=1.0, **look)
 
 
-def looks(count: int) -> list[dict[str, Any]]:
+def curve_styles(count: int) -> list[dict[str, Any]]:
     """Return how the curves of one run, or of one and another over it, are drawn: the first broad and pale."""
     if count == 1:
         return [{"color": BLUE, "lw": 0.9}]

@@ -1,13 +1,16 @@
 """The figures of the paper, by name: what each shows, which scenarios it is made of, and how it is drawn."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from rubnoise.errors import Refused
-from rubnoise.figures.sources import Sources
+from rubnoise.figures.paper_junction import draw_fig2, draw_fig3
+from rubnoise.figures.paper_sources import Sources
+from rubnoise.figures.paper_spectra import draw_fig8, draw_fig9
+from rubnoise.figures.paper_spread import draw_fig7
+from rubnoise.figures.paper_traces import draw_fig4, draw_fig5, draw_fig6
 from rubnoise.figures.style import Format, as_bytes, house_style
 from rubnoise.scenario.sweep import load_either
 
@@ -17,11 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperFigure:
-    """One figure of the paper: its title, its caption, and the scenario files that it is made of."""
+    """One figure of the paper: title, caption, the scenario files that it is made of, and what draws it."""
 
     title: str
     caption: str
     scenarios: tuple[str, ...]
+    draw: Callable[[Sources], "Figure"]
 
 
 FIGURES: Final[dict[str, PaperFigure]] = {
@@ -32,6 +36,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "touch, their tops overlap in a lens (shaded), with the area of Eq. (2)."
         ),
         scenarios=("fig2.toml",),
+        draw=draw_fig2,
     ),
     "fig3": PaperFigure(
         title="Life history of a junction",
@@ -41,6 +46,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "πd²/8."
         ),
         scenarios=("fig3.toml",),
+        draw=draw_fig3,
     ),
     "fig4": PaperFigure(
         title="The real contact area as a sum of junctions",
@@ -49,6 +55,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "trace is their sum. The band is the exact standard deviation about the exact mean."
         ),
         scenarios=("fig4.toml",),
+        draw=draw_fig4,
     ),
     "fig5": PaperFigure(
         title="Excitation force and vibration",
@@ -58,6 +65,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "speed, so the example breaks its own assumption."
         ),
         scenarios=("fig5.toml",),
+        draw=draw_fig5,
     ),
     "fig6": PaperFigure(
         title="Traces for five numbers of junctions",
@@ -66,6 +74,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "The histograms show the whole runs, with the exact densities."
         ),
         scenarios=tuple(f"fig6_n{count}.toml" for count in (10, 20, 30, 40, 50)),
+        draw=draw_fig6,
     ),
     "fig7": PaperFigure(
         title="Standard deviation against the number of junctions",
@@ -74,6 +83,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "follow one law: 1.2298/√N for junctions of one size. This is the paper's non-linear decrease."
         ),
         scenarios=("fig7.toml",),
+        draw=draw_fig7,
     ),
     "fig8": PaperFigure(
         title="Spectral density of the real contact area",
@@ -83,6 +93,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "at the end comes only from the estimate: aliases of the ticks."
         ),
         scenarios=("fig8.toml",),
+        draw=draw_fig8,
     ),
     "fig9": PaperFigure(
         title="Spectral densities for five numbers of junctions",
@@ -91,6 +102,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
             "corner. Divided by variance and mean life, all spectra follow one curve."
         ),
         scenarios=("fig9.toml",),
+        draw=draw_fig9,
     ),
 }
 
@@ -125,7 +137,7 @@ def paper_figure(name: str, formats: Iterable[Format], sources: Sources) -> dict
     Raises ScenarioRefused for its scenarios, PicturesMissing without matplotlib.
     """
     with house_style():
-        figure: Figure = import_module(f"rubnoise.figures.{name}").draw(sources)
+        figure = FIGURES[name].draw(sources)
         # Once for all formats, so that none depends on which others are wanted.
         figure.draw_without_rendering()
         figure.set_layout_engine("none")

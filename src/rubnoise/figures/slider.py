@@ -1,13 +1,27 @@
-"""The friction force and the vibration that it excites, and the spectrum of the vibration beside the exact one."""
+"""The motion of the slider: force and displacement in time, its phase plane, and its slips and sticks."""
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, Final
 
-from rubnoise.figures.marks import entitle, exact_band, legend_above, not_too_near
-from rubnoise.figures.motion import Motion, motions_of, names_of, naming, shade_sticks
-from rubnoise.figures.motion_spectrum import draw_spectra, looks, spectrum_of
-from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import new_figure
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
+from rubnoise.figures.motion import Motion, labels_of, motions_of, prefix_refusals, shade_sticks
+from rubnoise.figures.motion_spectrum import curve_styles, draw_spectra, spectrum_of
+from rubnoise.figures.stretch import MOST_READ, Stretch
+from rubnoise.figures.style import (
+    BLUE,
+    INK,
+    VERMILION,
+    add_title,
+    exact_band,
+    legend_above,
+    logarithmic,
+    new_figure,
+    widen_if_constant,
+)
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.response import response
 
@@ -25,10 +39,10 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     the first at the same times. Raises Refused for a run without a slider.
     """
     whole = motions_of(stretch, beside)
-    shown = shown_together(stretch, whole)
+    shown = same_times(stretch, whole)
     seen = [(motion, spectrum) for motion in whole if (spectrum := spectrum_of(motion, "displacement")) is not None]
     figure = new_figure(7.2, 6.6 if seen else 4.2)
-    entitle(figure, stretch, "The friction force, and the vibration that it excites", beside)
+    add_title(figure, stretch, "The friction force, and the vibration that it excites", beside)
     heights = [1.0, 1.0, 1.5] if seen else [1.0, 1.0]
     force, place, *below = figure.subplots(len(heights), 1, height_ratios=heights)
     place.sharex(force)
@@ -45,7 +59,7 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     return figure
 
 
-def shown_together(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
+def same_times(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
     """Return the shown parts of motions: by default the beginning, and the same times of all of them.
 
     Raises Refused where one of them is over before another begins.
@@ -53,7 +67,7 @@ def shown_together(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
     first = motions[0] if stretch.chosen else motions[0].beginning()
     shown = [first]
     for other in motions[1:]:
-        with naming(f"--with {other.file.path}"):
+        with prefix_refusals(f"--with {other.file.path}"):
             shown.append(other.between(first.begin, first.end))
     return shown
 
@@ -61,21 +75,209 @@ def shown_together(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
 def _draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: float) -> None:
     first, alone = motions[0], len(motions) == 1
     if alone and not first.model.is_two_way:
-        mean, std = _exact(first, name)
+        mean, std = _exact_moments(first, name)
         exact_band(axes, scale * mean, scale * std)
-    labels = ["simulated"] if alone else names_of(motions)
-    for motion, label, look in zip(motions, labels, looks(len(motions)), strict=True):
+    labels = ["simulated"] if alone else labels_of(motions)
+    for motion, label, look in zip(motions, labels, curve_styles(len(motions)), strict=True):
         time, values = motion.curve(name)
         axes.plot(time, scale * values, label=label, **look)
     shade_sticks(axes, next((motion for motion in motions if motion.model.is_two_way), first))
     axes.set_xlim(first.begin, first.end)
-    not_too_near(axes)
+    widen_if_constant(axes)
 
 
-def _exact(motion: Motion, name: str) -> tuple[float, float]:
+def _exact_moments(motion: Motion, name: str) -> tuple[float, float]:
     """Return the exact mean and standard deviation of the force or the displacement in one-way coupling."""
     if name == "friction_force":
         force = force_cumulants(motion.model)
         return force.mean, force.std
     exact = response(motion.model)
     return exact.mean_displacement, exact.displacement_std
+
+
+MOST_ON_A_PATH: Final = 60_000
+"""Rows that are joined to a path; of more it would be a blot, and is drawn as a density alone."""
+
+BOXES: Final = (180, 140)
+SHADES: Final = ("#dcebf5", "#0072b2", "#04213a")
+"""From rarely to often; a grey printer keeps them in order."""
+
+COARSE: Final = 0.05
+"""Natural periods between two rows above which a path has corners that the motion has not."""
+
+HEADROOM: Final = 0.06
+"""Least room above the drive's speed, as a share of all speeds: a slider that sticks rides there."""
+
+COLUMNS: Final = ("displacement", "velocity")
+PLACE: Final = "displacement (µm)"
+SPEED: Final = "velocity (mm/s)"
+
+
+def phase_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
+    """Draw the path of a slider in the phase plane, and beside it where it is how often in the whole stretch.
+
+    A slider that sticks rides on the horizontal line at the drive's speed V. Of a one-way slider the ellipse of the
+    exact standard deviations is drawn. Another run is laid over the first at the same times, and no density is drawn.
+    Raises Refused for a run without a slider.
+    """
+    whole = motions_of(stretch, beside)
+    shown = same_times(stretch, whole)
+    first, more = shown[0], whole[0].last - whole[0].first
+    path, density = more <= MOST_ON_A_PATH or not stretch.chosen, len(whole) == 1 and first.last < whole[0].last
+    density |= not path
+    figure = new_figure(7.2, 4.2)
+    add_title(figure, stretch, "The phase plane of the slider", beside)
+    panes = figure.subplots(1, path + density, sharex=True, sharey=True, squeeze=False)[0].tolist()
+    if path:
+        _draw_path(panes[0], shown)
+    if density:
+        _draw_density(panes[-1], whole[0])
+    for axes in panes:
+        _mark_exact(axes, first, alone=len(whole) == 1)
+        axes.set_xlabel(PLACE)
+    panes[0].set_ylabel(SPEED)
+    low, high = panes[0].get_ylim()
+    panes[0].set_ylim(low, max(high, MILLI * first.speed + HEADROOM * (high - low)))
+    figure.legend(*panes[0].get_legend_handles_labels(), loc="outside lower right", ncols=3)
+    return figure
+
+
+def _draw_path(axes: "Axes", motions: Sequence[Motion]) -> None:
+    labels = ["simulated"] if len(motions) == 1 else labels_of(motions)
+    for motion, label, look in zip(motions, labels, curve_styles(len(motions)), strict=True):
+        place, speed = (motion.file.column("slider", name, motion.first, motion.last) for name in COLUMNS)
+        axes.plot(place, MILLI * speed, label=label, **look)
+    coarse = max(motions, key=lambda motion: motion.apart)
+    note = f", a row every {coarse.apart:.3g} s" if coarse.apart * coarse.slider.natural_frequency > COARSE else ""
+    axes.set_title(f"the path, {_time_range(motions[0])}{note}", fontsize=8.5)
+
+
+def _draw_density(axes: "Axes", motion: Motion) -> None:
+    """Draw which share of the time is spent in each small box of the plane, in logarithmic shades."""
+    from matplotlib.colors import LinearSegmentedColormap, LogNorm
+
+    share, edges = time_shares(motion)
+    shades = LinearSegmentedColormap.from_list("often", SHADES)
+    drawn = axes.pcolormesh(
+        edges[0],
+        MILLI * edges[1],
+        np.ma.masked_equal(share.T, 0.0),
+        cmap=shades,
+        norm=LogNorm(vmin=float(share[share > 0.0].min()), vmax=float(share.max())),
+        rasterized=True,
+    )
+    axes.set_title(f"how often it is where, {_time_range(motion)}", fontsize=8.5)
+    bar = axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="share of the time in a box")
+    logarithmic(bar.ax.yaxis)
+
+
+def _time_range(motion: Motion) -> str:
+    return f"{motion.begin:.4g} to {motion.end:.4g} s"
+
+
+def time_shares(motion: Motion) -> tuple[Doubles, tuple[Doubles, Doubles]]:
+    """Return the shares of the rows in boxes of the plane, and the boxes' edges in um and um/s."""
+    edges = tuple(_box_edges(motion, name, count) for name, count in zip(COLUMNS, BOXES, strict=True))
+    counts = np.zeros(BOXES)
+    for place, speed in zip(*(motion.chunks(name) for name in COLUMNS), strict=True):
+        counts += np.histogram2d(place, speed, bins=edges)[0]
+    return counts / counts.sum(), (edges[0], edges[1])
+
+
+def _box_edges(motion: Motion, name: str, count: int) -> Doubles:
+    low, high = np.inf, -np.inf
+    for chunk in motion.chunks(name):
+        low, high = min(low, float(chunk.min())), max(high, float(chunk.max()))
+    slack = 1e-9 * max(abs(low), abs(high), 1e-9) + 1e-3 * (high - low)
+    return np.linspace(low - slack, high + slack, count + 1)
+
+
+def _mark_exact(axes: "Axes", motion: Motion, *, alone: bool) -> None:
+    """Mark the drive's speed, and, about a one-way slider alone, the ellipse of the exact standard deviations."""
+    drive = MILLI * motion.speed
+    label = f"speed V of the drive, {drive:.4g} mm/s"
+    axes.axhline(drive, color=INK, lw=0.8, ls=(0, (1, 2)), zorder=0.5, label=label)
+    if motion.model.is_two_way or not alone:
+        return
+    exact = response(motion.model)
+    if isfinite(exact.displacement_std):
+        turn = np.linspace(0.0, 2.0 * np.pi, 200)
+        place = exact.mean_displacement + exact.displacement_std * np.cos(turn)
+        speed = MILLI * exact.velocity_std * np.sin(turn)
+        axes.plot(place, speed, color=VERMILION, lw=1.4, zorder=5, label="exact standard deviations")
+
+
+PER_DECADE: Final = 8
+"""Bins for each factor of ten."""
+
+MOST_DECADES: Final = 8
+
+
+def landmarks_figure(stretch: Stretch) -> "Figure":
+    """Draw how often slips of each length and sticks of each duration occur, in bins of equal ratio.
+
+    Beside them stand the mean diameter of a junction and the slider's natural period. Raises Refused for a run without
+    a two-way slider, and where it never sticks.
+    """
+    if not stretch.model.is_two_way:
+        raise Refused(
+            'the slider has no landmarks: only with slider.coupling = "two-way" does it stick and slip;'
+            " rubnoise plot RUN.h5 phase shows this one"
+        )
+    motion = Motion.of(stretch)
+    found = motion.stick_slip()
+    if not (found.slip_lengths.size or found.stick_times.size):
+        raise Refused(f"the slider ends no slip and no stick between {motion.begin:.4g} and {motion.end:.4g} s")
+    figure = new_figure(7.2, 3.6)
+    add_title(figure, stretch, f"How far the slider slips and how long it sticks{_part_shown(motion)}")
+    slips, sticks = figure.subplots(1, 2)
+    _draw_counts(slips, found.slip_lengths, "slip", "slip length", "µm", 1.0)
+    diameter = stretch.model.calibrated_diameter
+    longer = int((found.slip_lengths > diameter).sum())
+    _mark_reference(slips, diameter, f"mean diameter: {longer:,} longer")
+    _draw_counts(sticks, found.stick_times, "stick", "stick time", "ms", 1e3)
+    _mark_reference(sticks, 1e3 / motion.slider.natural_frequency, "natural period")
+    return figure
+
+
+def _part_shown(motion: Motion) -> str:
+    """Return that not all landmarks are shown, where they are not."""
+    total = motion.file.rows("landmarks")
+    return f", of its first {MOST_READ:,} landmarks" if total > MOST_READ else ""
+
+
+def _draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, scale: float) -> None:
+    """Draw how many of some values lie in each bin; those that are 0 are told in words."""
+    shown = scale * values[values > 0.0]
+    nothing = values.size - shown.size
+    axes.set_xlabel(f"{label} ({unit})")
+    axes.set_ylabel(f"number of {what}s")
+    if not values.size:
+        axes.set_ylim(0.0, 1.0)
+        axes.text(0.5, 0.5, f"no {what}s", transform=axes.transAxes, ha="center")
+    if shown.size:
+        edges = ratio_bins(shown)
+        name = f"{values.size:,} {what}{'s' * (values.size != 1)}" + (f", {nothing:,} of them 0" if nothing else "")
+        axes.hist(np.maximum(shown, edges[0]), bins=edges.tolist(), color=BLUE, alpha=0.55, lw=0.0, label=name)
+        median = scale * float(np.median(values))
+        axes.axvline(median, color=INK, lw=1.2, label=f"median {median:.3g} {unit}")
+        logarithmic(axes.xaxis)
+        axes.set_xlim(edges[0], edges[-1])
+    axes.locator_params(axis="y", integer=True)
+
+
+def ratio_bins(values: Doubles) -> Doubles:
+    """Return the edges of bins of equal ratio, a power of ten among them, that hold the largest of some values > 0."""
+    highest = np.ceil(PER_DECADE * np.log10(values.max()) + 1e-9)
+    lowest = max(np.floor(PER_DECADE * np.log10(values.min())), highest - PER_DECADE * MOST_DECADES)
+    return 10.0 ** (np.arange(lowest, highest + 1.0) / PER_DECADE)
+
+
+def _mark_reference(axes: "Axes", place: float, label: str) -> None:
+    """Mark a length or a time to compare with; where nothing is drawn there is nothing to compare."""
+    if axes.get_xscale() != "log":
+        return
+    low, high = axes.get_xlim()
+    axes.set_xlim(min(low, 0.8 * place), max(high, 1.25 * place))
+    axes.axvline(place, color=VERMILION, lw=1.2, ls=(0, (5, 3)), label=label)
+    legend_above(axes, columns=1)

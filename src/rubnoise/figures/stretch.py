@@ -1,4 +1,4 @@
-"""A stretch of a result that a picture shows, read in panels and thinned to what a picture can hold."""
+"""A stretch of a result that a picture shows, read in chunks and thinned to what a picture can hold."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from rubnoise.record.reader import Reader, Rows
 MOST_POINTS: Final = 3000
 """Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
 
-PANEL_ROWS: Final = 65_536
+CHUNK_ROWS: Final = 65_536
 MOST_READ: Final = 4_194_304
 """Rows that are read at once where a picture needs them together; what they tell changes little with more of them."""
 
@@ -89,7 +89,7 @@ class Stretch:
         last = floor(self.stop / self.model.tick + SLACK) + 1
         return first, min(last, self.file.rows(group))
 
-    def panels(self, group: str, name: str, rows: int = PANEL_ROWS) -> Iterator[NDArray[Any]]:
+    def chunks(self, group: str, name: str, rows: int = CHUNK_ROWS) -> Iterator[NDArray[Any]]:
         """Yield a column of the stretch as arrays of so many rows, the last one shorter."""
         first, last = self.rows(group)
         for begin in range(first, last, rows):
@@ -113,8 +113,8 @@ class Stretch:
         rows, first = self.file.rows("slider"), 0 if self.start == 0.0 else None
         if first == 0 and self.stop >= self.model.distance:
             return 0, rows
-        for begin in range(0, rows, PANEL_ROWS):
-            distance = self.file.column("slider", "distance", begin, min(begin + PANEL_ROWS, rows))
+        for begin in range(0, rows, CHUNK_ROWS):
+            distance = self.file.column("slider", "distance", begin, min(begin + CHUNK_ROWS, rows))
             if first is None and (reached := np.flatnonzero(distance >= self.start)).size:
                 first = begin + int(reached[0])
             if (passed := np.flatnonzero(distance > self.stop)).size:
@@ -125,17 +125,17 @@ class Stretch:
 def thinned(rows: Rows, group: str, name: str, first: int, last: int) -> tuple[Doubles, Doubles]:
     """Return numbers of rows and a column's values in them; of many rows only the extremes of each few.
 
-    However many there are, a panel is held at a time.
+    However many there are, a chunk is held at a time.
     """
     step = ceil((last - first) / MOST_POINTS)
     if step <= 2:
         return np.arange(first, last, dtype=np.float64), rows.column(group, name, first, last).astype(np.float64)
     # The lowest and the highest of twice as many rows make as many points.
     step *= 2
-    panel_rows, values = step * max(1, PANEL_ROWS // step), []
-    for begin in range(first, last, panel_rows):
-        panel = rows.column(group, name, begin, min(begin + panel_rows, last))
-        starts = np.arange(0, panel.size, step)
-        values.append(np.stack([np.minimum.reduceat(panel, starts), np.maximum.reduceat(panel, starts)], axis=-1))
+    chunk_rows, values = step * max(1, CHUNK_ROWS // step), []
+    for begin in range(first, last, chunk_rows):
+        chunk = rows.column(group, name, begin, min(begin + chunk_rows, last))
+        starts = np.arange(0, chunk.size, step)
+        values.append(np.stack([np.minimum.reduceat(chunk, starts), np.maximum.reduceat(chunk, starts)], axis=-1))
     places = np.repeat(np.arange(first, last, step) + 0.5 * (step - 1), 2)
     return places, np.concatenate(values).ravel().astype(np.float64)

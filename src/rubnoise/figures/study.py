@@ -1,17 +1,21 @@
-"""A quantity of a sweep against what is swept: its points in lines, and what theory says there and in between."""
+"""A study: one quantity of a sweep against what is swept, in lines of points with the exact curve through each."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from math import isfinite, nan
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from rubnoise.analysis.replicates import Pooled
+from rubnoise.analysis.replicates import Pooled, pooled
 from rubnoise.analysis.summary import expected_figure
+from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figures.axis_labels import ALL, shown_unit
 from rubnoise.scenario import Scenario, build
 from rubnoise.units import Quantity
 
@@ -95,11 +99,11 @@ def exact_curve(spots: Sequence[Spot], keys: Sequence[str], quantity: str) -> tu
 
 
 def _between(spots: Sequence[Spot], keys: Sequence[str], place: float, quantity: str) -> float:
-    changes = {key: _gone_along([spot.numbers[key] for spot in spots], spots, place) for key in keys[1:]}
+    changes = {key: _interpolated([spot.numbers[key] for spot in spots], spots, place) for key in keys[1:]}
     return exact_at(spots[0].scenario, {keys[0]: place, **changes}, quantity)
 
 
-def _gone_along(values: Sequence[float], spots: Sequence[Spot], place: float) -> float:
+def _interpolated(values: Sequence[float], spots: Sequence[Spot], place: float) -> float:
     places = np.array([spot.place for spot in spots])
     if places[0] > 0.0 and min(values) > 0.0:
         return float(np.exp(np.interp(np.log(place), np.log(places), np.log(values))))
@@ -111,7 +115,7 @@ def exact_at(scenario: Scenario, changes: Mapping[str, float], quantity: str) ->
     resolved = scenario.resolved()
     for key, value in changes.items():
         table, _, name = key.partition(".")
-        resolved[table] = resolved[table] | {name: _written(scenario, table, name, value)}
+        resolved[table] = resolved[table] | {name: _as_written(scenario, table, name, value)}
     try:
         return exact_of(build(resolved), quantity)
     except Refused:
@@ -126,7 +130,7 @@ def exact_of(scenario: Scenario, quantity: str) -> float:
         return nan
 
 
-def _written(scenario: Scenario, table: str, name: str, value: float) -> Any:
+def _as_written(scenario: Scenario, table: str, name: str, value: float) -> Any:
     """Return a value as the key has it: a number, or a quantity of the same kind."""
     there = getattr(getattr(scenario, table), name)
     return Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
@@ -141,3 +145,133 @@ def line_of(label: str, spots: Sequence[Spot], *, curve: Curve | None) -> Line:
     """Return a line through points, which are put in order; no curve goes through a single one."""
     inorder = sorted(spots, key=lambda spot: spot.place)
     return Line(label=label, spots=tuple(inorder), curve=curve(inorder) if curve and len(inorder) > 1 else None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PointRuns:
+    """One point of a sweep and the quantity in each of its runs, nan where a run has none.
+
+    ``values`` are those of the swept keys as written, ``numbers`` those of the numeric ones in the units of the keys.
+    ``standard_error`` is what theory gives one run.
+    """
+
+    values: Mapping[str, Any]
+    numbers: Mapping[str, float]
+    scenario: Scenario
+    figures: Sequence[float]
+    standard_error: float
+
+
+def study_of_points(
+    points: Sequence[PointRuns],
+    quantity: str,
+    *,
+    title: str,
+    units: Mapping[str, str],
+    side_by_side: Collection[str] = (),
+) -> Study:
+    """Return a quantity of a sweep against the key that has the most numbers, or the first key where none has any.
+
+    ``units`` are those of the swept keys, in their order. Keys that go side by side with it vary along the axis, every
+    other one tells lines apart. Raises Refused where nothing is swept, or no run has the quantity.
+    """
+    counts = {key: len({str(point.values[key]) for point in points}) for key in units}
+    varied = [key for key, count in counts.items() if count > 1]
+    if not varied:
+        raise Refused("nothing is swept: one point makes no picture; rubnoise info tells its figures")
+    numeric = [key for key in varied if all(key in point.numbers for point in points)]
+    key = max(numeric, key=lambda each: counts[each]) if numeric else varied[0]
+    together = [each for each in varied if each in side_by_side]
+    along = [each for each in together if each != key] if key in together else []
+    # Of keys side by side one is enough to tell lines apart.
+    others = tuple(each for each in varied if each != key and each not in (along or together[1:]))
+    smooth = bool(numeric) and set(along) <= set(numeric)
+    curve = partial(exact_curve, keys=(key, *along), quantity=quantity) if smooth else None
+    lines = _lines(points, quantity, key if numeric else "", key, others, curve)
+    if without_values(lines):
+        raise Refused(f"{quantity}: no run has it")
+    return Study(
+        title=title,
+        quantity=quantity,
+        key=key,
+        unit=units[key],
+        others=others,
+        numeric=bool(numeric),
+        lines=lines,
+    )
+
+
+def _lines(
+    points: Sequence[PointRuns], quantity: str, number: str, key: str, others: tuple[str, ...], curve: Curve | None
+) -> tuple[Line, ...]:
+    """Return the lines in the order of the file; places are those of the key ``number``, or 0, 1, 2, ... without."""
+    words = {text: float(n) for n, text in enumerate(dict.fromkeys(str(point.values[key]) for point in points))}
+    spots: dict[str, list[Spot]] = {}
+    for point in points:
+        written = str(point.values[key])
+        spot = Spot(
+            place=point.numbers[number] if number else words[written],
+            numbers=point.numbers,
+            label=written,
+            seen=pooled(quantity, point.figures, point.standard_error),
+            exact=exact_of(point.scenario, quantity),
+            scenario=point.scenario,
+        )
+        spots.setdefault(_label(point, others), []).append(spot)
+    return tuple(line_of(label, line, curve=curve) for label, line in spots.items())
+
+
+def _label(point: PointRuns, others: tuple[str, ...]) -> str:
+    return ", ".join(shown_unit(str(point.values[key])) for key in others)
+
+
+def quantities_of(sweep: SweepResult) -> tuple[str, ...]:
+    """Return the quantities of a sweep that can be drawn, in the order of a summary."""
+    return tuple(name for name in ALL if name in sweep.runs)
+
+
+def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:
+    """Return a quantity of a sweep against what is swept, from the runs that are done.
+
+    Raises Refused for a quantity that the sweep does not have, and as `study_of`.
+    """
+    known = quantities_of(sweep)
+    if quantity not in known:
+        raise Refused(f'"{quantity[:40]}": no quantity of this sweep; there are {", ".join(known) or "none yet"}')
+    return study_of_points(
+        _points(sweep, quantity),
+        quantity,
+        title=sweep.title,
+        units={key: _unit(sweep, key) for key in sweep.keys},
+        side_by_side=sweep.side_by_side,
+    )
+
+
+def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
+    """Return every point with the quantity in its runs; those that are not done have none."""
+    point = sweep.runs["point"][:]
+    figures, error = sweep.runs[quantity][:], f"{quantity}_standard_error"
+    errors = sweep.runs[error][:] if error in sweep.runs else np.full(figures.size, nan)
+    columns = {key: sweep.runs[key][:] for key in sweep.keys}
+    found = []
+    for number, values in enumerate(sweep.values):
+        rows = np.flatnonzero(point == number)
+        told = errors[rows][np.isfinite(errors[rows])]
+        found.append(
+            PointRuns(
+                values=values,
+                numbers=_numbers(columns, int(rows[0])),
+                scenario=sweep.scenario(number),
+                figures=figures[rows].tolist(),
+                standard_error=float(told[0]) if told.size else nan,
+            )
+        )
+    return found
+
+
+def _numbers(columns: Mapping[str, NDArray[Any]], row: int) -> dict[str, float]:
+    return {key: float(values[row]) for key, values in columns.items() if np.issubdtype(values.dtype, np.number)}
+
+
+def _unit(sweep: SweepResult, key: str) -> str:
+    return sweep.runs[key].units

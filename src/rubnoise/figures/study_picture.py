@@ -6,10 +6,20 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.figures.marks import LONGEST_TITLE, printed
+from rubnoise.figures.axis_labels import key_label, key_words, quantity_label, quantity_words
 from rubnoise.figures.study import Line, Study
-from rubnoise.figures.style import SERIES, VERMILION, Format, as_bytes, house_style, logarithmic, new_figure, shortened
-from rubnoise.figures.sweep_words import key_label, key_words, quantity_label, quantity_words
+from rubnoise.figures.style import (
+    LONGEST_TITLE,
+    SERIES,
+    VERMILION,
+    Format,
+    as_bytes,
+    house_style,
+    logarithmic,
+    new_figure,
+    one_line,
+    shortened,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +51,7 @@ def draw_study(study: Study) -> "Figure":
         _draw_exact(axes, line, shift)
     _label(axes, study)
     _legend(axes, study)
-    _entitle(figure, study)
+    _add_title(figure, study)
     return figure
 
 
@@ -56,7 +66,7 @@ def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *
         [spot.place + shift for spot in told],
         [spot.seen.value for spot in told],
         [spot.seen.reach for spot in told],
-        label=printed(line.label) if named and line.label else None,
+        label=one_line(line.label) if named and line.label else None,
         **look,
     )
     hollow = {"marker": look["fmt"], "mfc": "none", "mec": look["color"], "ls": "none", "ms": look["ms"]}
@@ -87,7 +97,7 @@ def _label(axes: "Axes", study: Study) -> None:
         _scale(axes, study)
     else:
         labels = {spot.place: spot.label for line in study.lines for spot in line.spots}
-        axes.set_xticks(list(labels), [shortened(printed(text), LONGEST_LABEL) for text in labels.values()])
+        axes.set_xticks(list(labels), [shortened(one_line(text), LONGEST_LABEL) for text in labels.values()])
         axes.margins(x=0.15)
     values = np.array([value for line in study.lines for spot in line.spots for value in (spot.seen.value, spot.exact)])
     if axes.get_yscale() == "linear" and np.nanmin(values) >= 0.0:
@@ -111,7 +121,7 @@ def _legend(axes: "Axes", study: Study) -> None:
     handles, labels = axes.get_legend_handles_labels()
     title = None
     if study.others:
-        title = f"simulated, 95 % interval,\n{printed(', '.join(map(key_words, study.others)))}:"
+        title = f"simulated, 95 % interval,\n{one_line(', '.join(map(key_words, study.others)))}:"
     else:
         handles, labels = [points], ["simulated, 95 % interval"]
     if any(map(_has_exact, study.lines)):
@@ -119,7 +129,7 @@ def _legend(axes: "Axes", study: Study) -> None:
     axes.legend(handles, labels, loc="best", title=title, alignment="left")
 
 
-def _entitle(figure: "Figure", study: Study) -> None:
-    title = shortened(printed(study.title), LONGEST_TITLE)
+def _add_title(figure: "Figure", study: Study) -> None:
+    title = shortened(one_line(study.title), LONGEST_TITLE)
     shown = quantity_words(study.quantity)
     figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], title))), x=0.01, ha="left", fontsize=10.0)

@@ -1,4 +1,7 @@
-"""How every figure looks: colours that the colour-blind and a grey printer tell apart, units on every axis."""
+"""How every figure looks: colours, fonts, titles, legends and the marks of theory.
+
+Colours are told apart by colour-blind readers and by a grey printer; every axis has its unit.
+"""
 
 import warnings
 from io import BytesIO
@@ -8,8 +11,11 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+
+    from rubnoise.figures.stretch import Stretch
 
 INK: Final = "#000000"
 BLUE: Final = "#0072b2"
@@ -128,3 +134,54 @@ def _power_of_ten(value: float) -> str:
 def shortened(name: str, longest: int = LONGEST_NAME) -> str:
     """Return a name cut to what a title has room for."""
     return name if len(name) <= longest else f"{name[: longest - 3]}..."
+
+
+AREA: Final = "real contact area (µm²)"
+LONGEST_TITLE: Final = 64
+DISTANCE: Final = "sliding distance (µm)"
+NEAREST: Final = 1e-6
+"""Span of values over the values themselves below which nothing but rounding is seen."""
+
+
+def add_title(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch | None" = None) -> None:
+    """Put a title over a figure: what it shows, of which run, and which other one is laid over it."""
+    whose = _run_label(stretch) if beside is None else f"{_run_label(stretch)}, and over it\n{_run_label(beside)}"
+    figure.suptitle(f"{shown}\n{whose}", x=0.01, ha="left", fontsize=10.0)
+
+
+def _run_label(stretch: "Stretch") -> str:
+    title, name = one_line(stretch.title), one_line(stretch.file.path.name)
+    return f"{shortened(title, LONGEST_TITLE)} ({shortened(name)})" if title else shortened(name, LONGEST_TITLE)
+
+
+def one_line(text: str) -> str:
+    """Return a text from a file with a space for whatever would break a line or has no shape."""
+    return "".join(character if character.isprintable() else " " for character in text).strip()
+
+
+def exact_band(axes: "Axes", mean: float, std: float) -> None:
+    """Mark an exact mean by a line, and a standard deviation about it by a band."""
+    axes.axhspan(mean - std, mean + std, color=VERMILION, alpha=0.12, lw=0.0, zorder=0, label="exact mean ± std")
+    # Over the curve, since a crowded one would hide the band.
+    axes.axhline(mean, color=VERMILION, lw=1.2, zorder=4)
+    for edge in (mean - std, mean + std):
+        axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
+
+
+def legend_above(axes: "Axes", columns: int = 4) -> None:
+    """Put the legend above the axes, flush right, where it hides nothing."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.1)
+
+
+def from_zero(axes: "Axes") -> None:
+    """Let the values begin at 0, and leave room above them where they are constant."""
+    highest = max(float(axes.dataLim.y1), 0.0)
+    axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * highest))
+
+
+def widen_if_constant(axes: "Axes") -> None:
+    """Let values that differ by rounding alone span a fifth of themselves: no axis has the digits for less."""
+    low, high = axes.get_ylim()
+    middle = 0.5 * (low + high)
+    if high - low < NEAREST * abs(middle):
+        axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))

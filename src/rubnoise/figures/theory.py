@@ -7,8 +7,8 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-from rubnoise.figures.marks import AREA, printed
 from rubnoise.figures.style import (
+    AREA,
     FAINT,
     INK,
     VERMILION,
@@ -17,6 +17,7 @@ from rubnoise.figures.style import (
     house_style,
     logarithmic,
     new_figure,
+    one_line,
     shortened,
 )
 from rubnoise.model import Model, Slider
@@ -36,7 +37,7 @@ REACH: Final = 4.5
 LONGEST_TITLE: Final = 80
 LAGS: Final = 300
 LITTLE: Final = 0.01
-QUIET: Final = "#5a5a5a"
+NOTE_COLOUR: Final = "#5a5a5a"
 RARE: Final = 1e-6
 
 
@@ -51,7 +52,7 @@ def theory_figure(model: Model, title: str) -> "Figure":
     area = area_cumulants(model)
     figure = new_figure(7.6, 5.6)
     told = f"real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
-    figure.suptitle(f"{shortened(printed(title), LONGEST_TITLE)}\n{told}", x=0.01, ha="left", fontsize=10.0)
+    figure.suptitle(f"{shortened(one_line(title), LONGEST_TITLE)}\n{told}", x=0.01, ha="left", fontsize=10.0)
     rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
     axes = figure.subplot_mosaic(rows)
     _draw_law(axes["law"], model, area)
@@ -65,12 +66,12 @@ def theory_figure(model: Model, title: str) -> "Figure":
 def _draw_law(axes: "Axes", model: Model, area: Cumulants) -> None:
     axes.set_title("Distribution")
     if area.std == 0.0:
-        _say(axes, f"always {area.mean:.5g} µm²")
+        _write_note(axes, f"always {area.mean:.5g} µm²")
         return
     try:
         law = distribution(model)
     except Refused:
-        _say(axes, "known for births at random")
+        _write_note(axes, "known for births at random")
         return
     axes.set_xlabel(AREA)
     axes.set_ylabel("density (1/µm²)")
@@ -100,7 +101,7 @@ def _draw_covariance(axes: "Axes", model: Model) -> None:
         "mean life",
         transform=axes.get_xaxis_transform(),
         ha="center",
-        color=QUIET,
+        color=NOTE_COLOUR,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
     )
     axes.set_xlim(0.0, lag[-1])
@@ -114,7 +115,7 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     density = spectral_density(model, wavenumber)
     lines, power = visible_lines(model)
     if not (density.any() or power.size):
-        _say(axes, "nothing varies")
+        _write_note(axes, "nothing varies")
         return
     if density.any():
         axes.plot(wavenumber, density, color=VERMILION, lw=1.6, label="exact")
@@ -147,17 +148,17 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
     spread = response(model).displacement_std
     axes.set_title(f"One-way displacement, std {spread:.4g} µm")
     if spread == 0.0:
-        _say(axes, "nothing varies")
+        _write_note(axes, "nothing varies")
         return
     frequency = np.unique(np.append(np.geomspace(0.02, 30.0, POINTS), np.linspace(0.8, 1.25, POINTS)))
     frequency *= slider.natural_frequency
     try:
         density = displacement_spectrum_per_hertz(model, frequency)
     except Refused:
-        _say(axes, "its spectrum is known for births at random")
+        _write_note(axes, "its spectrum is known for births at random")
         return
     if not density.any():
-        _say(axes, "regular births of one size leave lines alone")
+        _write_note(axes, "regular births of one size leave lines alone")
         return
     axes.plot(frequency, density, color=VERMILION, lw=1.6)
     for axis in (axes.xaxis, axes.yaxis):
@@ -167,7 +168,7 @@ def _draw_response(axes: "Axes", model: Model, slider: Slider) -> None:
     axes.set_ylabel("µm²/Hz")
 
 
-def _say(axes: "Axes", text: str) -> None:
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=QUIET)
+def _write_note(axes: "Axes", text: str) -> None:
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=NOTE_COLOUR)
     axes.set_xticks([])
     axes.set_yticks([])

@@ -38,7 +38,7 @@ _LAST: Final = "main.js"
 def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -> str:
     """Return the text of the page for a title, settings, and the junctions of a run if there is one.
 
-    It asks nothing of anybody: styles, script and data stand in it, and its policy forbids every request.
+    It makes no requests: styles, script and data stand in it, and its policy forbids every request.
     """
     data = {
         "title": title,

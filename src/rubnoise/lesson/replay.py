@@ -36,7 +36,7 @@ def record_of(run: Run) -> dict[str, Any]:
 
 
 def _early_deaths(junctions: Columns, rows: int) -> dict[str, str]:
-    """Return where junctions ended, for a run in which somebody ended some."""
+    """Return where junctions ended, for a run in which an intervention ended some."""
     if not np.any(junctions["state"][:rows] & JunctionState.ENDED_EARLY):
         return {}
     return {"death": _text(junctions["death_distance"][:rows])}

@@ -1,4 +1,4 @@
-"""What the page of lessons is told about a scenario: settings in working units, and what was taken from elsewhere."""
+"""The settings of a scenario for the page of lessons: in working units, with notes on what the page replaces."""
 
 from dataclasses import dataclass
 from typing import Any, Final

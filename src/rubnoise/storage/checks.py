@@ -1,4 +1,4 @@
-"""What a dataset and an attribute must be before a byte of them is read, whoever made the file."""
+"""Checks of datasets and attributes before a byte of them is read: types, shapes, filters, lengths."""
 
 import h5py
 import numpy as np

@@ -1,4 +1,4 @@
-"""Every call by which a result reaches the disk or comes from it: one place to watch, to count, or to let them fail.
+"""Every call that writes a result to disk or reads it: one place where tests watch, count or fail these calls.
 
 Other modules call these as ``disk.sync(...)``, by the name of the module, so that a test can put others in their
 place. Nothing here is clever: each is one call of the system, or one repeated until it is done. A system may read or

@@ -1,4 +1,4 @@
-"""Results for tools that read no HDF5, or would rather not: as CSV, Parquet or netCDF."""
+"""Export of results as CSV, Parquet or netCDF."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The file beside a part, for rows of which only the end of a run tells how many there are.
+"""The file beside a part for groups whose number of rows is known only at the end of a run.
 
 It consists of steps of equal size, each taken from the disk as a whole before its first row is written. A step belongs
 to one group and holds as many of its rows as fit into it, column after column.
@@ -96,13 +96,13 @@ class GrowingFile:
 
     @classmethod
     def new(cls, path: Path, groups: Mapping[str, Sequence[str]]) -> Self:
-        """Make the file anew, without any step."""
+        """Make an empty file, without any step."""
         disk.remove(path)
         return cls(path, groups, descriptor=disk.create(path))
 
     @classmethod
     def found(cls, path: Path, groups: Mapping[str, Sequence[str]]) -> Self:
-        """Open the file with all steps that are whole; make it anew where there is none."""
+        """Open the file with all its complete steps; make an empty file if it does not exist."""
         try:
             file = cls(path, groups, descriptor=disk.reopen(path))
         except FileNotFoundError:

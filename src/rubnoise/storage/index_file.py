@@ -71,7 +71,7 @@ class IndexFile:
         return tuple(path for path, kept in self.hashes.items() if self._hash(*path[1:].split("/", 1)) != kept)
 
     def inventory(self) -> "Inventory":
-        """Return everything that there is in the file; raises RunFileRefused where that cannot be told."""
+        """Return everything that there is in the file; raises RunFileRefused if it cannot be read."""
         if self.closed:
             raise ValueError(f"{self.path}: the index is closed")
         with refusing(self.path):
@@ -113,7 +113,7 @@ class IndexFile:
 
 
 def open_index(path: str | os.PathLike[str]) -> IndexFile:
-    """Open the index of a sweep, whoever made it.
+    """Open the index of a sweep, which may come from elsewhere.
 
     Raises RunFileRefused, with the reason in one sentence, for a path that is missing, and for a file that is no index,
     damaged, or of a later format.

@@ -1,4 +1,4 @@
-"""The structure of a part held against the one that would be made of what the part says of itself, name by name.
+"""The structure of a part file compared, name by name, with the structure that its own description gives.
 
 A part found on the disk may be damaged, or made by anybody, in what no row and no hash tells: units, names, meanings,
 links between columns, a group too many. Called in a child process, as `survey` is.

@@ -1,4 +1,4 @@
-"""Everything that a file holds, by name, with every attribute, and what a run of ours would hold there.
+"""Everything in a file by name, with every attribute, and what a correct run has there.
 
 Files from elsewhere are looked at in a child process (see vetting); no row is read.
 """
@@ -185,7 +185,7 @@ def _type(kind: h5py.h5t.TypeID) -> str:
 
 
 def _value(owner: h5py.HLObject, attribute: h5py.h5a.AttrID, kind: h5py.h5t.TypeID) -> Any:
-    """Return what an attribute holds, references as the paths of what they refer to; None where it cannot be told."""
+    """Return what an attribute holds, references as the paths of what they refer to; None if it cannot be read."""
     if attribute.get_storage_size() > ATTRIBUTE_BYTES or attribute.shape is None:
         return None
     if isinstance(kind, h5py.h5t.TypeStringID):

@@ -1,4 +1,4 @@
-"""The journal beside a part file: what run it is of, each commit, and how the file is to end.
+"""The journal beside a part file: the run, each commit, and how the file is to be finished.
 
 Records are appended, each with its length and a checksum of its own. A commit counts and hashes the rows that are on
 the disk; the last record holds everything of the final file that is no row.

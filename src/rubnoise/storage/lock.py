@@ -1,4 +1,4 @@
-"""A lock file: it keeps others away as long as its process lives, and goes with the last who holds it."""
+"""A lock file: it keeps other processes away as long as its process lives, and its last holder removes it."""
 
 import fcntl
 import os
@@ -34,7 +34,7 @@ def holding(path: Path, *, shared: bool = False, patience: float | None = PATIEN
 
 
 def is_held(path: Path) -> bool:
-    """Whether a process holds a lock alone; nothing is made, and nobody is kept from it."""
+    """Whether a process holds a lock alone; no file is made, and no process is kept from the lock."""
     descriptor = _found(path)
     if descriptor is None:
         return False
@@ -50,7 +50,7 @@ def is_held(path: Path) -> bool:
 
 
 def remove_stale(path: Path) -> None:
-    """Remove the file of a lock that nobody holds, as a kill leaves one."""
+    """Remove the file of a lock that no process holds, as a kill leaves one."""
     descriptor = _found(path)
     if descriptor is not None:
         _let_go(descriptor, path)
@@ -89,7 +89,7 @@ def _let_go(descriptor: int, path: Path) -> None:
     """Close a lock file, and remove it unless others hold it.
 
     It is removed while it is held alone: a process that waits with the same file open sees that the name is gone, and
-    starts over. A file that cannot be removed is locked by nobody, and in nobody's way.
+    starts over. A file that cannot be removed is not locked, and does no harm.
     """
     try:
         with suppress(OSError):
@@ -104,7 +104,7 @@ def _is_alone(descriptor: int) -> bool:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
-    except OSError:  # where a file system has no locks, nobody else has one either
+    except OSError:  # where a file system has no locks, no other process has one either
         return True
     return True
 

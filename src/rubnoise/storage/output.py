@@ -57,7 +57,7 @@ def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool 
     try:
         paths = OutputPaths.of(path)
         _check_folder(paths.final.parent)
-        # Before the folder's rights: nobody wants to hear that /dev is not writable when the output is /dev/null.
+        # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
         for name in (paths.final, paths.part, paths.journal, paths.growing, paths.making, paths.lock):
             _check_regular(name)
         _check_writable(paths.final.parent)
@@ -86,7 +86,7 @@ def sole_writer(paths: OutputPaths) -> Iterator[None]:
 
 
 def is_being_written(paths: OutputPaths) -> bool:
-    """Whether a process holds the lock of a result; nothing is created, and nobody is kept from writing."""
+    """Whether a process holds the lock of a result; no file is made, and no process is kept from writing."""
     return lock.is_held(paths.lock)
 
 
@@ -157,11 +157,11 @@ class OutputInUse(OutputRefused):
 
 
 class OutputAppearedError(RubnoiseError):
-    """Somebody else created the output file during the run."""
+    """Another process created the output file during the run."""
 
 
 class OutputSwappedError(RubnoiseError):
-    """Somebody else has put another file in the place of the part during the run."""
+    """Another process has put another file in the place of the part during the run."""
 
 
 def _check_folder(folder: Path) -> None:
@@ -218,7 +218,7 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
 
 @contextmanager
 def _new(part: Path) -> Iterator[int]:
-    """Make a file anew that others may write by its name; it goes where it does not get another name."""
+    """Make a new file that others may write by its name; it is removed unless it gets another name."""
     disk.remove(part)
     descriptor = disk.create(part)
     try:

@@ -54,7 +54,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
             copy = 0 if description.compression == "none" else structure.size
             reserve(descriptor, structure.size + SLACK_BYTES, later=copy)
             if durable:
-                disk.sync(descriptor)  # a power cut could leave the name of a file that nobody can read
+                disk.sync(descriptor)  # a power cut could leave the name of a file that cannot be read
             pulse = pulse_of(description.scenario_resolved)
             part = Part(descriptor, columns, structure, pulse, growing, hashed=hashed)
             disk.rename(paths.making, paths.part)

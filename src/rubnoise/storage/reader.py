@@ -1,8 +1,8 @@
-"""The one door to result files: opens one of ours or says in a sentence why not, and reads columns when asked.
+"""The reader of result files: opens a file or refuses it in one sentence, and reads columns on demand.
 
 A file may come from anywhere. Its structure is read in a child process (see vetting, survey), its rows with plain
 reads from places that were checked: in this process HDF5 never sees it. Both go through one descriptor, so that
-nobody can put another file in its place in between.
+no other file can take its place in between.
 """
 
 import fcntl
@@ -49,13 +49,13 @@ class InUse(RunFileRefused):
 
 
 class Unseen(RunFileRefused):
-    """A file of which nothing can be told, since whoever looked at it was killed or took too long."""
+    """A file of which nothing is known, because the process that read it was killed or took too long."""
 
 
 class RunFile:
     """An open run file. Opening reads its structure only; each column is read when it is asked for.
 
-    Use it as a context manager, or close it. ``watch``, where it is set, is told of each read.
+    Use it as a context manager, or close it. ``watch``, where it is set, is called at each read.
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
@@ -139,7 +139,7 @@ class RunFile:
         return self._value(self._found["seal"])
 
     def inventory(self) -> "Inventory":
-        """Return everything that there is in the file, ours or not; raises RunFileRefused where that cannot be told."""
+        """Return everything that there is in the file, ours or not; raises RunFileRefused if it cannot be read."""
         with self._reading():
             return looked_at(self.descriptor, "inventory")["objects"]
 
@@ -184,7 +184,7 @@ class RunFile:
 
 
 def open_run(path: str | os.PathLike[str], own: "Written | None" = None, *, strict: bool = False) -> RunFile:
-    """Open a run file for reading, whoever made it.
+    """Open a run file for reading, also one from elsewhere.
 
     ``own`` tells which file this process has written a moment ago: one that needs no caution. With ``strict`` its
     whole structure is read, and has to be what the program makes of what the file says of itself (see inspection).
@@ -256,7 +256,7 @@ def _share(descriptor: int) -> None:
     except BlockingIOError as problem:
         raise InUse("is being written by another program") from problem
     except OSError:
-        return  # where a file system has no locks, nobody else has one either
+        return  # where a file system has no locks, no other process has one either
 
 
 def _surveyed(descriptor: int, own: "Written | None", *, strict: bool) -> dict[str, Any]:

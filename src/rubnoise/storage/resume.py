@@ -205,7 +205,7 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
 
 
 def _history(paths: OutputPaths, description: RunDescription, part: Part) -> History:
-    """Return what the journal tells of this run; nothing where it is of another one, or of other columns."""
+    """Return what the journal records of this run; nothing if it is of another run, or of other columns."""
     history = History.read(paths.journal)
     is_of_this = history.run == identity(description) and list(history.columns) == part.names
     return history if is_of_this else History()

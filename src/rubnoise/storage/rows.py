@@ -1,4 +1,4 @@
-"""Rows of a stored column, read with plain reads from where a survey found them; HDF5 is not open."""
+"""Rows of a stored column, read without HDF5 from the places that read_structure found."""
 
 import zlib
 from dataclasses import dataclass, field

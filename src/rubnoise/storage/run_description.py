@@ -1,4 +1,4 @@
-"""What run a file is of, as its attributes say: the description from which it was made, read back."""
+"""The description of a run, read back from the attributes of its file."""
 
 import json
 from collections.abc import Mapping

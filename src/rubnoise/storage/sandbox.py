@@ -39,7 +39,7 @@ WALL_SECONDS: Final = 60.0
 ANSWER_BYTES: Final = 64 * 1024**2
 
 FROM_OUTSIDE: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
-"""Signals that no library sends to itself: a lack of memory, or somebody's hand."""
+"""Signals that no library sends to itself: a lack of memory, or a user."""
 
 Look = Callable[[int], bytes]
 

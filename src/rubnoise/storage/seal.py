@@ -1,4 +1,4 @@
-"""What a result says of itself beside its columns, and the hash that it keeps of all that."""
+"""The attributes of a result beside its columns, and the hash of all of them."""
 
 import json
 from collections.abc import Mapping

@@ -55,7 +55,7 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 
 
 def enlarge(file: h5py.File, rows: Mapping[str, int]) -> dict[Name, Place]:
-    """Make groups that have grown anew with their rows, and return where their columns lie from now on."""
+    """Replace groups that have grown by groups with all their rows, and return where their columns lie now."""
     places: dict[Name, Place] = {}
     for group in GROUPS:
         if group.name in rows:

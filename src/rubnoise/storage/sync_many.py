@@ -1,4 +1,4 @@
-"""Results of many short runs seen onto the disk together: to wait for each alone takes longer than its bytes."""
+"""Fsync many results at once: for short runs, one fsync each would take longer than writing."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -31,11 +31,11 @@ def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
 
 
 def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -> None:
-    """Remove what a kill or a power cut has left of a run that was not synced, as far as nothing can be made of it.
+    """Remove what a kill or a power cut has left of a run that was not synced, if it cannot be recovered.
 
-    ``kind`` tells of the file under its final name, where there is one; it goes where it is torn. A part goes where the
-    whole result is there, and where it has no commit: before one all of it was on the disk. What another process writes
-    stays as it is.
+    ``kind`` is what the file under its final name is, if there is one; a truncated one is removed. A part is removed if
+    the complete result is there, and if it has no commit: before one all of it was on the disk. Files that another
+    process writes stay as they are.
     """
     paths = OutputPaths.of(path)
     beside = (paths.part, paths.journal, paths.growing, paths.making, paths.lock)
@@ -51,7 +51,7 @@ def clear_unsynced(path: Path, kind: Literal["whole", "torn", "other"] | None) -
 
 
 def is_of_truncated(refusal: RunFileRefused) -> bool:
-    """Whether a file was refused as one that a power cut has torn would be, and not because nobody could look at it."""
+    """Whether a file was refused like one that a power cut has truncated, and not because it could not be read."""
     return not isinstance(refusal, InUse | TooNew | Unseen) and not isinstance(refusal.__cause__, OSError)
 
 

@@ -1,4 +1,4 @@
-"""The writer of result files: a sink that ends in a whole file under the final name, or in one to go on from."""
+"""The writer of result files: a sink that leaves a complete file with its final name, or a part to resume."""
 
 import os
 from collections.abc import Callable, Iterator, Mapping
@@ -41,12 +41,12 @@ class RunWriter:
     that had finished a block; else it removes the part. An older file at the path is as it was. Memory does not depend
     on the length of the run.
 
-    Without a description it goes on with the part that is there: ``description`` and ``state`` say with what and from
+    Without a description it resumes the part that is there: ``description`` and ``state`` say with what and from
     where, None being the start, and ``replay`` hands out the rows that are there. Without ``safe`` there are neither
     journal nor hashes, which is only good for measuring what they cost. Without ``durable`` a run that ends before its
-    first commit does not wait for the disk: a kill loses nothing then, a power cut may until somebody has seen the file
-    onto the disk (see together). Entering raises OutputRefused (see check_output; a full disk and a second writer too),
-    and RunFileRefused for a part that cannot be read.
+    first commit does not wait for the disk: a kill loses nothing then, a power cut may until another call has flushed
+    the file to disk (see sync_many). Entering raises OutputRefused (see check_output; also for a full disk or a
+    second writer), and RunFileRefused for a part that cannot be read.
     """
 
     def __init__(
@@ -110,8 +110,8 @@ class RunWriter:
     def publish(self, summary: Mapping[str, Scalar], *, between: Callable[[], None] = lambda: None) -> None:
         """Fill in hashes, summary and the time of the end, and give the file its final name.
 
-        ``between`` is called now and then while a file is compressed, and may raise to stop. Raises RubnoiseError where
-        a column lacks rows, where the disk fails, or where, without ``force``, somebody created the file meanwhile.
+        ``between`` is called now and then while a file is compressed, and may raise to stop. Raises RubnoiseError if a
+        column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
         ``written`` then tells which file it is.
         """
         with self._telling():

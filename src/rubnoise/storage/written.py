@@ -1,4 +1,4 @@
-"""What a survey would find in a file that has just been written, told from what was written: it saves the look."""
+"""The structure of a file that has just been written, from what was written: it saves reading the file again."""
 
 import os
 from collections.abc import Iterable, Mapping

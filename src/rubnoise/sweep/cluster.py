@@ -25,7 +25,7 @@ TLS: Final = "tls://"
 def security_of(
     authority: str | os.PathLike[str], certificate: str | os.PathLike[str], key: str | os.PathLike[str] | None
 ) -> Any:
-    """Return a ``distributed.Security`` that speaks to nobody but who shows a certificate of this authority.
+    """Return a ``distributed.Security`` that accepts only peers with a certificate of this authority.
 
     All are files in PEM format; the key may stand in the file of the certificate. Raises ExtraMissing, and Refused for
     files that are missing or do not belong together.

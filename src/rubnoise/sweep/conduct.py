@@ -20,7 +20,7 @@ class SweepStopped(RunStopped):
     """A sweep that a signal asked to stop."""
 
     def __str__(self) -> str:
-        """Say that it can be gone on with."""
+        """Say that it can be resumed."""
         return "stopped by a signal; finished runs are kept, and the same command resumes the sweep"
 
 
@@ -35,7 +35,7 @@ class SweepProgress:
 
 
 class FindUnrecorded(Protocol):
-    """Finds what a run has left that nobody wrote down."""
+    """Finds what a run has left that no journal lists."""
 
     def __call__(self, point: Point, *, begun: bool) -> RunRow | None:
         """Return its row, or None; ``begun``: what is torn is that of this folder, and may go."""
@@ -48,8 +48,8 @@ class SweepMeans:
 
     ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that nobody
     wrote down, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
-    ``watch`` is told how far the sweep is, several times a second, and may raise RunStopped. Unless it is ``synced``,
-    work leaves its files to the sweep to be seen onto the disk.
+    ``watch`` is called with the progress of the sweep, several times a second, and may raise RunStopped. Unless it is
+    ``synced``, work leaves its files to the sweep to be flushed to disk.
     """
 
     work: Callable[[Point], RunRow]
@@ -133,7 +133,7 @@ class _Conductor:
                 points = self._wanted()
 
     def _take_in(self) -> None:
-        """Write down what is there of runs that nobody wrote down."""
+        """Write down what is there of runs that no journal lists."""
         self._now = self._standing()
         try:
             for point in self._wanted():
@@ -196,7 +196,7 @@ class _Conductor:
 
 
 def _reason(problem: Exception | None) -> str:
-    """Return what is told of a problem; of one that is none of ours, its kind as well."""
+    """Return the message of a problem, with its kind if it is not an error of rubnoise."""
     if problem is None:
         return "nothing came back"
     if type(problem).__module__.startswith("rubnoise."):

@@ -52,7 +52,7 @@ class MessageSize:
 
 Result = TypeVar("Result")
 BETWEEN: Final = 0.1
-"""Seconds after which a sweep that waits looks up, for signals and for whoever watches it."""
+"""Seconds after which a waiting sweep looks for signals and calls its watch."""
 
 
 class Workers(Protocol):
@@ -82,7 +82,7 @@ class Workers(Protocol):
 
 
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
-    """Whoever handed out the work is gone."""
+    """The process that handed out the work has ended."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,7 +126,7 @@ def attempted(work: Callable[[Point], Result], points: Sequence[Point]) -> Attem
             results.append(work(point))
         except RunStopped:
             raise
-        except Exception as problem:  # noqa: BLE001  (whatever it is, it is told of this point)
+        except Exception as problem:  # noqa: BLE001  (whatever it is, it is recorded for this point)
             results.append(problem)
     return Attempt(results, time.monotonic() - began)
 
@@ -140,7 +140,7 @@ def _nobody() -> None:
 
 
 class Execution(Generic[Result]):
-    """The way through the points of a sweep, as far as somebody goes it."""
+    """The way through the points of a sweep, as far as it is followed."""
 
     def __init__(
         self,

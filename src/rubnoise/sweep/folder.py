@@ -147,7 +147,7 @@ class SweepFolder:
 
     @property
     def index(self) -> Path:
-        """What everybody opens."""
+        """The file that readers open."""
         return self.root / "index.h5"
 
     @property
@@ -258,7 +258,7 @@ class SweepFolder:
 
     @contextmanager
     def alone_at(self, what: str) -> Iterator[None]:
-        """Hold one file of the folder, when whoever holds it now is done with it."""
+        """Lock one file of the folder, after the process that holds it now."""
         with _locked(self.root / f".{what}.lock", patience=None):
             yield
 

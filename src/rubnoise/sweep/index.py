@@ -82,7 +82,7 @@ LONGEST_REASON = 500
 
 
 def renew_index(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], command: str) -> RecordedRuns:
-    """Write the index of a sweep anew, in place of an older one; raises OutputRefused while another process does."""
+    """Write the index of a sweep in place of an older one; raises OutputRefused while another process does."""
     with whole_file(folder.index, force=True) as path:
         known = RecordedRuns.of(folder, points)
         write_index(path, index_of(folder, sweep, points, known, command))

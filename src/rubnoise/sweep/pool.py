@@ -35,7 +35,7 @@ class Cancellation:
         signal.signal(signal.SIGTERM, self._stop)
 
     def check(self, _distance: float, _junctions: int, _live: int) -> None:
-        """Raise RunStopped where the run that goes on is not wanted any more (a Watch of `simulate`)."""
+        """Raise RunStopped if the current run was cancelled (a Watch of `simulate`)."""
         if self.stopped_by is not None:
             raise RunStopped(self.stopped_by)
         if self.parent is not None and os.getppid() != self.parent:
@@ -234,7 +234,7 @@ class Pool:
     def _answer(self, lane: int, future: "Future[Any]", call: Call) -> None:
         try:
             future.set_result(self._workers[lane].call(call))
-        except Exception as problem:  # noqa: BLE001  (whoever waits for it is told)
+        except Exception as problem:  # noqa: BLE001  (it is passed to the caller)
             if isinstance(problem, WorkerDied) and not self._stopped:
                 self._workers[lane] = Worker.begin()
             future.set_exception(problem)

@@ -43,7 +43,7 @@ class RunStatus:
         """Return what the journals say is done, as far as the files that were written then still lie in their places.
 
         Another file in such a place is to be looked at first. Runs that failed before are not among them either: they
-        are to be tried anew.
+        are to be tried again.
         """
         stock = cls(None if precision is None else precision.quantity)
         for entry in folder.entries():
@@ -183,7 +183,7 @@ class StatusLog:
     """
 
     def __init__(self, folder: SweepFolder, journal: Journal, stock: RunStatus) -> None:
-        """Go on with what is there."""
+        """Continue with what is there."""
         self.stock: Final = stock
         self._folder = folder
         self._journal = journal

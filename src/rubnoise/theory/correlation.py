@@ -1,4 +1,4 @@
-"""How real contact area at one place goes with itself a lag further on."""
+"""The autocovariance of real contact area: how strongly it is correlated with itself at a lag."""
 
 import numpy as np
 from numpy.typing import ArrayLike

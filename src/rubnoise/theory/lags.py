@@ -28,7 +28,7 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
 
     The mean is over a continuous record of ``distance`` T um, weight (2/T)(1 - tau/T) dtau, or, without a distance,
     over the model's n = tick_count + 1 ticks h apart, weight (2/n)(1 - j/n) at tau = j h and 1/n at tau = 0. Lags end
-    with the longest life: beyond it nothing of the contact is left. Many ticks a life are as good as a continuous
+    with the longest life: beyond it nothing of the contact is left. Many ticks a life are equivalent to a continuous
     record of n h, and are treated as one; so are the lags of few ticks a life beyond the 512th.
     """
     if distance is not None:

@@ -1,4 +1,4 @@
-"""Ciw: births and deaths alone, as a queue with a server for everybody (M/G/infinity)."""
+"""Ciw: births and deaths alone, as a queue with a server for each junction (M/G/infinity)."""
 
 from math import inf
 
@@ -17,7 +17,7 @@ def laws(case: Case, draws: Draws) -> tuple[ciw.dists.Distribution, ciw.dists.Di
 
 
 def births(case: Case, draws: Draws) -> Output:
-    """Return births and deaths of everybody who has died by the end."""
+    """Return births and deaths of all junctions that have died by the end."""
     if isinstance(draws, Drawn):
         ciw.seed(1)
     gaps, lives = laws(case, draws)

@@ -33,7 +33,7 @@ class Stretch:
 
 
 LONGEST = 0.01
-"""Time in s after which solve_ivp begins anew though nothing has happened, so that it is asked for few rows at once."""
+"""Time in s after which solve_ivp starts again without an event, so that it computes few rows at once."""
 
 AT_ONCE = 1e-9
 """Time in s from a breakaway, where w' = 0, to where w' is looked at."""
@@ -56,7 +56,7 @@ def numpy_force(s: float, birth: Doubles, d: Doubles, strength: Doubles) -> floa
 
 @numba.njit(cache=True)
 def compiled_force(s: float, birth: Doubles, diameter: Doubles, strength: Doubles) -> float:
-    """Return G by a compiled loop, of whom those who do not live there have no part."""
+    """Return G by a compiled loop over the junctions that are alive there."""
     total = 0.0
     for n in range(birth.size):
         d = diameter[n]

@@ -36,7 +36,7 @@ class Births(salabim.Component):  # type: ignore[misc]
 
 
 def births(case: Case, draws: Draws) -> Output:
-    """Return births and deaths of everybody who has died by the end."""
+    """Return births and deaths of all junctions that have died by the end."""
     noted: list[tuple[float, float]] = []
     env = salabim.Environment(trace=False, yieldless=False)
     Births(draws=draws, noted=noted)

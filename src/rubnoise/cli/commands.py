@@ -1,14 +1,67 @@
-"""What reaches a terminal is text: nothing that steers it, whatever file, name or title it comes from."""
+"""How typer's commands behave here: help is shown as it is written, and output cannot steer the terminal.
 
+Files, names and titles may come from anywhere, so all that is printed is escaped.
+"""
+
+import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
+from inspect import cleandoc
 from typing import Any, TextIO
 
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
-from rubnoise.cli.helping import texts, without_types
+_TAG = re.compile(r"(\\*)(\[[a-z#/@][^\[]*?\])")
+"""What the library that draws help takes for a style or a colour, and leaves out: `[sweep]`."""
+
+
+def literal(text: str) -> str:
+    """Return a text in which that library finds no styles, each paragraph in one line for it to break."""
+    paragraphs = (" ".join(paragraph.split()) for paragraph in cleandoc(text).split("\n\n"))
+    return "\n\n".join(_TAG.sub(r"\1\1\\\2", paragraph) for paragraph in paragraphs)
+
+
+def literal_texts(styled: bool, help_text: str | None, params: Any) -> str | None:
+    """Make the help of parameters literal where the library looks for styles; return that of their command."""
+    if not styled:
+        return help_text
+    for param in params or ():
+        if getattr(param, "help", None):
+            param.help = literal(param.help)
+    return literal(help_text) if help_text else help_text
+
+
+def without_types(params: Any) -> Any:
+    """Return parameters of which only options with a value say what they take.
+
+    To a flag nothing is given, and an argument has its name and its help.
+    """
+    for param in params:
+        if getattr(param, "is_flag", False):
+            param.metavar = ""
+        if param.param_type_name == "argument":
+            param.display_type_rich = _no_type
+    return params
+
+
+def _no_type(**_context: Any) -> None:
+    return None
+
+
+class Command(TyperCommand):
+    """A command whose help is shown as it is written."""
+
+    def __init__(self, name: str | None, *, help: str | None = None, **rest: Any) -> None:  # noqa: A002  (click's name)
+        """Make a command (see click)."""
+        styled = rest.get("rich_markup_mode") == "rich"
+        super().__init__(name, help=literal_texts(styled, help, rest.get("params")), **rest)
+
+    def get_params(self, ctx: Any) -> Any:
+        """Return arguments and options (see click)."""
+        return without_types(super().get_params(ctx))
+
 
 _PREFIX = "Value error, "
 """What the library puts before its own words about a value."""
@@ -62,7 +115,7 @@ class Commands(TyperGroup):
 
     def __init__(self, *, help: str | None = None, **rest: Any) -> None:  # noqa: A002  (click's name)
         """Make the group of commands (see click)."""
-        super().__init__(help=texts(rest.get("rich_markup_mode") == "rich", help, rest.get("params")), **rest)
+        super().__init__(help=literal_texts(rest.get("rich_markup_mode") == "rich", help, rest.get("params")), **rest)
 
     def get_params(self, ctx: Any) -> Any:
         """Return the options (see click)."""

@@ -1,21 +1,85 @@
-"""Figure 7: how far the real contact area spreads, against the number of junctions that carry it."""
+"""Figure 7 of the paper: the standard deviation of the real contact area against the number of junctions."""
 
+from dataclasses import dataclass
 from itertools import cycle
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.figures.sources import Sources
-from rubnoise.figures.spreads import Spread, by_area, spreads_of
+from rubnoise.figures.paper_sources import Sources
 from rubnoise.figures.style import SERIES, VERMILION, logarithmic, new_figure
+from rubnoise.model import Model
+from rubnoise.record.sink import Extent
+from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario, build
+from rubnoise.scenario.points import Point
+from rubnoise.sweep.execution import Measure
 from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.sampling import standard_errors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spread:
+    """The spread of A_r in the runs of one point with its standard error, and the exact one with the mean, in um^2."""
+
+    scenario: Scenario
+    std: float
+    standard_error: float
+    exact_std: float
+    exact_mean: float
+
+    @property
+    def count(self) -> float:
+        """N_jm."""
+        return self.scenario.interface.mean_junction_count
+
+
+def spreads_of(sources: Sources, name: str) -> list[Spread]:
+    """Run a sweep, and return the spread at each of its points, the replicates taken together."""
+    runs: dict[tuple[object, ...], tuple[Point, list[float]]] = {}
+    for point, variance in sources.results(name, VARIANCE):
+        runs.setdefault(tuple(point.values.values()), (point, []))[1].append(variance)
+    return [_spread(point.scenario, variances) for point, variances in runs.values()]
+
+
+def _tally(extent: Extent) -> Tally:
+    del extent
+    return Tally()
+
+
+def _variance(model: Model, tally: Tally) -> float:
+    del model
+    return tally.moments["real_contact_area"].variance
+
+
+VARIANCE: Final = Measure(sink=_tally, read=_variance)
+
+
+def _spread(scenario: Scenario, variances: list[float]) -> Spread:
+    model = scenario.model()
+    exact = area_cumulants(model)
+    return Spread(
+        scenario=scenario,
+        std=sqrt(sum(variances) / len(variances)),
+        standard_error=standard_errors(model).std / sqrt(len(variances)),
+        exact_std=exact.std,
+        exact_mean=exact.mean,
+    )
+
+
+def by_area(spreads: list[Spread]) -> dict[float, list[Spread]]:
+    """Return spreads by their mean area A_rm in um^2, each family by its number of junctions, all rising."""
+    families: dict[float, list[Spread]] = {}
+    for spread in sorted(spreads, key=lambda each: each.count):
+        families.setdefault(float(spread.scenario.interface.mean_real_contact_area), []).append(spread)
+    return dict(sorted(families.items()))
+
 
 CONFIDENCE: Final = 1.959963984540054
 """Half-width of a 95 % interval in standard errors."""
@@ -31,7 +95,7 @@ CURVE: Final = 41
 """Points of an exact curve, from the fewest junctions to the most."""
 
 
-def draw(sources: Sources) -> "Figure":
+def draw_fig7(sources: Sources) -> "Figure":
     """Draw the standard deviation for each mean area, and all of them over their mean on logarithmic axes."""
     families = by_area(spreads_of(sources, "fig7.toml"))
     figure = new_figure(7.2, 3.8)
@@ -49,9 +113,9 @@ def draw(sources: Sources) -> "Figure":
         label = f"{area:g} µm²"
         _draw_absolute(absolute, spreads, look)
         _draw_relative(relative, spreads, look | {"label": label}, place=1.0 + APART * (number - 2.0))
-        _draw_exact(absolute, spreads, label)
+        _draw_exact_spread(absolute, spreads, label)
     _draw_law(relative, [spread for spreads in families.values() for spread in spreads])
-    _finish(absolute, relative)
+    _finish_spreads(absolute, relative)
     return figure
 
 
@@ -67,7 +131,7 @@ def _draw_relative(axes: "Axes", spreads: list[Spread], look: dict[str, Any], pl
     axes.errorbar(places, [spread.std / spread.exact_mean for spread in spreads], errors, **look)
 
 
-def _draw_exact(axes: "Axes", spreads: list[Spread], label: str) -> None:
+def _draw_exact_spread(axes: "Axes", spreads: list[Spread], label: str) -> None:
     """Draw the exact curve of one mean area, with the area at its end."""
     first, last = spreads[0], spreads[-1]
     counts = np.linspace(first.count, last.count, CURVE)
@@ -93,7 +157,7 @@ def _draw_law(axes: "Axes", spreads: list[Spread]) -> None:
     )
 
 
-def _finish(absolute: "Axes", relative: "Axes") -> None:
+def _finish_spreads(absolute: "Axes", relative: "Axes") -> None:
     absolute.errorbar([], [], [], label="simulated, 95 % interval", color=SERIES[2][0], fmt="o", ms=4.5, capsize=2.0)
     absolute.plot([], [], color=VERMILION, lw=1.2, label="exact")
     absolute.legend(loc="upper right")

@@ -1,0 +1,208 @@
+"""The contact along the sliding distance: its real area, the single junctions under it, and their number."""
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.errors import Refused
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.style import (
+    AREA,
+    BLUE,
+    DISTANCE,
+    FAINT,
+    INK,
+    PALE,
+    VERMILION,
+    add_title,
+    exact_band,
+    from_zero,
+    legend_above,
+    new_figure,
+)
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.exact import Exact, exact
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+TRACE_LIVES: Final = 40.0
+"""Mean lives that are shown by default."""
+
+
+def trace_figure(stretch: Stretch) -> "Figure":
+    """Draw A_r of a stretch, and above it where in the whole record the stretch lies."""
+    shown = stretch.narrowed(TRACE_LIVES * stretch.model.mean_life_distance)
+    whole = stretch.whole()
+    parted = (shown.start, shown.stop) != (whole.start, whole.stop)
+    figure = new_figure(7.2, 4.6 if parted else 3.4)
+    add_title(figure, stretch, "The real contact area")
+    if parted:
+        strip, axes = figure.subplots(2, 1, height_ratios=[1, 2.6])
+        _draw_whole_run(strip, whole, shown)
+    else:
+        axes = figure.subplots()
+    _draw_area(axes, shown)
+    return figure
+
+
+def _draw_area(axes: "Axes", stretch: Stretch) -> None:
+    area = area_cumulants(stretch.model)
+    exact_band(axes, area.mean, area.std)
+    axes.plot(*stretch.curve("trace", "real_contact_area"), color=BLUE, lw=0.9, label="simulated")
+    axes.set_xlim(stretch.start, stretch.stop)
+    from_zero(axes)
+    axes.set_xlabel(DISTANCE)
+    axes.set_ylabel(AREA)
+    legend_above(axes)
+
+
+def _draw_whole_run(axes: "Axes", whole: Stretch, shown: Stretch) -> None:
+    axes.axvspan(shown.start, shown.stop, color=PALE, lw=0.0, zorder=0)
+    axes.plot(*whole.curve("trace", "real_contact_area"), color=FAINT, lw=0.5)
+    axes.set_xlim(whole.start, whole.stop)
+    from_zero(axes)
+    axes.set_ylabel("µm²")
+    axes.set_xlabel("sliding distance (µm), the stretch below shaded")
+
+
+LAYER_LIVES: Final = 4.0
+MOST_DRAWN: Final = 2000
+DEFAULT_DRAWN: Final = 400
+"""Junctions that are drawn at most, and about how many by default."""
+
+FEWEST_SAMPLES: Final = 800
+SAMPLES_A_LIFE: Final = 40
+MOST_SAMPLES: Final = 4000
+LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
+"""Pale blues of neighbouring layers."""
+
+
+def lives_figure(stretch: Stretch) -> "Figure":
+    """Draw the areas of all junctions of a stretch, layer upon layer up to their sum, and each by itself.
+
+    Raises Refused for a stretch with more junctions than a picture can show.
+    """
+    shown = stretch.narrowed(_default_width(stretch))
+    alive = neighbours(stretch.file, -1, shown.start, shown.stop)
+    if alive.rows.size > MOST_DRAWN:
+        raise Refused(
+            f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
+            " --from and --to choose a shorter one"
+        )
+    distance = np.linspace(shown.start, shown.stop, _sample_count(shown))
+    areas = _areas(shown, alive, distance)
+    figure = new_figure(7.2, 5.2)
+    add_title(figure, stretch, f"{alive.rows.size} junctions and their sum")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
+    _draw_sum(above, shown, distance, areas)
+    _draw_each(below, shown, distance, areas)
+    return figure
+
+
+def _default_width(stretch: Stretch) -> float:
+    births = max(DEFAULT_DRAWN - stretch.model.mean_junction_count, 0.1 * stretch.model.mean_junction_count)
+    return min(LAYER_LIVES * stretch.model.mean_life_distance, births * stretch.model.mean_birth_spacing)
+
+
+def _sample_count(stretch: Stretch) -> int:
+    lives = (stretch.stop - stretch.start) / stretch.model.mean_life_distance
+    return int(min(max(FEWEST_SAMPLES, SAMPLES_A_LIFE * lives), MOST_SAMPLES))
+
+
+def _areas(stretch: Stretch, alive: Neighbours, distance: Doubles) -> Doubles:
+    """Return the area of every junction, a row each, at sliding distances; 0 where it is not alive."""
+    birth, death = alive.birth[:, np.newaxis], alive.death[:, np.newaxis]
+    areas = stretch.model.pulse.area(distance - birth, alive.diameter[:, np.newaxis])
+    return np.where((birth <= distance) & (distance < death), areas, 0.0)
+
+
+def _draw_sum(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles) -> None:
+    exact = area_cumulants(stretch.model)
+    exact_band(axes, exact.mean, exact.std)
+    if areas.size:
+        axes.stackplot(distance, areas, colors=LAYER_SHADES, lw=0.0)
+    axes.plot(distance, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
+    axes.set_xlim(stretch.start, stretch.stop)
+    from_zero(axes)
+    axes.set_ylabel(AREA)
+    legend_above(axes)
+
+
+def _draw_each(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles) -> None:
+    for row in areas:
+        axes.plot(distance[row > 0.0], row[row > 0.0], color=FAINT, lw=0.6)
+    largest = areas.max(axis=1, initial=0.0)
+    if largest.size:
+        row = areas[np.argmax(largest)]
+        axes.plot(distance[row > 0.0], row[row > 0.0], color=INK, lw=1.6, label="the largest of them")
+    peak = 0.25 * np.pi * stretch.model.sizes.moment(2)
+    axes.axhline(peak, color=VERMILION, lw=1.2, zorder=0, label="exact mean of the area at mid-life")
+    axes.set_ylim(0.0, 1.1 * max(peak, float(largest.max(initial=0.0))))
+    axes.set_ylabel("junction area (µm²)")
+    axes.set_xlabel(DISTANCE)
+    legend_above(axes)
+
+
+COUNT_LIVES: Final = 40.0
+COUNT: Final = "live junctions"
+
+
+def count_figure(stretch: Stretch) -> "Figure":
+    """Draw N(s) of the stretch's beginning, and beside it how often each number was alive in the whole stretch."""
+    theory = exact(stretch.model)
+    figure = new_figure(7.2, 3.4)
+    add_title(figure, stretch, "How many junctions are alive")
+    along, often = figure.subplots(1, 2, width_ratios=[2.2, 1])
+    _draw_count(along, stretch.narrowed(COUNT_LIVES * stretch.model.mean_life_distance), theory)
+    _draw_count_shares(often, stretch, theory)
+    return figure
+
+
+def _draw_count(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
+    exact_band(axes, theory.count_mean, theory.count_std)
+    axes.plot(*stretch.curve("trace", "junction_count"), color=BLUE, lw=0.8, drawstyle="steps-post", label="simulated")
+    axes.set_xlim(stretch.start, stretch.stop)
+    from_zero(axes)
+    axes.locator_params(axis="y", integer=True)
+    axes.set_xlabel(DISTANCE)
+    axes.set_ylabel(COUNT)
+    legend_above(axes)
+
+
+def _draw_count_shares(axes: "Axes", stretch: Stretch, theory: Exact) -> None:
+    lowest, share = _count_shares(stretch)
+    numbers = lowest + np.arange(share.size)
+    axes.bar(numbers, share, width=1.0, color=BLUE, alpha=0.45, lw=0.0, label="simulated")
+    if isinstance(stretch.model.births, PoissonBirths):
+        axes.plot(numbers, _poisson(numbers, theory.count_mean), "o", color=VERMILION, ms=3.0, label="exact: Poisson")
+    else:
+        axes.axvline(theory.count_mean, color=VERMILION, label="exact mean")
+    axes.locator_params(axis="x", integer=True)
+    axes.set_xlabel(COUNT)
+    axes.set_ylabel("share of the ticks")
+    legend_above(axes, columns=1)
+
+
+def _count_shares(stretch: Stretch) -> tuple[int, NDArray[np.float64]]:
+    """Return the smallest number of live junctions, and how often it and every larger one was alive."""
+    found: dict[int, int] = {}
+    for chunk in stretch.chunks("trace", "junction_count"):
+        numbers, often = np.unique(chunk, return_counts=True)
+        for number, times in zip(numbers.tolist(), often.tolist(), strict=True):
+            found[number] = found.get(number, 0) + times
+    lowest, highest = min(found), max(found)
+    times = np.array([found.get(number, 0) for number in range(lowest, highest + 1)], dtype=np.float64)
+    return lowest, times / times.sum()
+
+
+def _poisson(numbers: NDArray[np.int64], mean: float) -> NDArray[np.float64]:
+    """Return the probabilities m^n exp(-m) / n! of a Poisson number of mean m."""
+    from scipy.special import gammaln, xlogy
+
+    return np.asarray(np.exp(xlogy(numbers, mean) - mean - gammaln(numbers + 1.0)), dtype=np.float64)
