@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rubnoise.storage import writer
@@ -14,6 +15,8 @@ from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.resume import examined
 from tests.cli.terminal import Answer, call, columns, names, spawn_program, start, stop
+from tests.pages.reading import answer as answer_of_page
+from tests.pages.reading import data_of
 
 SLIDER = Path("../given/slider.toml")
 HALF_WAY = """
@@ -89,6 +92,18 @@ def test_killed_in_the_middle_a_run_goes_on_to_the_same_bits(
     assert answer == Answer(code=0, out="", err="")
     assert columns(here / "x.h5") == whole
     assert names(here) == ["x.h5"]
+
+
+def test_a_part_is_viewed_as_far_as_it_is_committed(part: Path, whole: dict[str, bytes]) -> None:
+    answer = call("view", part.name, "-o", "x.html")
+    assert answer.code == 0, answer.err
+    data = data_of(Path("x.html").read_text(encoding="utf-8"))
+    done = call("info", part.name, "--json").json()["done"]
+    assert (data["planned"], data["distance"]) == (3000.0, done["ticks"] - 1.0)
+    assert data["junctionRows"] == done["junctions"]
+    body = "return Array.from(view.columns(view.data.groups.trace.columns).real_contact_area);"
+    area = np.frombuffer(whole["trace/real_contact_area"])
+    assert answer_of_page(data, body) == area[: done["ticks"]].tolist()
 
 
 def test_resume_answers_as_run_does(here: Path, part: Path, whole: dict[str, bytes]) -> None:

@@ -32,6 +32,8 @@ COMMANDS: Final = {
     "junctions": "junctions.command",
     "compare": "compare.command",
     "verify": "verify.command",
+    "view": "view.command",
+    "report": "report.command",
     "plot": "plot.command",
     "animate": "animate.command",
     "theory": "theory.command",

@@ -4,14 +4,17 @@ Rows are compared with the hashes of the last good commit; what does not fit is 
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final, Self
+from typing import Any, Final, Self
+
+from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, resume_hint
+from rubnoise.record.reader import Attributes
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingFile
@@ -84,6 +87,46 @@ def look(part: str | os.PathLike[str]) -> Unfinished:
         committed=datetime.fromtimestamp(commits[-1].moment, UTC).strftime(TIME) if commits else "",
         being_written=is_being_written(paths),
     )
+
+
+class CommittedRun:
+    """The rows that a run which did not finish has committed, read as those of a result.
+
+    Groups that grow beside the part are left out. A `rubnoise.record.reader.Reader`.
+    """
+
+    def __init__(self, run: RunFile, found: Unfinished) -> None:
+        """Stand for the first rows of an open part file."""
+        self._run = run
+        self._rows = {"junctions": found.junctions, "trace": found.ticks, "slider": found.ticks}
+        self._left_out = frozenset(found.grown) | (set(run.columns) - {*self._rows, "life_curve"})
+        self.path, self.extent = run.path, run.extent
+        self.attributes, self.provenance = run.attributes, run.provenance
+        self.summary: Attributes = {}
+
+    @property
+    def columns(self) -> Mapping[str, Sequence[str]]:
+        """Names of the columns of each group that is there."""
+        return {group: names for group, names in self._run.columns.items() if group not in self._left_out}
+
+    def rows(self, group: str) -> int:
+        """Return the number of committed rows of a group."""
+        return min(self._rows.get(group, self._run.rows(group)), self._run.rows(group))
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        """Return committed rows ``start`` to ``stop`` (to the last when None) of a column."""
+        first, last, _ = slice(start, stop).indices(self.rows(group))
+        return self._run.column(group, name, first, max(first, last))
+
+
+@contextmanager
+def committed_run(part: Path) -> Iterator[CommittedRun]:
+    """Open a part file for what it has committed; raises RunFileRefused as look does, and where that is nothing."""
+    found = look(part)
+    if not found.ticks:
+        raise RunFileRefused(f"{part}: nothing of this run is committed yet")
+    with open_run(part) as run:
+        yield CommittedRun(run, found)
 
 
 def _history_or_refusal(journal: Path) -> History:

@@ -1,0 +1,53 @@
+"""`rubnoise report`: a result as one page to send to a colleague."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    file: Annotated[
+        Path, typer.Argument(help="A result file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False)
+    ],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="The page to write; default: RUN_report.html, in this folder.", metavar="OUT.html"
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a report of a result: its scenario in words, measured and exact figures, pictures, sound and origin.
+
+    It is one file that a browser opens without a network, and it prints on A4.
+
+    Example: rubnoise report fig5.h5 -o fig5_report.html
+    """
+    from rubnoise import api
+    from rubnoise.cli.layout import sentence, size
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.cli.progress import watching
+    from rubnoise.pages.report import run_report, sweep_report
+    from rubnoise.regular_file import is_folder
+    from rubnoise.storage.output import check_output, whole_file
+
+    path = output or Path(f"{file.resolve().stem}_report.html")
+    if path.suffix.lower() not in {".html", ".htm"}:
+        raise typer.BadParameter(f"{path} does not end in .html")
+    check_output(path, force=force)
+    with watching(1.0, shown=False) as watcher:
+
+        def between() -> None:
+            watcher(0.0, 0, 0)
+
+        if is_folder(file):
+            with api.open_sweep(file) as sweep:
+                text = sweep_report(sweep, between)
+        else:
+            with finished_run(file) as run:
+                text = run_report(run, between)
+    with whole_file(path, force=force) as part:
+        part.write_text(text, encoding="utf-8")
+    print(sentence(f"{path}: {size(path.stat().st_size)}; a browser opens and prints it"))

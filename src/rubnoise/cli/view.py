@@ -1,0 +1,74 @@
+"""`rubnoise view`: a result as a page to explore in a browser."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from rubnoise.pages.run_view import RunView
+
+
+def command(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="A result file, a part file, or the folder of a sweep.", metavar="RUN.h5|DIR", show_default=False
+        ),
+    ],
+    *,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="The page to write; default: RUN.html, in this folder.", metavar="OUT.html"
+        ),
+    ] = None,
+    start: Annotated[
+        str | None,
+        typer.Option("--from", help="Start of the stretch: um, or with a unit.", metavar="S", show_default=False),
+    ] = None,
+    stop: Annotated[
+        str | None, typer.Option("--to", help="End of the stretch.", metavar="S", show_default=False)
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write a page to explore a result: curves to zoom into, a bar for the life of each junction, and filters.
+
+    It is one file that a browser opens without a network. Of a long run it holds every row of a stretch.
+
+    Example: rubnoise view fig5.h5 --from 1mm --to 2mm
+    """
+    from rubnoise import api
+    from rubnoise.cli.layout import sentence, size
+    from rubnoise.cli.loading import finished_run
+    from rubnoise.cli.plot import distance
+    from rubnoise.figures.stretch import Stretch
+    from rubnoise.pages.run_view import RunView
+    from rubnoise.pages.sweep_view import sweep_page
+    from rubnoise.regular_file import is_folder
+    from rubnoise.storage.output import check_output, whole_file
+    from rubnoise.storage.resume import SUFFIX, committed_run
+
+    ends = distance("--from", start), distance("--to", stop)
+    path = output or Path(f"{file.resolve().stem}.html")
+    if path.suffix.lower() not in {".html", ".htm"}:
+        raise typer.BadParameter(f"{path} does not end in .html")
+    check_output(path, force=force)
+    if is_folder(file):
+        if ends != (None, None):
+            raise typer.BadParameter("--from and --to are for one run")
+        with api.open_sweep(file) as sweep:
+            text, what = sweep_page(sweep, str(file)), f"{sweep.count('done'):,} runs"
+    elif file.suffix == SUFFIX:
+        with committed_run(file) as part:
+            text, what = _shown(RunView.of_part(part, ends, str(file)))
+    else:
+        with finished_run(file) as run:
+            text, what = _shown(RunView.of(Stretch.of(run, *ends), str(file)))
+    with whole_file(path, force=force) as written:
+        written.write_text(text, encoding="utf-8")
+    print(sentence(f"{path}: {what}, {size(path.stat().st_size)}; a browser opens it, with or without a network"))
+
+
+def _shown(view: "RunView") -> tuple[str, str]:
+    return view.page(), f"every row from {view.stretch.start:g} to {view.stretch.stop:g} um"

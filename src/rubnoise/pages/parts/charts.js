@@ -1,0 +1,259 @@
+/* Curves over sliding distance or time: every row inside the stretch of the page, extremes of cells elsewhere. */
+"use strict";
+(() => {
+  const { data } = view;
+  const MOST_POINTS = 3000;
+  const groups = Object.fromEntries(
+    Object.entries(data.groups).map(([name, group]) => [name, { first: group.first, ...view.columns(group.columns) }]),
+  );
+  const levels = Object.fromEntries(
+    Object.entries(data.levels).map(([name, level]) => {
+      const { step, rows, ...curves } = level;
+      const found = { step, rows };
+      for (const [curve, { low, high }] of Object.entries(curves)) {
+        found[curve] = { low: view.unpacked(low), high: view.unpacked(high) };
+      }
+      return [name, found];
+    }),
+  );
+  view.groups = groups;
+
+  const rising = (values) => {
+    const found = Float64Array.from(values);
+    for (let i = 1; i < found.length; i += 1) found[i] = Math.max(found[i], found[i - 1]);
+    return found;
+  };
+
+  /** Time and distance of a slider that pushes back, which has a clock of its own. */
+  const clock = data.twoWay && groups.slider.time.length > 1
+    ? {
+        step: groups.slider.time[1] - groups.slider.time[0],
+        reached: rising(groups.slider.distance),
+        reachedInAll: rising(levels.slider.distance.high),
+      }
+    : null;
+
+  /** The time in s at which the slider first reaches a distance; the distance itself where both are the same axis. */
+  view.timeAt = (s) => {
+    if (clock === null) return s;
+    if (s >= data.start && s <= data.stop) {
+      const { time } = groups.slider;
+      return time[Math.min(view.firstAtLeast(clock.reached, s), time.length - 1)];
+    }
+    return view.firstAtLeast(clock.reachedInAll, s) * levels.slider.step * clock.step;
+  };
+
+  /** The distance that the slider has reached at a time. */
+  view.distanceAt = (t) => {
+    if (clock === null) return t;
+    const row = Math.round(t / clock.step) - groups.slider.first;
+    if (row >= 0 && row < clock.reached.length) return clock.reached[row];
+    const cell = Math.floor(t / clock.step / levels.slider.step);
+    return clock.reachedInAll[Math.min(Math.max(cell, 0), clock.reachedInAll.length - 1)];
+  };
+
+  const isWhole = (from, to) => from >= data.start - 1e-9 * data.distance && to <= data.stop + 1e-9 * data.distance;
+  view.showsRows = () => isWhole(view.window.from, view.window.to);
+
+  const thinned = (place, values, first, last) => {
+    const count = last - first;
+    if (count <= MOST_POINTS) {
+      const rows = Array.from({ length: Math.max(count, 0) }, (_, i) => first + i);
+      return [rows.map(place), rows.map((i) => values[i])];
+    }
+    const step = Math.ceil((2 * count) / MOST_POINTS);
+    const [xs, ys] = [[], []];
+    for (let begin = first; begin < last; begin += step) {
+      const end = Math.min(begin + step, last);
+      let [low, high] = [begin, begin];
+      for (let i = begin; i < end; i += 1) {
+        if (values[i] < values[low]) low = i;
+        if (values[i] > values[high]) high = i;
+      }
+      for (const i of low < high ? [low, high] : low > high ? [high, low] : [low]) {
+        xs.push(place(i));
+        ys.push(values[i]);
+      }
+    }
+    return [xs, ys];
+  };
+
+  /** Places and values of a curve between two sliding distances in um. */
+  const curve = (group, name, from, to) => {
+    const timed = clock !== null && group === "slider";
+    const [begin, end] = timed ? [view.timeAt(from), view.timeAt(to)] : [from, to];
+    const pace = timed ? clock.step : data.tick;
+    if (isWhole(from, to)) {
+      const { first, [name]: values } = groups[group];
+      const inside = (row) => Math.min(Math.max(row - first, 0), values.length);
+      const [low, high] = [inside(Math.floor(begin / pace)), inside(Math.ceil(end / pace) + 1)];
+      return thinned((i) => (first + i) * pace, values, low, high);
+    }
+    const { step, [name]: cells } = levels[group];
+    const low = Math.max(Math.floor(begin / pace / step), 0);
+    const high = Math.min(Math.ceil(end / pace / step) + 1, cells.low.length);
+    const [xs, ys] = [[], []];
+    for (let cell = low; cell < high; cell += 1) {
+      const place = (cell + 0.5) * step * pace;
+      xs.push(place, place);
+      ys.push(cells.low[cell], cells.high[cell]);
+    }
+    return [xs, ys];
+  };
+  view.curve = curve;
+
+  const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  view.ink = ink;
+
+  const axis = (label) => ({
+    label, labelSize: 22, size: 46, font: "12px system-ui", labelFont: "13px system-ui",
+    stroke: () => ink("ink"), grid: { stroke: () => ink("grid"), width: 1 }, ticks: { stroke: () => ink("grid"), width: 1 },
+  });
+
+  const shaded = (chart, begin, end, colour) => {
+    const { ctx, bbox } = chart;
+    const left = Math.max(chart.valToPos(begin, "x", true), bbox.left);
+    const right = Math.min(chart.valToPos(end, "x", true), bbox.left + bbox.width);
+    if (right <= left) return;
+    ctx.fillStyle = colour;
+    ctx.fillRect(left, bbox.top, Math.max(right - left, 1), bbox.height);
+  };
+
+  const sticks = data.landmarks && { begin: view.unpacked(data.landmarks.begin), end: view.unpacked(data.landmarks.end) };
+  const drawSticks = (chart) => {
+    if (!sticks) return;
+    const { min, max } = chart.scales.x;
+    for (let i = view.firstAtLeast(sticks.end, min); i < sticks.begin.length && sticks.begin[i] <= max; i += 1) {
+      shaded(chart, sticks.begin[i], sticks.end[i], ink("stick"));
+    }
+  };
+  const drawLife = (chart) => {
+    if (view.chosen === null) return;
+    shaded(chart, view.lives.birth_distance[view.chosen], view.lives.death_distance[view.chosen], ink("life"));
+  };
+  const drawBand = (exact) => (chart) => {
+    const { ctx, bbox } = chart;
+    const [high, low] = [exact.mean + (exact.std ?? 0), exact.mean - (exact.std ?? 0)].map((y) => chart.valToPos(y, "y", true));
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    ctx.fillStyle = ink("band");
+    ctx.fillRect(bbox.left, high, bbox.width, low - high);
+    ctx.strokeStyle = ink("exact");
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    const middle = chart.valToPos(exact.mean, "y", true);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, middle);
+    ctx.lineTo(bbox.left + bbox.width, middle);
+    ctx.stroke();
+    ctx.restore();
+  };
+
+  const PANELS = [
+    { group: "trace", name: "real_contact_area", label: "area (µm²)", exact: data.area, fromZero: true },
+    { group: "trace", name: "junction_count", label: "live junctions", exact: { ...data.count, std: Math.sqrt(data.count.mean) }, fromZero: true },
+    { group: "trace", name: "friction_force", label: "force (µN)", fromZero: true },
+    { group: "slider", name: "displacement", label: "x (µm)" },
+    { group: "slider", name: "velocity", label: "x′ (µm/s)" },
+  ];
+
+  const made = [];
+  const keyOf = (group) => (clock !== null && group === "slider" ? "time" : "distance");
+  const axisLabel = (group) => (keyOf(group) === "time" ? "time (s)" : "sliding distance (µm)");
+
+  /** Dragging over any chart zooms to what was dragged over. */
+  const zoomTo = (chart, timed) => {
+    const { left, width } = chart.select;
+    if (width > 3) {
+      const ends = [left, left + width].map((x) => chart.posToVal(x, "x"));
+      view.show(...(timed ? ends.map(view.distanceAt) : ends));
+    }
+    chart.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+  };
+
+  view.newChart = (place, { label, name, timed, xLabel, height, range, hooks = {}, series = {}, data: values, sync = true }) => {
+    const options = {
+      width: place.clientWidth, height, legend: { show: false },
+      scales: {
+        x: { time: false, range: () => (timed ? [view.timeAt(view.window.from), view.timeAt(view.window.to)] : [view.window.from, view.window.to]) },
+        y: { range },
+      },
+      axes: [{ ...axis(xLabel), size: 38 }, { ...axis(label), size: 74 }],
+      series: [{}, { stroke: () => ink("curve"), width: 1.4, points: { show: false }, ...series }],
+      cursor: {
+        y: false, drag: { x: true, y: false, setScale: false },
+        ...(sync ? { sync: { key: timed ? "time" : "distance", setSeries: false } } : {}),
+      },
+      hooks: { setSelect: [(chart) => zoomTo(chart, timed)], ...hooks },
+    };
+    const chart = new uPlot(options, values, place);
+    const picture = chart.root.querySelector("canvas");
+    picture.setAttribute("role", "img");
+    picture.setAttribute("aria-label", `${name} over ${timed ? "time" : "sliding distance"}`);
+    chart.over.addEventListener("dblclick", () => view.show(data.start, data.stop));
+    chart.over.addEventListener("wheel", (event) => {
+      if (!event.ctrlKey && !event.shiftKey) return;
+      event.preventDefault();
+      const box = chart.over.getBoundingClientRect();
+      const value = chart.posToVal(event.clientX - box.left, "x");
+      view.zoom(event.deltaY + event.deltaX > 0 ? 1.5 : 1 / 1.5, timed ? view.distanceAt(value) : value);
+    }, { passive: false });
+    return chart;
+  };
+
+  const around = (fromZero) => (_, low, high) => {
+    const [bottom, top] = [fromZero ? Math.min(0, low ?? 0) : (low ?? -1), high ?? 1];
+    const margin = 0.06 * (top - bottom || 1);
+    return [fromZero && bottom === 0 ? 0 : bottom - margin, top + margin];
+  };
+
+  /** Make a chart for each curve that the run has. */
+  view.makeCharts = () => {
+    for (const { group, name, label, exact, fromZero } of PANELS) {
+      if (!groups[group] || !(name in groups[group].units)) continue;
+      const place = document.createElement("div");
+      place.className = "chart";
+      place.dataset.curve = name;
+      document.getElementById(group === "slider" ? "motion" : "contact").append(place);
+      const timed = keyOf(group) === "time";
+      const before = [...(exact ? [drawBand(exact)] : []), ...(group === "slider" ? [drawSticks] : [drawLife])];
+      const chart = view.newChart(place, {
+        label, name: name.replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
+        data: curve(group, name, view.window.from, view.window.to),
+        hooks: { drawClear: before, setCursor: [(one) => view.pointed(one, timed)] },
+      });
+      made.push({ chart, redraw: () => chart.setData(curve(group, name, view.window.from, view.window.to)), place });
+    }
+    const place = document.getElementById("overview");
+    const all = () => curve("trace", "real_contact_area", 0, data.distance);
+    const overview = new uPlot({
+      width: place.clientWidth, height: 96, legend: { show: false },
+      scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true) } },
+      axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 74 }],
+      series: [{}, { stroke: () => ink("curve"), width: 1, points: { show: false } }],
+      cursor: { y: false, drag: { x: true, y: false, setScale: false } },
+      hooks: {
+        drawClear: [(chart) => {
+          shaded(chart, data.start, data.stop, ink("band"));
+          shaded(chart, view.window.from, view.window.to, ink("life"));
+        }],
+        setSelect: [(chart) => zoomTo(chart, false)],
+      },
+    }, all(), place);
+    overview.root.querySelector("canvas").setAttribute("aria-hidden", "true");
+    made.push({ chart: overview, redraw: () => overview.redraw(false), place });
+  };
+
+  view.addChart = (one) => made.push(one);
+  view.redrawCharts = () => made.forEach(({ redraw }) => redraw());
+  view.recolourCharts = () => made.forEach(({ chart }) => chart.redraw(false, true));
+  view.resizeCharts = () => made.forEach(({ chart, place }) => chart.setSize({ width: place.clientWidth, height: chart.height }));
+  view.value = (group, name, s) => {
+    const found = groups[group];
+    if (!found || !(name in found.units)) return null;
+    const timed = keyOf(group) === "time";
+    const row = Math.round((timed ? view.timeAt(s) / clock.step : s / data.tick)) - found.first;
+    return row >= 0 && row < found[name].length ? found[name][row] : null;
+  };
+})();

@@ -1,0 +1,65 @@
+/* The life of one junction: its area, its peak, and the contact there, as `rubnoise junction` has them. */
+"use strict";
+(() => {
+  const AREAS = {
+    lens: (s, d) => {
+      const x = Math.min(Math.abs(d - s), d);
+      return 0.5 * (d * d * Math.acos(x / d) - x * Math.sqrt((d - x) * (d + x)));
+    },
+    triangle: (s, d) => 0.25 * Math.PI * d * Math.max(Math.min(s, 2 * d - s), 0),
+  };
+
+  /** The area in um^2 of a row at a sliding distance after its birth, whether it is alive or not. */
+  view.areaAtAge = (row, age) => AREAS[view.data.pulse](age, view.lives.diameter[row]);
+
+  /** The rows alive at a distance: birth <= s < death, or just before it, birth < s <= death. */
+  view.aliveAt = (s, justBefore = false) => {
+    const { birth_distance: birth, death_distance: death } = view.lives;
+    const found = [];
+    for (let row = 0; row < birth.length; row += 1) {
+      if (justBefore ? birth[row] < s && s <= death[row] : birth[row] <= s && s < death[row]) found.push(row);
+    }
+    return found;
+  };
+
+  view.life = (row) => {
+    const { lives, data } = view;
+    const at = (name) => (name in lives.units ? lives[name][row] : null);
+    const [birth, death, d, length] = ["birth_distance", "death_distance", "diameter", "life_distance"].map(at);
+    const peakAge = Math.min(Math.max(Math.min(d, length), -birth), data.distance - birth);
+    const atDeath = peakAge === length;
+    const peak = atDeath ? death : birth + peakAge;
+    const peakArea = view.areaAtAge(row, peakAge);
+    const strength = at("shear_strength");
+    const beside = view.aliveAt(peak, atDeath).filter((other) => other !== row);
+    let area = 0;
+    let force = 0;
+    for (const other of beside) {
+      const one = view.areaAtAge(other, peak - lives.birth_distance[other]);
+      area += one;
+      if (strength !== null) force += lives.shear_strength[other] * one;
+    }
+    const own = strength === null ? null : strength * peakArea;
+    const whole = peakArea + area;
+    return {
+      junction: at("junction"),
+      birth, death, length, diameter: d,
+      middle: length >= d ? birth + d : null,
+      birthTime: at("birth_time"),
+      deathTime: at("death_time"),
+      maxArea: at("max_area"),
+      state: at("state"),
+      strength, peak, peakArea,
+      peakForce: own,
+      realContactArea: whole,
+      frictionForce: own === null ? null : own + force,
+      areaShare: whole ? peakArea / whole : 0,
+      others: beside.map((other) => lives.junction[other]),
+    };
+  };
+
+  view.stateNames = (state) => {
+    const names = Object.entries(view.data.states).filter(([, bit]) => state & bit).map(([name]) => name);
+    return names.length ? names : ["complete"];
+  };
+})();

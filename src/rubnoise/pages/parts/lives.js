@@ -1,0 +1,225 @@
+/* Life-lines: a bar for each junction from birth to death, in lanes in which no two overlap. */
+"use strict";
+(() => {
+  const { data } = view;
+  const { shown, ...told } = data.junctions;
+  const rows = view.columns(told);
+  view.lives = rows;
+  view.chosen = null;
+  view.isKept = null;
+
+  /* From dark blue to yellow, with a lightness that rises evenly, so that it can be read in grey too. */
+  const COLOURS = ["#1b2a6b", "#1f4287", "#22599a", "#2a70a3", "#3a86a2", "#549a98", "#75ac88", "#9bbc77", "#c3c968", "#ecd15e"];
+  const MOST_MARKED = 1500;
+  const LISTED = 25;
+
+  class Heap {
+    constructor(key) {
+      Object.assign(this, { key, items: [] });
+    }
+    get least() {
+      return this.items[0];
+    }
+    push(item) {
+      const { items, key } = this;
+      let i = items.push(item) - 1;
+      for (let up = (i - 1) >> 1; i > 0 && key(items[i]) < key(items[up]); i = up, up = (i - 1) >> 1) {
+        [items[i], items[up]] = [items[up], items[i]];
+      }
+    }
+    pop() {
+      const { items, key } = this;
+      const least = items[0];
+      const last = items.pop();
+      if (items.length) {
+        items[0] = last;
+        for (let i = 0; ;) {
+          let next = 2 * i + 1;
+          if (next >= items.length) break;
+          if (next + 1 < items.length && key(items[next + 1]) < key(items[next])) next += 1;
+          if (key(items[next]) >= key(items[i])) break;
+          [items[i], items[next]] = [items[next], items[i]];
+          i = next;
+        }
+      }
+      return least;
+    }
+  }
+
+  const { birth_distance: birth, death_distance: death, diameter } = rows;
+  const lanes = new Uint32Array(birth.length);
+  let laneCount = 1;
+  const [living, free] = [new Heap((row) => death[row]), new Heap((lane) => lane)];
+  for (let row = 0, used = 0; row < birth.length; row += 1) {
+    while (living.least !== undefined && death[living.least] <= birth[row]) free.push(lanes[living.pop()]);
+    lanes[row] = free.least === undefined ? used++ : free.pop();
+    laneCount = Math.max(laneCount, used);
+    living.push(row);
+  }
+  let [least, most] = [Infinity, -Infinity];
+  for (const d of diameter) [least, most] = [Math.min(least, d), Math.max(most, d)];
+  const shade = (row) => Math.min(COLOURS.length - 1, Math.floor((COLOURS.length * (diameter[row] - least)) / (most - least || 1)));
+
+  const visible = (from, to) => {
+    const found = [];
+    for (let row = 0; row < birth.length && birth[row] <= to; row += 1) if (death[row] >= from) found.push(row);
+    return found;
+  };
+  view.visibleLives = () => visible(view.window.from, view.window.to);
+
+  const strokes = (chart, some, colour, width) => {
+    const { ctx, bbox } = chart;
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = width;
+    ctx.beginPath();
+    for (const row of some) {
+      const y = chart.valToPos(lanes[row] + 0.5, "y", true);
+      const left = Math.max(chart.valToPos(birth[row], "x", true), bbox.left);
+      const right = Math.min(chart.valToPos(death[row], "x", true), bbox.left + bbox.width);
+      ctx.moveTo(left, y);
+      ctx.lineTo(Math.max(right, left + 0.5), y);
+    }
+    ctx.stroke();
+  };
+
+  const marks = (chart, some, size) => {
+    const { ctx, bbox } = chart;
+    const inside = (x) => x >= bbox.left - 1 && x <= bbox.left + bbox.width + 1;
+    ctx.lineWidth = 1.4 * devicePixelRatio;
+    ctx.strokeStyle = view.ink("ink");
+    ctx.fillStyle = view.ink("ground");
+    for (const row of some) {
+      const y = chart.valToPos(lanes[row] + 0.5, "y", true);
+      const [left, right] = [birth[row], death[row]].map((s) => chart.valToPos(s, "x", true));
+      if (inside(left)) {
+        ctx.beginPath();
+        ctx.arc(left, y, size, 0, 2 * Math.PI);
+        ctx.fill();
+        ctx.stroke();
+      }
+      if (inside(right)) {
+        ctx.beginPath();
+        ctx.moveTo(right - size, y - size);
+        ctx.lineTo(right + size, y + size);
+        ctx.moveTo(right - size, y + size);
+        ctx.lineTo(right + size, y - size);
+        ctx.stroke();
+      }
+    }
+  };
+
+  const draw = (chart) => {
+    const { ctx, bbox } = chart;
+    const { from, to } = view.window;
+    const some = visible(from, to);
+    const lane = bbox.height / laneCount;
+    const width = Math.max(Math.min(0.6 * lane, 12 * devicePixelRatio), 1);
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    if (to < data.start || from > data.stop) {
+      ctx.fillStyle = view.ink("ink");
+      ctx.font = `${14 * devicePixelRatio}px system-ui`;
+      ctx.textAlign = "center";
+      ctx.fillText("The lives of this stretch are not in this page.", bbox.left + bbox.width / 2, bbox.top + bbox.height / 2);
+    }
+    const kept = view.isKept;
+    if (kept) strokes(chart, some.filter((row) => !kept(row)), view.ink("grid"), width);
+    const drawn = kept ? some.filter(kept) : some;
+    COLOURS.forEach((colour, k) => strokes(chart, drawn.filter((row) => shade(row) === k), colour, width));
+    if (view.chosen !== null) strokes(chart, [view.chosen], view.ink("exact"), Math.max(width, 3 * devicePixelRatio));
+    if (some.length <= MOST_MARKED && lane >= 4 * devicePixelRatio) {
+      marks(chart, drawn, Math.min(0.3 * lane, 4 * devicePixelRatio));
+    } else if (view.chosen !== null) marks(chart, [view.chosen], 4 * devicePixelRatio);
+    for (const [edge, isIn] of [[data.start, from < data.start], [data.stop, to > data.stop]]) {
+      if (!isIn) continue;
+      const x = chart.valToPos(edge, "x", true);
+      ctx.setLineDash([6, 6]);
+      ctx.strokeStyle = view.ink("ink");
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      ctx.setLineDash([]);
+    }
+    ctx.restore();
+  };
+
+  const hit = (chart, event) => {
+    const box = chart.over.getBoundingClientRect();
+    const s = chart.posToVal(event.clientX - box.left, "x");
+    const lane = chart.posToVal(event.clientY - box.top, "y") - 0.5;
+    const slack = (3 * (view.window.to - view.window.from)) / box.width;
+    let [best, nearest] = [null, Math.max(1, (6 * laneCount) / box.height)];
+    for (const row of visible(s - slack, s + slack)) {
+      const away = Math.abs(lanes[row] - lane);
+      if (away < nearest) [best, nearest] = [row, away];
+    }
+    return best;
+  };
+
+  const place = document.getElementById("lifelines");
+  view.makeLives = () => {
+    const ends = () => [[view.window.from, view.window.to], [0, laneCount]];
+    const chart = view.newChart(place, {
+      label: "life-lines", name: "life-lines of junctions", timed: false, xLabel: "sliding distance (µm)", height: 300,
+      range: () => [0, laneCount], data: ends(), series: { stroke: "transparent" },
+      hooks: { draw: [draw], setCursor: [(one) => view.pointed(one, false)] },
+    });
+    chart.over.addEventListener("click", (event) => {
+      const row = hit(chart, event);
+      if (row !== null) view.choose(row);
+    });
+    chart.over.addEventListener("mousemove", (event) => {
+      chart.over.style.cursor = hit(chart, event) === null ? "crosshair" : "pointer";
+    });
+    view.addChart({ chart, place, redraw: () => chart.setData(ends()) });
+    const steps = document.getElementById("shades");
+    COLOURS.forEach((colour) => {
+      const step = document.createElement("i");
+      step.style.background = colour;
+      steps.append(step);
+    });
+    document.getElementById("least").textContent = Number.isFinite(least) ? `${view.number(least)} µm` : "";
+    document.getElementById("most").textContent = Number.isFinite(most) ? `${view.number(most)} µm` : "";
+  };
+
+  /** How many bars a cursor at a distance cuts; null outside of the stretch whose lives the page holds. */
+  view.aliveCount = (s) => (s < data.start || s > data.stop ? null : view.aliveAt(s).length);
+
+  const cells = (row) => [
+    rows.junction[row], birth[row], death[row], diameter[row], rows.max_area[row], view.stateNames(rows.state[row]).join(", "),
+  ];
+
+  /** The first lives of the window that the condition chooses, as a table. */
+  view.listLives = () => {
+    const inWindow = view.visibleLives();
+    const some = view.isKept ? inWindow.filter(view.isKept) : inWindow;
+    const body = document.querySelector("#lives tbody");
+    body.replaceChildren(...some.slice(0, LISTED).map((row) => {
+      const line = document.createElement("tr");
+      for (const [i, value] of cells(row).entries()) {
+        const cell = document.createElement(i ? "td" : "th");
+        if (i === 0) {
+          const open = document.createElement("button");
+          open.type = "button";
+          open.textContent = value;
+          open.setAttribute("aria-label", `Show junction ${value}`);
+          open.addEventListener("click", () => view.choose(row));
+          cell.append(open);
+        } else cell.textContent = typeof value === "number" ? view.number(value) : value;
+        line.append(cell);
+      }
+      return line;
+    }));
+    const more = some.length > LISTED ? `, the first ${LISTED} below` : "";
+    document.getElementById("listed").textContent = `${view.grouped(some.length)} of ${view.grouped(inWindow.length)} junctions in this window${more}`;
+  };
+
+  view.rowOf = (junction) => {
+    const row = view.firstAtLeast(rows.junction, junction);
+    return rows.junction[row] === junction ? row : null;
+  };
+  view.shownJunctions = shown;
+})();

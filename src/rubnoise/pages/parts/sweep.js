@@ -1,0 +1,220 @@
+/* The page of a sweep: its runs as points over what is swept, and one run beside them. */
+"use strict";
+(() => {
+  const { data } = view;
+  const $ = (id) => document.getElementById(id);
+  const { columns } = data;
+  const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9", "#7a52a3", "#b3490b", "#4d4d4d", "#2e8b57"];
+  const LISTED = 200;
+  const words = (name) => name.replace(/^.*\./, "").replaceAll("_", " ");
+  const label = (name) => (["", "1"].includes(columns[name].units) ? words(name) : `${words(name)} (${columns[name].units})`);
+  const ink = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  const isNumeric = (name) => columns[name].values.every((value) => value === null || typeof value === "number");
+  const measured = data.figures.filter((name) => columns[name].values.some((value) => value !== null));
+  const PREFERRED = ["displacement_std", "real_contact_area_std"];
+  let chosen = null;
+  let chart = null;
+
+  const fill = (select, names, first) => {
+    select.replaceChildren(...names.map((name) => new Option(label(name), name)));
+    if (names.includes(first)) select.value = first;
+  };
+  const keys = data.keys.filter(isNumeric);
+  fill($("x"), [...keys, ...measured], keys[0] ?? measured[0]);
+  fill($("y"), measured, PREFERRED.find((name) => measured.includes(name)));
+  fill($("colour"), [...data.keys, "replicate"], data.keys[1] ?? "replicate");
+
+  /* Few values have a colour each; many are put into ten classes of equal width. */
+  const classes = (name) => {
+    const { values } = columns[name];
+    const distinct = [...new Set(values)].sort((a, b) => (typeof a === "number" ? a - b : String(a).localeCompare(b)));
+    if (distinct.length <= COLOURS.length) {
+      return { names: distinct.map((value) => (typeof value === "number" ? view.number(value) : String(value))), of: (run) => distinct.indexOf(values[run]) };
+    }
+    const [low, high] = [distinct[0], distinct[distinct.length - 1]];
+    const width = (high - low) / COLOURS.length;
+    return {
+      names: COLOURS.map((_, k) => `${view.number(low + k * width)} to ${view.number(low + (k + 1) * width)}`),
+      of: (run) => Math.min(COLOURS.length - 1, Math.floor((values[run] - low) / width)),
+    };
+  };
+
+  const axis = (text, size, isLog) => ({
+    label: text, labelSize: 24, size, font: "12px system-ui", labelFont: "13px system-ui", stroke: () => ink("ink"),
+    grid: { stroke: () => ink("grid"), width: 1 }, ticks: { stroke: () => ink("grid"), width: 1 }, ...(isLog ? { values: (_, ticks) => ticks.map((v) => (v === null ? "" : view.number(v))) } : {}),
+  });
+
+  const draw = () => {
+    const [x, y] = [$("x").value, $("y").value];
+    const [xs, ys] = [columns[x].values, columns[y].values];
+    const [acrossLog, upLog] = [$("x-log").checked, $("y-log").checked];
+    const usable = (value, isLog) => value !== null && (!isLog || value > 0);
+    const runs = data.runs.map((_, run) => run).filter((run) => usable(xs[run], acrossLog) && usable(ys[run], upLog));
+    runs.sort((a, b) => xs[a] - xs[b]);
+    const { names, of } = classes($("colour").value);
+    const exact = columns[`${y}_exact`]?.values;
+    const series = names.map((_, k) => runs.map((run) => (of(run) === k ? ys[run] : null)));
+    const values = [runs.map((run) => xs[run]), ...series];
+    if (exact) values.push(runs.map((run) => (usable(exact[run], upLog) ? exact[run] : null)));
+    if (chart) chart.destroy();
+    const margin = (isLog) => (_, low, high) => {
+      if (low === null || high === null) return [0, 1];
+      if (isLog) return [low / 1.3, high * 1.3];
+      const room = 0.06 * (high - low || Math.abs(high) || 1);
+      return [low - room, high + room];
+    };
+    const marks = (colour) => ({ stroke: colour, paths: () => null, points: { show: true, size: 8, fill: colour } });
+    const place = $("plot");
+    chart = new uPlot({
+      width: place.clientWidth, height: 420, legend: { show: false },
+      scales: { x: { time: false, distr: acrossLog ? 3 : 1, range: margin(acrossLog) }, y: { distr: upLog ? 3 : 1, range: margin(upLog) } },
+      axes: [axis(label(x), 48, acrossLog), axis(label(y), 80, upLog)],
+      series: [{}, ...names.map((_, k) => marks(COLOURS[k])), ...(exact ? [{ stroke: () => ink("ink"), paths: () => null, points: { show: true, size: 14, width: 2, paths: dashes } }] : [])],
+      cursor: { drag: { x: false, y: false }, points: { show: false } },
+      hooks: { draw: [(one) => ring(one, xs, ys)] },
+    }, values, place);
+    const picture = chart.root.querySelector("canvas");
+    picture.setAttribute("role", "img");
+    picture.setAttribute("aria-label", `${words(y)} of ${runs.length} runs over ${words(x)}`);
+    chart.over.addEventListener("click", (event) => {
+      const box = chart.over.getBoundingClientRect();
+      const away = (run) => Math.hypot(chart.valToPos(xs[run], "x") - (event.clientX - box.left), chart.valToPos(ys[run], "y") - (event.clientY - box.top));
+      const near = runs.reduce((best, run) => (best === null || away(run) < away(best) ? run : best), null);
+      if (near !== null && away(near) < 16) choose(near);
+    });
+    $("legend").replaceChildren(...names.map((name, k) => sign("dot", `${words($("colour").value)} ${name}`, COLOURS[k])), ...(exact ? [sign("dash", "exact")] : []));
+    list();
+  };
+
+  /* Exact values are dashes, so that the points show through. */
+  const dashes = (one, seriesIndex, first, last) => {
+    const path = new Path2D();
+    const half = 9 * devicePixelRatio;
+    for (let i = first; i <= last; i += 1) {
+      const value = one.data[seriesIndex][i];
+      if (value === null) continue;
+      const [left, up] = [one.valToPos(one.data[0][i], "x", true), one.valToPos(value, "y", true)];
+      path.moveTo(left - half, up);
+      path.lineTo(left + half, up);
+    }
+    return { stroke: path, fill: null, flags: 2 };
+  };
+
+  const ring = (one, xs, ys) => {
+    if (chosen === null || xs[chosen] === null || ys[chosen] === null) return;
+    one.ctx.strokeStyle = ink("ink");
+    one.ctx.lineWidth = 2 * devicePixelRatio;
+    one.ctx.beginPath();
+    one.ctx.arc(one.valToPos(xs[chosen], "x", true), one.valToPos(ys[chosen], "y", true), 9 * devicePixelRatio, 0, 2 * Math.PI);
+    one.ctx.stroke();
+  };
+
+  const sign = (kind, text, colour) => {
+    const [item, mark] = [document.createElement("span"), document.createElement("i")];
+    mark.className = kind;
+    if (colour) mark.style.background = colour;
+    item.append(mark, ` ${text}`);
+    return item;
+  };
+
+  const shown = (value) => (value === null ? "–" : typeof value === "number" ? (Number.isInteger(value) ? String(value) : view.number(value)) : value);
+
+  const list = () => {
+    const names = [...new Set([...data.keys, "replicate", $("x").value, $("y").value])];
+    const heading = document.createElement("tr");
+    for (const text of ["run", ...names.map(label)]) {
+      const cell = document.createElement("th");
+      cell.textContent = text;
+      heading.append(cell);
+    }
+    document.querySelector("#runs thead").replaceChildren(heading);
+    document.querySelector("#runs tbody").replaceChildren(...data.runs.slice(0, LISTED).map((id, run) => {
+      const line = document.createElement("tr");
+      line.className = run === chosen ? "chosen" : "";
+      const [head, open] = [document.createElement("th"), document.createElement("button")];
+      open.type = "button";
+      open.textContent = id;
+      open.setAttribute("aria-label", `Show run ${id}`);
+      open.addEventListener("click", () => choose(run));
+      head.append(open);
+      line.append(head, ...names.map((name) => {
+        const cell = document.createElement("td");
+        cell.textContent = shown(columns[name].values[run]);
+        return cell;
+      }));
+      return line;
+    }));
+    $("listed").textContent = data.runs.length > LISTED ? `The first ${LISTED} of ${view.grouped(data.runs.length)} runs.` : "";
+  };
+
+  const small = (place, [xs, ys], [across, up]) => {
+    const box = document.createElement("div");
+    place.append(box);
+    const made = new uPlot({
+      width: place.clientWidth, height: 150, legend: { show: false }, scales: { x: { time: false } }, cursor: { show: false },
+      axes: [axis(across, 44), axis(up, 70)], series: [{}, { stroke: () => ink("curve"), width: 1.2, points: { show: false } }],
+    }, [xs, ys], box);
+    made.root.querySelector("canvas").setAttribute("role", "img");
+    made.root.querySelector("canvas").setAttribute("aria-label", `${up} at the beginning of the run`);
+  };
+
+  const term = (name, text) => {
+    const [head, value] = [document.createElement("dt"), document.createElement("dd")];
+    [head.textContent, value.textContent] = [name, text];
+    return [head, value];
+  };
+
+  const choose = (run) => {
+    chosen = run;
+    $("run-title").textContent = `Run ${data.runs[run]}`;
+    const place = $("beginning");
+    place.replaceChildren();
+    const beginning = data.beginnings[data.runs[run]];
+    if (beginning?.trace) small(place, beginning.trace.points, ["sliding distance (µm)", "area (µm²)"]);
+    if (beginning?.slider) small(place, beginning.slider.points, ["time (s)", "x (µm)"]);
+    if (!beginning || beginning.refused) {
+      const text = document.createElement("p");
+      text.textContent = beginning ? beginning.refused : "This page does not hold the beginning of this run.";
+      place.append(text);
+    }
+    $("figures").replaceChildren(...[...data.keys, "replicate", "seed", ...measured].flatMap((name) => {
+      const value = columns[name]?.values[run] ?? null;
+      const exact = columns[`${name}_exact`]?.values[run] ?? null;
+      return value === null ? [] : term(label(name), shown(value) + (exact === null ? "" : `, exact ${shown(exact)}`));
+    }));
+    const code = document.createElement("code");
+    code.textContent = `rubnoise view ${data.name}/runs/${data.runs[run]}.h5`;
+    $("command").replaceChildren(...(beginning?.refused ? [] : ["The whole run: ", code]));
+    keep();
+    chart.redraw(false);
+    list();
+  };
+
+  const keep = () => {
+    const kept = new URLSearchParams({ x: $("x").value, y: $("y").value, colour: $("colour").value });
+    for (const id of ["x-log", "y-log"]) if ($(id).checked) kept.set(id, "1");
+    if (chosen !== null) kept.set("run", data.runs[chosen]);
+    history.replaceState(null, "", `#${kept}`);
+  };
+
+  const kept = new URLSearchParams(location.hash.slice(1));
+  for (const id of ["x", "y", "colour"]) {
+    if ([...$(id).options].some((option) => option.value === kept.get(id))) $(id).value = kept.get(id);
+  }
+  for (const id of ["x-log", "y-log"]) $(id).checked = kept.has(id);
+  $("holds").textContent = Object.entries(data.states).filter(([, count]) => count).map(([state, count]) => `${view.grouped(count)} ${state}`).join(", ");
+  $("axes").addEventListener("change", () => { draw(); keep(); });
+  addEventListener("resize", () => chart.setSize({ width: $("plot").clientWidth, height: 420 }));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  if (data.failures.length) {
+    $("failures").hidden = false;
+    $("failures").querySelector("ul").replaceChildren(...data.failures.map(({ run, reason }) => {
+      const line = document.createElement("li");
+      line.textContent = `${run}: ${reason}`;
+      return line;
+    }));
+  }
+  draw();
+  const run = data.runs.indexOf(kept.get("run"));
+  if (run >= 0) choose(run);
+})();

@@ -1,0 +1,238 @@
+"""A report of a run or a sweep: one page with words, figures beside exact values, pictures, sound, film and origin."""
+
+import json
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from html import escape
+from math import isfinite
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.api.sweep_result import SweepResult
+from rubnoise.errors import Refused
+from rubnoise.figures.animation import Film
+from rubnoise.figures.axis_labels import key_label, quantity_words
+from rubnoise.figures.catalogue import PICTURES, picture
+from rubnoise.figures.film import write_film
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.study import quantities_of, study_of_sweep
+from rubnoise.figures.study_picture import study_picture
+from rubnoise.pages.page import filled, part
+from rubnoise.pages.words import in_words
+from rubnoise.record.reader import Reader
+from rubnoise.storage.wave_file import write_wave
+
+CAPTIONS: Final = {
+    "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"
+    " one standard deviation on each side.",
+    "lives": "Single junctions: above, their areas add up to the real contact area; below, each by itself.",
+    "histogram": "How often each area occurs, with the exact density.",
+    "psd": "Spectrum of the real contact area, with the exact one.",
+    "acf": "Autocovariance of the real contact area, with the exact one.",
+    "count": "Number of live junctions, with the exact distribution.",
+    "slider": "Motion of the slider at the beginning of the run.",
+    "phase": "Velocity of the slider over its displacement.",
+    "landmarks": "How far the slider slips, and how long it sticks.",
+}
+SECONDS: Final = 5.0
+RATE: Final = 44_100
+SPEED_UP: Final = 1.0
+"""Length of the sound in s at most, samples a second, and how much faster it is than the run."""
+
+FILM_SECONDS, FILM_RATE = 6.0, 10
+Between = Callable[[], None]
+
+
+def run_report(file: Reader, between: Between) -> str:
+    """Return the report of a finished run; ``between`` is called between its parts and may raise to stop.
+
+    What a run does not have, such as a sound without a slider, is left out. Raises PicturesMissing without matplotlib.
+    """
+    stretch = Stretch.of(file)
+    origin = file.provenance
+    sections = [
+        _section("What was simulated", _paragraphs(in_words(stretch.model))),
+        _section("Measured and exact", _agreement(from_attributes(file.summary))),
+        _section("Pictures", "".join(_pictures(stretch, between))),
+        _section("Sound", _sound(file, between), "on-screen"),
+        _section("Film", _film(stretch, between), "on-screen"),
+        _section("Scenario", f"<pre>{escape(_as_toml(str(origin['scenario_resolved'])))}</pre>"),
+        _section("How to repeat this run", _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes)),
+    ]
+    return _page(stretch.title or file.path.stem, str(origin["finished"]), sections)
+
+
+def sweep_report(sweep: SweepResult, between: Between) -> str:
+    """Return the report of a sweep, finished or not; ``between`` is called between its parts and may raise to stop."""
+    quantities = quantities_of(sweep)
+    if not quantities or not sweep.count("done"):
+        raise Refused("no run of this sweep is done yet; there is nothing to report")
+    origin = sweep.attributes
+    states = ", ".join(
+        f"{sweep.count(state):,} {state}" for state in ("done", "failed", "planned") if sweep.count(state)
+    )
+    swept = ", ".join(key_label(key, sweep.runs[key].units) for key in sweep.keys)
+    sections = [
+        _section(
+            "What was simulated", _paragraphs([f"{len(sweep.points):,} points over {swept}.", f"Runs: {states}."])
+        ),
+        _section("Pictures", "".join(_studies(sweep, quantities, between))),
+        _section("Every point", _points(sweep, quantities)),
+        _section("Failed runs", _failures(sweep)),
+        _section("Scenario", f"<pre>{escape(str(origin['scenario_toml']))}</pre>"),
+        _section("How to repeat this sweep", _repeat(origin, "rubnoise sweep scenario.toml -o folder", origin)),
+    ]
+    return _page(sweep.title or sweep.path.name, str(origin["written"]), sections)
+
+
+def _page(title: str, when: str, sections: Sequence[str]) -> str:
+    body = f"<p>{escape(when)}</p>" + "".join(sections)
+    return filled(part("report.html"), {"title": escape(title), "style": part("report.css"), "body": body})
+
+
+def _section(heading: str, content: str, kind: str = "") -> str:
+    return f'<section class="{kind}"><h2>{escape(heading)}</h2>{content}</section>\n' if content else ""
+
+
+def _paragraphs(sentences: Sequence[str]) -> str:
+    return "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
+
+
+def _table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in heading)
+    body = "".join(
+        f'<tr><th scope="row">{escape(row[0])}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in row[1:])}</tr>'
+        for row in rows
+    )
+    return f'<div class="scrolled"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _number(value: float | None, digits: int = 6) -> str:
+    return "" if value is None or not isfinite(value) else f"{value:.{digits}g}"
+
+
+def _agreement(figures: Sequence[Agreement]) -> str:
+    rows = [
+        (
+            each.name.replace("one_way", "one-way").replace("_", " "),
+            _number(each.observed),
+            _number(each.expected),
+            _number(each.standard_error, 2),
+            "" if each.z is None else f"{each.z:+.2f}",
+        )
+        for each in figures
+    ]
+    note = "<p>The unit of an area is um², of a force uN, of a length um and of a velocity um/s.</p>"
+    return _table(("figure", "measured", "exact", "standard error", "z"), rows) + note
+
+
+def _picture(content: bytes, caption: str) -> str:
+    text = escape(caption, quote=True)
+    image = f'<img alt="{text}" src="data:image/png;base64,{b64encode(content).decode("ascii")}">'
+    return f"<figure>{image}<figcaption>{text}</figcaption></figure>"
+
+
+def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
+    for name in PICTURES:
+        between()
+        try:
+            yield _picture(picture(name, stretch, "png"), CAPTIONS[name])
+        except Refused as refused:
+            if _is_general(refused):
+                raise
+            continue  # a run without a slider has no motion to show
+
+
+def _is_general(refused: Refused) -> bool:
+    """Whether a picture is refused for a reason that holds for all of them."""
+    from rubnoise.figures.style import PicturesMissing
+
+    return isinstance(refused, PicturesMissing)
+
+
+def _sound(file: Reader, between: Between) -> str:
+    try:
+        sound = Sound.of(file, "velocity", rate=RATE, speed_up=SPEED_UP, seconds=None)
+        if sound.seconds > SECONDS:
+            sound = Sound.of(file, "velocity", rate=RATE, speed_up=SPEED_UP, seconds=SECONDS)
+        level = level_of(sound, between)
+    except Refused:
+        return ""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "sound.wav"
+        write_wave(path, samples_of(sound, level, between), samples=sound.samples, rate=sound.rate, texts={})
+        content = b64encode(path.read_bytes()).decode("ascii")
+    words = f"The velocity of the slider, {sound.seconds:.3g} s of it, as fast as it happened."
+    return f'<p>{words}</p><audio controls src="data:audio/wav;base64,{content}"></audio>'
+
+
+def _film(stretch: Stretch, between: Between) -> str:
+    try:
+        film = Film.of(stretch, seconds=FILM_SECONDS, rate=FILM_RATE)
+    except Refused:
+        return ""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "film.gif"
+        write_film(path, film, "gif", between)
+        content = b64encode(path.read_bytes()).decode("ascii")
+    caption = "Junctions slide over each other; below them the real contact area grows."
+    image = f'<img alt="{caption}" src="data:image/gif;base64,{content}">'
+    figure = f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
+    return f"<details><summary>Show the film, which moves</summary>{figure}</details>"
+
+
+def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str, object]) -> str:
+    facts = [("written by", str(attributes["source"])), ("command", str(origin["command"]))]
+    if "seed" in origin:
+        facts.append(("seed", str(origin["seed"])))
+    if "software" in origin:
+        software = json.loads(str(origin["software"]))
+        facts.append(("software", ", ".join(f"{name} {version}" for name, version in software.items())))
+    listed = "".join(f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in facts)
+    words = "<p>Save the scenario above as scenario.toml. This command makes the same numbers again, to the bit:</p>"
+    return f"{words}<pre>{escape(command)}</pre><dl>{listed}</dl>"
+
+
+def _as_toml(resolved: str) -> str:
+    """Return a resolved scenario, which has every key, as a scenario file; its values are written alike in both."""
+    scenario = json.loads(resolved)
+    lines = [f"{key} = {json.dumps(value)}" for key, value in scenario.items() if not isinstance(value, dict)]
+    for name, section in scenario.items():
+        if isinstance(section, dict):
+            lines += ["", f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in section.items())]
+    return "\n".join(lines)
+
+
+def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) -> Iterator[str]:
+    for quantity in quantities:
+        between()
+        try:
+            content = study_picture(study_of_sweep(sweep, quantity), "png")
+        except Refused as refused:
+            if _is_general(refused):
+                raise
+            continue
+        words = quantity_words(quantity)
+        yield _picture(content, f"{words[:1].upper()}{words[1:]}, with 95 % intervals and the exact curve.")
+
+
+def _points(sweep: SweepResult, quantities: Sequence[str]) -> str:
+    """Return a table of every point: the swept values, and each quantity with half the width of its 95 % interval."""
+    estimates = {quantity: sweep.estimates(quantity) for quantity in quantities}
+    rows = []
+    for number, values in enumerate(sweep.values):
+        cells = [str(values[key]) for key in sweep.keys]
+        for quantity in quantities:
+            pooled = estimates[quantity][number]
+            reach = f" ± {_number(pooled.reach, 2)}" if isfinite(pooled.reach) else ""
+            cells.append(f"{_number(pooled.value, 5)}{reach}")
+        rows.append(cells)
+    heading = [*(key.rpartition(".")[2].replace("_", " ") for key in sweep.keys), *map(quantity_words, quantities)]
+    return _table(heading, rows)
+
+
+def _failures(sweep: SweepResult) -> str:
+    return "".join(f"<p>{escape(each.run_id)}: {escape(each.reason)}</p>" for each in sweep.failures)

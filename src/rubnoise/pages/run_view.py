@@ -1,0 +1,206 @@
+"""What of a run goes into its page: every row of a stretch, and the lowest and highest values of the whole run.
+
+A page can't hold a long run. So it holds each junction and each tick between two sliding distances, and the extremes
+of each curve of the whole run in some thousand cells. The page says which of the two it shows.
+"""
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import ceil
+from typing import Any, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.neighbours import check_lives, neighbours
+from rubnoise.analysis.selection import gather
+from rubnoise.errors import Refused
+from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
+from rubnoise.pages.page import packed, page
+from rubnoise.storage.resume import CommittedRun
+from rubnoise.storage.schema import GROUPS, JUNCTIONS, Column
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.units import KINDS, USUAL_UNITS
+
+CELLS: Final = 4096
+"""Cells of a whole curve, of each of which a page has the lowest and the highest value."""
+
+USUAL_BYTES: Final = 10_000_000
+MOST_BYTES: Final = 60_000_000
+"""Bytes of rows in a page where no stretch is asked for, and at most; a page is a third larger than its rows."""
+
+CURVES: Final = {
+    "trace": ("real_contact_area", "junction_count", "friction_force"),
+    "slider": ("displacement", "velocity"),
+}
+STYLES: Final = ("uPlot.min.css", "view.css")
+SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "where.js", "life.js", "charts.js", "lives.js", "phase.js", "view.js")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunView:
+    """A stretch of a run that is shown with all its rows; ``name`` is how its reader knows the file.
+
+    planned: the sliding distance in um of the whole run, where only a part of it is there.
+    """
+
+    stretch: Stretch
+    name: str
+    planned: float | None = None
+
+    @classmethod
+    def of(cls, stretch: Stretch, name: str) -> Self:
+        """Return the view of a stretch, if chosen, else of as much of the beginning as a page usually holds.
+
+        Raises Refused for a chosen stretch of more rows than a page can hold.
+        """
+        needed = _bytes_in(stretch)
+        if stretch.chosen and needed > MOST_BYTES:
+            width = (stretch.stop - stretch.start) * MOST_BYTES / needed
+            raise Refused(
+                f"{stretch.start:g} to {stretch.stop:g} um hold {needed / 1e6:,.0f} MB of rows, and a page holds"
+                f" {MOST_BYTES / 1e6:g} MB at most; --from and --to choose a shorter stretch, of about {width:.2g} um"
+            )
+        if not stretch.chosen and needed > USUAL_BYTES:
+            stretch = stretch.narrowed((stretch.stop - stretch.start) * USUAL_BYTES / needed)
+        return cls(stretch=stretch, name=name)
+
+    @classmethod
+    def of_part(cls, run: CommittedRun, ends: tuple[float | None, float | None], name: str) -> Self:
+        """Return the view of an unfinished run as far as it is committed; raises Refused as Stretch.of does."""
+        whole = Stretch.of(run, *ends)
+        reached = min((run.rows("trace") - 1) * whole.model.tick, whole.model.distance)
+        model = replace(whole.model, distance=reached)
+        stretch = replace(whole, model=model, stop=min(whole.stop, reached))
+        stretch.check()
+        return replace(cls.of(stretch, name), planned=whole.model.distance)
+
+    def page(self) -> str:
+        """Return the text of the page."""
+        return page(
+            "view.html", title=self.stretch.title or self.name, styles=STYLES, scripts=SCRIPTS, data=self._data()
+        )
+
+    def _data(self) -> dict[str, Any]:
+        model, file = self.stretch.model, self.stretch.file
+        exact = area_cumulants(model)
+        groups = [
+            group for group in GROUPS if group.name in ("trace", "slider", "landmarks") and group.name in file.columns
+        ]
+        return {
+            "title": self.stretch.title or self.name,
+            "name": self.name,
+            "start": self.stretch.start,
+            "stop": self.stretch.stop,
+            "distance": model.distance,
+            "tick": model.tick,
+            "speed": model.sliding_speed,
+            "twoWay": model.is_two_way and "slider" in file.columns,
+            "planned": self.planned,
+            "pulse": model.pulse.shape,
+            "area": {"mean": exact.mean, "std": exact.std},
+            "count": {"mean": model.mean_junction_count},
+            "meanLife": model.mean_life_distance,
+            "states": {name: bit for bit, name in _column("state").flags},
+            "units": _units(),
+            "junctionRows": file.rows("junctions"),
+            "junctions": self._junctions(),
+            "groups": {group.name: self._rows(group.name) for group in groups if group.name != "landmarks"},
+            "landmarks": self._landmarks() if "landmarks" in file.columns else None,
+            "levels": {name: _levels(file, name, CURVES[name]) for name in CURVES if name in file.columns},
+        }
+
+    def _junctions(self) -> dict[str, Any]:
+        """Return the rows of all who live in the stretch and of all who lived beside these."""
+        file = self.stretch.file
+        shown = neighbours(file, -1, self.stretch.start, self.stretch.stop)
+        ends = (float(shown.birth.min()), float(shown.death.max())) if shown.rows.size else (0.0, 0.0)
+        rows = neighbours(file, -1, *ends).rows if shown.rows.size else shown.rows
+        names = file.columns["junctions"]
+        chunks = list(gather(file, rows, names))
+        columns = {name: np.concatenate([chunk[name] for chunk in chunks]) if chunks else np.zeros(0) for name in names}
+        numbers = {name: columns[name] for name in columns if _column(name).dtype == "<f8" and "time" not in name}
+        check_lives(rows, numbers)
+        return {"shown": int(shown.rows.size), **{name: _told(_column(name), columns[name]) for name in names}}
+
+    def _rows(self, group: str) -> dict[str, Any]:
+        first, last = self.stretch.rows(group)
+        file = self.stretch.file
+        about = next(each for each in GROUPS if each.name == group).columns
+        kept = [column for column in about if column.name in file.columns[group] and _is_shown(group, column.name)]
+        return {
+            "first": first,
+            "columns": {column.name: _told(column, file.column(group, column.name, first, last)) for column in kept},
+        }
+
+    def _landmarks(self) -> dict[str, Any]:
+        """Return when every stick of the run begins and ends, in s, and where the stretch begins and ends in time."""
+        from rubnoise.analysis.stick_slip import StickSlip
+
+        first, last = self.stretch.rows("slider")
+        times = self.stretch.file.column("slider", "time", first, last)
+        found = StickSlip.of(self.stretch.file, float(times[0]), float(times[-1])) if times.size else None
+        empty = np.zeros(0)
+        return {
+            "begin": packed(found.stick_begin if found else empty),
+            "end": packed(found.stick_end if found else empty),
+        }
+
+
+def _is_shown(group: str, name: str) -> bool:
+    """Leave out what the page computes: the place of a tick, and the force on a one-way slider, which /trace has."""
+    return name not in {"trace": ("distance",), "slider": ("friction_force",)}[group]
+
+
+def _bytes_in(stretch: Stretch) -> float:
+    """Return about how many bytes the rows of a stretch take: those of its ticks, and its share of the others."""
+    file, share = stretch.file, (stretch.stop - stretch.start) / stretch.model.distance
+    widths = {name: 8 * len(columns) for name, columns in file.columns.items()}
+    lives = share * file.rows("junctions") + 3.0 * stretch.model.mean_junction_count
+    moved = share * file.rows("slider") * widths["slider"] if "slider" in widths else 0.0
+    return lives * widths["junctions"] + share * file.rows("trace") * widths["trace"] + moved
+
+
+def _column(name: str) -> Column:
+    return next(column for column in JUNCTIONS.columns if column.name == name)
+
+
+def _told(column: Column, values: NDArray[Any]) -> dict[str, Any]:
+    return {"units": column.units, "means": column.long_name, **packed(values)}
+
+
+def _units() -> dict[str, dict[str, int]]:
+    """Return for each unit of a column the usual units that it can be compared in, as powers of ten of it."""
+    wanted = {column.units for column in JUNCTIONS.columns} - {"1"}
+    found: dict[str, dict[str, int]] = {}
+    for kind in KINDS:
+        if kind.unit in wanted:
+            own = USUAL_UNITS[kind.unit].size
+            sizes = {text: unit.size / own for text, unit in USUAL_UNITS.items() if unit.dimension == kind.dimension}
+            found[kind.unit] = {text: _power_of_ten(size) for text, size in sizes.items()}
+    return found
+
+
+def _power_of_ten(size: Any) -> int:
+    digits = len(str(size.numerator)) - len(str(size.denominator))
+    if size != Fraction(10) ** digits:
+        raise ValueError(f"{size} is no power of ten")
+    return digits
+
+
+def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
+    """Return the lowest and highest values of columns in cells of equally many rows; a chunk is held at a time."""
+    rows = file.rows(group)
+    step = max(1, ceil(rows / CELLS))
+    kept = [name for name in (*names, "distance") if name in file.columns[group]]
+    chunk_rows = step * max(1, CHUNK_ROWS // step)
+    found: dict[str, Any] = {"step": step, "rows": rows}
+    for name in kept:
+        low, high = [], []
+        for begin in range(0, rows, chunk_rows):
+            chunk = file.column(group, name, begin, min(begin + chunk_rows, rows)).astype(np.float64)
+            starts = np.arange(0, chunk.size, step)
+            low.append(np.minimum.reduceat(chunk, starts))
+            high.append(np.maximum.reduceat(chunk, starts))
+        found[name] = {"low": packed(np.concatenate(low)), "high": packed(np.concatenate(high))}
+    return found

@@ -1,0 +1,93 @@
+"""What of a sweep goes into its page: every figure of every run, and the beginnings of some hundred runs."""
+
+from math import ceil
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.api.sweep_result import SweepResult
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.pages.page import page
+
+MOST_RUNS: Final = 20_000
+MOST_BEGINNINGS: Final = 200
+"""Runs of a sweep that a page can hold, and runs whose beginning it shows too."""
+
+ROWS: Final = 6000
+CELLS: Final = 300
+"""Rows of a run's beginning, and cells of which it shows the lowest and the highest value."""
+
+CURVES: Final = {"trace": ("distance", "real_contact_area"), "slider": ("time", "displacement")}
+STYLES: Final = ("uPlot.min.css", "view.css", "sweep.css")
+SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "sweep.js")
+
+
+def sweep_page(sweep: SweepResult, name: str) -> str:
+    """Return the page of an open sweep, whose folder its reader knows by a name.
+
+    Raises Refused for a sweep without a finished run, or of more than 20 000 runs.
+    """
+    rows = np.flatnonzero(sweep.runs["state"][:] == "done")
+    if not rows.size:
+        raise Refused("no run of this sweep is done yet; there is nothing to look at")
+    if rows.size > MOST_RUNS:
+        raise Refused(f"{rows.size:,} runs are done; a page holds {MOST_RUNS:,} at most")
+    return page("sweep.html", title=sweep.title or name, styles=STYLES, scripts=SCRIPTS, data=_data(sweep, name, rows))
+
+
+def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, Any]:
+    figures = [figure for figure in sweep.figures if np.issubdtype(sweep.runs[figure].dtype, np.number)]
+    names = [*sweep.keys, "replicate", "seed", *figures, *(f"{each}_exact" for each in figures)]
+    kept = [each for each in names if each in sweep.runs]
+    return {
+        "name": name,
+        "keys": list(sweep.keys),
+        "figures": figures,
+        "states": {state: sweep.count(state) for state in ("done", "failed", "planned")},
+        "failures": [{"run": each.run_id, "reason": each.reason} for each in sweep.failures[:MOST_BEGINNINGS]],
+        "runs": [str(each) for each in sweep.runs["run_id"][:][rows]],
+        "columns": {
+            each: {"units": sweep.runs[each].units, "values": _told(sweep.runs[each][:][rows])} for each in kept
+        },
+        "beginnings": _beginnings(sweep, rows),
+    }
+
+
+def _told(values: NDArray[Any]) -> list[Any]:
+    """Return values as JSON has them: what was not measured is null."""
+    if values.dtype.kind == "f":
+        return [value if np.isfinite(value) else None for value in values.tolist()]
+    exact = 2**53  # a larger whole number is no number of the page's language
+    return [value if isinstance(value, int) and abs(value) < exact else str(value) for value in values.tolist()]
+
+
+def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
+    """Return the first rows of runs, all of them or the first of each point, by name of the run."""
+    point, names = sweep.runs["point"][:], sweep.runs["run_id"][:]
+    chosen = rows if rows.size <= MOST_BEGINNINGS else rows[np.unique(point[rows], return_index=True)[1]]
+    found: dict[str, Any] = {}
+    for row in chosen[:: ceil(chosen.size / MOST_BEGINNINGS)]:
+        try:
+            with sweep.run(str(names[row])) as run:
+                groups = run.groups()
+                told: dict[str, Any] = {
+                    name: {"units": [groups[name][each].units for each in both], "points": _thinned(groups[name], both)}
+                    for name, both in CURVES.items()
+                    if name in groups
+                }
+        except RunFileRefused as refused:
+            told = {"refused": str(refused)}
+        found[str(names[row])] = told or {"refused": "This sweep keeps no rows of its runs."}
+    return found
+
+
+def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
+    """Return places and values of the beginning of a run, the lowest and highest of each cell."""
+    rows = min(len(columns), ROWS)
+    place, value = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
+    step = max(1, ceil(rows / CELLS))
+    starts = np.arange(0, rows, step)
+    low, high = np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
+    both = np.stack([low, high], axis=-1).ravel() if step > 1 else value
+    return [np.repeat(place[starts], 2 if step > 1 else 1).tolist(), both.tolist()]

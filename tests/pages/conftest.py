@@ -1,0 +1,45 @@
+"""Runs to look into, made once, and the browser of the lesson's tests."""
+
+from pathlib import Path
+
+import pytest
+
+import rubnoise
+from tests.architecture.sources import ROOT
+from tests.lesson.conftest import browser
+
+__all__ = ["browser"]
+
+PAPER = ROOT / "scenarios" / "paper"
+
+
+@pytest.fixture(scope="session")
+def one_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a run of Figure 5 over 400 um, some 740 junctions."""
+    path = tmp_path_factory.mktemp("one_way") / "one_way.h5"
+    rubnoise.run(rubnoise.load(PAPER / "fig5.toml", ["sliding.distance=400 um"]), path).close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a run of Figure 5 with two-way coupling over 600 um, which sticks several times."""
+    path = tmp_path_factory.mktemp("two_way") / "two_way.h5"
+    rubnoise.run(rubnoise.load(PAPER / "fig5_two_way.toml", ["sliding.distance=600 um"]), path).close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def sweep_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a sweep of six runs over the number of junctions."""
+    folder = tmp_path_factory.mktemp("sweep")
+    scenario = folder / "few.toml"
+    scenario.write_text(
+        f'format = 1\nextends = "{(PAPER / "fig5.toml").as_posix()}"\ntitle = "few <b>points</b>"\n'
+        '[sliding]\ndistance = "300 um"\n[sweep]\nreplicates = 2\n'
+        "[sweep.grid]\ninterface.mean_junction_count = [5, 10, 20]\n",
+        encoding="utf-8",
+    )
+    with rubnoise.run_sweep(scenario, folder / "few", jobs=1):
+        pass
+    return folder / "few"

@@ -1,0 +1,190 @@
+"""The pages as a reader has them, in Chromium: no request, no message on the console, and the right numbers."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+import pytest
+
+import rubnoise
+from tests.cli.terminal import call
+from tests.lesson import opened as lesson
+from tests.lesson.opened import until
+from tests.pages.test_run_view import page_of
+
+TICK = 0.1
+
+
+def opened(browser: Any, address: str) -> AbstractContextManager[Any]:
+    """Open a page on a screen so tall that nothing has to be scrolled to."""
+    return lesson.opened(browser, address, viewport={"width": 1400, "height": 1900})
+
+
+@pytest.fixture(scope="module")
+def address(one_way: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("page") / "run.html"
+    path.write_text(page_of(one_way), encoding="utf-8")
+    return path.as_uri()
+
+
+def window(page: Any) -> tuple[float, float]:
+    page.wait_for_timeout(50)
+    found = page.evaluate("[view.window.from, view.window.to]")
+    return (found[0], found[1])
+
+
+def middle_of_bar(page: Any, junction: int) -> tuple[float, float]:
+    """Return where on the screen the middle of a junction's bar is, by asking which bar lies under each height."""
+    box = page.locator("#lifelines .u-over").bounding_box()
+    start, stop = window(page)
+    birth, death = page.evaluate(
+        f"(() => {{ const row = view.rowOf({junction}); return [view.lives.birth_distance[row],"
+        " view.lives.death_distance[row]]; })()"
+    )
+    across = box["x"] + box["width"] * (0.5 * (birth + death) - start) / (stop - start)
+    for step in range(1, int(box["height"]) - 1, 2):
+        page.mouse.click(across, box["y"] + step)
+        if page.evaluate("view.chosen === null ? -1 : view.lives.junction[view.chosen]") == junction:
+            return across, box["y"] + step
+    raise AssertionError(f"no bar of junction {junction}")
+
+
+def test_a_click_on_a_bar_shows_what_the_command_says(browser: Any, address: str, one_way: Path) -> None:
+    with opened(browser, f"{address}#from=100&to=140") as page:
+        middle_of_bar(page, 230)
+        text = page.inner_text("#life")
+        told = call("junction", one_way, "230").out
+        assert text.startswith("Junction 230")
+        for label in ("diameter", "real contact area", "friction force  ", "death"):
+            value = next(line for line in told.splitlines() if line.strip().startswith(label)).split()
+            number = next(word for word in value if word[0].isdigit())
+            assert number in text, label
+        assert "junction=230" in page.evaluate("location.hash")
+        page.click("#others button >> nth=0")
+        assert not page.inner_text("#life").startswith("Junction 230:")
+
+
+def test_dragging_zooms_down_to_a_tick_and_the_link_keeps_the_place(browser: Any, address: str) -> None:
+    with opened(browser, f"{address}#from=100&to=140") as page:
+        box = page.locator("#contact .u-over >> nth=0").bounding_box()
+        page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 20, steps=4)
+        page.mouse.up()
+        start, stop = window(page)
+        assert (start, stop) == pytest.approx((110.0, 120.0), abs=0.2)
+        for _ in range(12):
+            page.click("#zoom-in")
+            page.wait_for_timeout(20)
+        assert window(page)[1] - window(page)[0] == pytest.approx(TICK)
+        kept = page.evaluate("location.href")
+    with opened(browser, kept) as page:
+        assert window(page)[1] - window(page)[0] == pytest.approx(TICK)
+
+
+def test_the_cursor_cuts_as_many_bars_as_are_alive(browser: Any, address: str, one_way: Path) -> None:
+    with rubnoise.open(one_way) as run, opened(browser, f"{address}#from=100&to=140") as page:
+        birth, death = run.junctions["birth_distance"][:], run.junctions["death_distance"][:]
+        box = page.locator("#lifelines .u-over").bounding_box()
+        for part in (0.2, 0.5, 0.83):
+            page.mouse.move(box["x"] + part * box["width"], box["y"] + 50)
+            words = page.inner_text("#readout")
+            place = float(words.split("s = ")[1].split()[0])
+            alive = int(np.count_nonzero((birth <= place) & (place < death)))
+            assert f"{alive} alive" in words
+            assert page.inner_text("#alive") == f"N = {alive}"
+
+
+def test_a_condition_filters_and_a_wrong_one_says_why(browser: Any, address: str, one_way: Path) -> None:
+    with opened(browser, f"{address}#from=0&to=400&where={quote('diameter > 5.7 um')}") as page:
+        until(page, "document.getElementById('listed').textContent !== ''")
+        told = call("junctions", one_way, "--where", "diameter > 5.7 um", "--json").json()
+        assert page.inner_text("#listed").startswith(f"{len(told['junctions']):,} of ")
+        page.fill("#where", "diametr > 5")
+        page.click("#filter button")
+        assert page.inner_text("#where-problem").startswith("no column diametr")
+        assert page.get_attribute("#where", "aria-invalid") == "true"
+        page.fill("#where", "")
+        page.click("#filter button")
+        assert page.inner_text("#where-problem") == ""
+
+
+def test_everything_can_be_done_with_the_keyboard(browser: Any, address: str) -> None:
+    with opened(browser, f"{address}#from=100&to=140") as page:
+        page.focus("#charts")
+        for key, expected in (("+", (110.0, 130.0)), ("ArrowRight", (115.0, 135.0)), ("-", (105.0, 145.0))):
+            page.keyboard.press(key)
+            assert window(page) == pytest.approx(expected)
+        page.keyboard.press("n")
+        first = page.inner_text("#life-title")
+        page.keyboard.press("n")
+        assert first.startswith("Junction ")
+        assert page.inner_text("#life-title") != first
+        page.fill("#number", "17")
+        page.keyboard.press("Enter")
+        assert page.inner_text("#life-title").startswith("Junction 17:")
+        page.fill("#number", "100000")
+        page.keyboard.press("Enter")
+        assert page.inner_text("#number-problem") == "the run has junctions 0 to " + page.evaluate(
+            "String(view.data.junctionRows - 1)"
+        )
+        unnamed = page.evaluate(
+            "[...document.querySelectorAll('button, input')].filter((one) => !(one.textContent.trim() ||"
+            " one.getAttribute('aria-label') || (one.labels && one.labels.length))).length"
+        )
+        assert unnamed == 0
+
+
+def test_a_two_way_run_shows_its_sticks_in_time(browser: Any, two_way: Path, tmp_path: Path) -> None:
+    path = tmp_path / "two_way.html"
+    path.write_text(page_of(two_way), encoding="utf-8")
+    with rubnoise.open(two_way) as run:
+        kind, time = (run.groups()["landmarks"][name][:] for name in ("kind", "time"))
+    with opened(browser, f"{path.as_uri()}#from=0&to=600") as page:
+        until(page, "!document.getElementById('phase').hidden")
+        assert "the slider sticks" in page.inner_text(".legend")
+        begins = page.evaluate("Array.from(view.unpacked(view.data.landmarks.begin))")
+        assert set(time[kind == 0].tolist()) <= set(begins)
+        box = page.locator("#motion .u-over >> nth=0").bounding_box()
+        page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"], steps=4)
+        page.mouse.up()
+        start, stop = window(page)
+        assert 0.0 < start < stop < 600.0
+
+
+def test_a_window_beyond_the_rows_shows_cells(browser: Any, one_way: Path, tmp_path: Path) -> None:
+    path = tmp_path / "part.html"
+    path.write_text(page_of(one_way, 100.0, 200.0), encoding="utf-8")
+    with opened(browser, path.as_uri()) as page:
+        assert page.is_hidden("#coarse")
+        page.click("#all")
+        assert window(page) == (0.0, 400.0)
+        assert page.is_visible("#coarse")
+        page.fill("#number", "600")
+        page.keyboard.press("Enter")
+        assert "does not live in the stretch" in page.inner_text("#number-problem")
+
+
+def test_a_sweep_shows_its_runs(browser: Any, sweep_folder: Path, tmp_path: Path) -> None:
+    path = tmp_path / "sweep.html"
+    assert call("view", sweep_folder, "-o", path).code == 0
+    with opened(browser, path.as_uri()) as page:
+        assert page.inner_text("h1") == "few <b>points</b>"
+        assert page.inner_text("#holds") == "6 done"
+        page.click("#runs tbody button >> nth=2")
+        title = page.inner_text("#run-title")
+        run = title.removeprefix("Run ")
+        with rubnoise.open_sweep(sweep_folder) as sweep:
+            row = sweep.runs["run_id"][:].tolist().index(run)
+            figure = sweep.runs["real_contact_area_std"][:][row]
+        assert f"{figure:.7g}" in page.inner_text("#figures")
+        assert page.locator("#beginning canvas").count() == 2
+        page.check("#y-log")
+        kept = page.evaluate("location.href")
+    with opened(browser, kept) as page:
+        assert page.inner_text("#run-title") == title
+        assert page.is_checked("#y-log")

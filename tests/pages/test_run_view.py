@@ -1,0 +1,208 @@
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis.where import ConditionRefused, condition
+from rubnoise.errors import Refused
+from rubnoise.figures.stretch import Stretch
+from rubnoise.pages import run_view
+from rubnoise.pages.run_view import RunView
+from rubnoise.storage.reader import open_run
+from tests.cli.terminal import call
+from tests.pages.reading import PARTS, answer, data_of
+
+CONDITIONS = (
+    "diameter > 5.5 um",
+    "diameter > 0.0055 mm",
+    "diameter >= 5500nm and not alive_at_start",
+    "0 < birth_distance < 0.1 mm or alive_at_end",
+    "not (ended_early or birth_distance < 100 um)",
+    "complete",
+    "state == alive_at_start",
+    "state != complete and junction > 3",
+    "max_area<24.5um^2",
+    "birth_time <= 100 ms",
+    "death_distance > birth_distance",
+    "shear_strength == 0.25 GPa",
+    "not not complete",
+    "(((junction == 17)))",
+    "10 > diameter > 5.4 and life_distance < 1.2e-2 mm",
+)
+REFUSED = (
+    "",
+    "diameter",
+    "diameter >",
+    "6 um",
+    "diameter > 6 s",
+    "diameter > 6 parsec",
+    "diametr > 6 um",
+    "diameter = 6 um",
+    "diameter > 6 um or",
+    "diameter > 6 um)",
+    "(diameter > 6 um",
+    "1 < 2",
+    "diameter > birth_time",
+    "state > complete",
+    "complete == 1",
+    "junction > 3 um",
+    "diameter > 1,5 um",
+    "diameter AND complete",
+    "diameter > 6 um complete",
+    "diameter > .5",
+    "diameter > 1e999 um",
+    "diameter * 2 > 6",
+    "diameter > 6 um && complete",
+    "(" * 60 + "complete" + ")" * 60,
+)
+
+
+def page_of(path: Path, *ends: float) -> str:
+    with open_run(path) as file:
+        return RunView.of(Stretch.of(file, *ends), path.name).page()
+
+
+@pytest.fixture(scope="module")
+def data(one_way: Path) -> dict[str, Any]:
+    return data_of(page_of(one_way))
+
+
+def test_conditions_choose_the_rows_that_the_command_chooses(data: dict[str, Any], one_way: Path) -> None:
+    body = """return conditions.map((text) => {
+      const chosen = view.where(text, view.lives, view.data.states);
+      return Array.from(view.lives.junction).filter((_, i) => chosen(i));
+    });"""
+    found = answer(data, body, conditions=CONDITIONS)
+    with rubnoise.open(one_way) as run:
+        columns = {name: run.junctions[name][:] for name in run.junctions}
+    expected = [np.flatnonzero(condition(text).chosen(columns)).tolist() for text in CONDITIONS]
+    assert found == expected
+    assert all(len(rows) > 0 for rows in expected)
+    assert sum(len(rows) < len(columns["junction"]) for rows in expected) > 8  # most of them leave some out
+
+
+def test_what_is_no_condition_is_refused_by_both(data: dict[str, Any]) -> None:
+    body = """return conditions.map((text) => {
+      try { view.where(text, view.lives, view.data.states); return null; }
+      catch (refused) { return refused instanceof view.ConditionRefused ? refused.message : `failed: ${refused}`; }
+    });"""
+    for text, message in zip(REFUSED, answer(data, body, conditions=REFUSED), strict=True):
+        with pytest.raises(ConditionRefused):
+            condition(text)
+        assert message, text
+        assert not message.startswith("failed"), text
+
+
+@pytest.mark.parametrize("ends", [(), (100.0, 140.0)])
+def test_lives_have_the_numbers_of_the_command(one_way: Path, ends: tuple[float, ...]) -> None:
+    data = data_of(page_of(one_way, *ends))
+    body = "return junctions.map((number) => view.life(view.lives.junction.indexOf(number)));"
+    junctions = [0, 17, 18, 300] if not ends else [200, 230]
+    for number, life in zip(junctions, answer(data, body, junctions=junctions), strict=True):
+        told = call("junction", one_way, str(number), "--json").json()
+        peak = told["peak"]
+        pairs = [
+            (life["birth"], told["birth_distance"]),
+            (life["middle"], told["mid_life_distance"]),
+            (life["death"], told["death_distance"]),
+            (life["birthTime"], told["birth_time"]),
+            (life["diameter"], told["diameter"]),
+            (life["maxArea"], told["max_area"]),
+            (life["strength"], told["shear_strength"]),
+            (life["peak"], peak["distance"]),
+            (life["peakArea"], peak["area"]),
+            (life["peakForce"], peak["force"]),
+            (life["realContactArea"], peak["real_contact_area"]),
+            (life["frictionForce"], peak["friction_force"]),
+            (life["areaShare"], peak["area_share"]),
+        ]
+        for ours, theirs in pairs:
+            assert ours == pytest.approx(theirs, rel=1e-12)
+        assert life["others"] == peak["others_alive"]
+
+
+def test_numbers_are_written_as_the_commands_write_them(data: dict[str, Any]) -> None:
+    values = [0.0, 1.0, -2.5, 0.1, 1e-4, 9.9999999e-5, 123456.789, 9999999.4, 1e7, -1.5e-9, 2 / 3, 1e22, 200.0]
+    assert answer(data, "return values.map(view.number);", values=values) == [f"{value:.7g}" for value in values]
+
+
+def test_a_page_of_a_stretch_holds_its_rows_and_the_extremes_of_all(one_way: Path) -> None:
+    data = data_of(page_of(one_way, 100.0, 140.0))
+    body = """const trace = view.columns(view.data.groups.trace.columns);
+      const level = view.data.levels.trace.real_contact_area;
+      return { first: view.data.groups.trace.first, area: Array.from(trace.real_contact_area),
+               low: Array.from(view.unpacked(level.low)), high: Array.from(view.unpacked(level.high)) };"""
+    found = answer(data, body)
+    with rubnoise.open(one_way) as run:
+        area = run.trace["real_contact_area"][:]
+    assert found["first"] == 1000
+    assert found["area"] == area[1000:1401].tolist()
+    assert len(found["low"]) == len(area)  # a run so short has a cell for every tick
+    assert (min(found["low"]), max(found["high"])) == (area.min(), area.max())
+
+
+def test_cells_of_a_longer_run_hold_its_extremes(one_way: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_view, "CELLS", 100)
+    data = data_of(page_of(one_way))
+    level = data["levels"]["trace"]
+    found = answer(
+        data,
+        "return ['low', 'high'].map((end) => Array.from(view.unpacked(cells[end])));",
+        cells=level["real_contact_area"],
+    )
+    with rubnoise.open(one_way) as run:
+        area = run.trace["real_contact_area"][:]
+    starts = np.arange(0, area.size, level["step"])
+    assert len(found[0]) == starts.size <= 100
+    assert found[0] == np.minimum.reduceat(area, starts).tolist()
+    assert found[1] == np.maximum.reduceat(area, starts).tolist()
+
+
+def test_a_long_run_is_held_in_part_and_too_long_a_stretch_is_refused(
+    one_way: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_view, "USUAL_BYTES", 60_000)
+    data = data_of(page_of(one_way))
+    assert data["start"] == 0.0
+    assert 20.0 < data["stop"] < 200.0
+    assert data["junctionRows"] > 700
+    monkeypatch.setattr(run_view, "MOST_BYTES", 100_000)
+    with pytest.raises(Refused, match=r"0 to 400 um hold .* MB of rows, .* choose a shorter stretch, of about"):
+        page_of(one_way, 0.0, 400.0)
+    assert data_of(page_of(one_way))["stop"] == data["stop"]
+
+
+def test_a_page_asks_for_nothing_and_a_title_stays_text(tmp_path: Path) -> None:
+    title = '</title></script><script>alert(1)</script><b>"x'
+    scenario = rubnoise.load(_bare(tmp_path, title))
+    rubnoise.run(scenario, tmp_path / "run.h5").close()
+    text = page_of(tmp_path / "run.h5")
+    assert "<b>" not in re.sub(r"<script>.*?</script>", "", text, flags=re.DOTALL)
+    assert text.count("<script>") == 1
+    assert data_of(text)["title"] == title
+    assert "default-src 'none'" in text
+    assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
+    assert "slider" not in data_of(text)["groups"]
+
+
+def test_the_plotting_library_is_the_released_one() -> None:
+    from xxhash import xxh3_128_hexdigest
+
+    script = (PARTS / "uPlot.iife.min.js").read_bytes()
+    assert script.startswith(b"/*! https://github.com/leeoniya/uPlot (v1.6.32) */")
+    assert xxh3_128_hexdigest(script) == "17c1be4cf094735c11f88858399f6797"
+    assert "MIT License" in (PARTS / "uPlot.LICENSE").read_text(encoding="utf-8")
+
+
+def _bare(folder: Path, title: str) -> Path:
+    path = folder / "bare.toml"
+    path.write_text(
+        f"format = 1\ntitle = {json.dumps(title)}\n[interface]\nmean_real_contact_area = '200 um^2'\n"
+        "mean_junction_count = 20\n[sliding]\ndistance = '100 um'\n",
+        encoding="utf-8",
+    )
+    return path
