@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from rubnoise.model import Model
 from rubnoise.simulation.coupled import layout
-from rubnoise.simulation.coupled.fold import CoupledMotion, Told, constants
+from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
-from rubnoise.simulation.draws import blocks_together, draw_blocks, start
-from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.draws import blocks_drawn_at_once, draw_blocks, start
+from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
 from tests.oracle.oscillator import Oscillator
 from tests.oracle.slow_contact import Rows
@@ -77,14 +77,14 @@ def coupled(
     if displacement is not None:
         state.numbers[layout.DISPLACEMENT] = displacement
     begin = float(state.numbers[layout.DISPLACEMENT])
-    told: list[Told] = []
+    told: list[MotionRows] = []
     block, place, junctions = before.block, before.next_birth, before.junctions
     earlier = earlier or partial(lived, model, seed)
-    motion = CoupledMotion(model, numbers, state, Room(0), earlier, cells)
+    motion = CoupledMotion(model, numbers, state, Scratch(0), earlier, cells)
     while not motion.finished:
         born, known, reached = LiveRows.none(), np.inf, 0.0 if block == 0 else place
         if place <= model.distance:
-            births = draw_blocks(model, seed, block, place, blocks or blocks_together(model, block))
+            births = draw_blocks(model, seed, block, place, blocks or blocks_drawn_at_once(model, block))
             count = len(births)
             born = LiveRows(
                 junction=np.arange(junctions, junctions + count, dtype=np.int64),
@@ -100,7 +100,7 @@ def coupled(
         for border in [*borders, known]:
             told.extend(motion.through(born, border))
         if resumed:
-            motion = CoupledMotion(model, numbers, CoupledState.unpack(motion.state.pack()), Room(0), earlier, cells)
+            motion = CoupledMotion(model, numbers, CoupledState.unpack(motion.state.pack()), Scratch(0), earlier, cells)
             motion.finished = known == np.inf
     return _told(told, motion.state, numbers, begin)
 
@@ -116,9 +116,9 @@ def among(
     state = CoupledState.start(model, numbers, junctions)
     state.numbers[layout.DISPLACEMENT] = displacement
     motion = CoupledMotion(
-        model, numbers, replace(state, covered=-np.inf), Room(0), lambda _begin, _end: LiveRows.none()
+        model, numbers, replace(state, covered=-np.inf), Scratch(0), lambda _begin, _end: LiveRows.none()
     )
-    told: list[Told] = []
+    told: list[MotionRows] = []
     places = np.linspace(0.0, model.distance, 51)[1:-1].tolist()
     for known in [*places, np.inf]:
         told.extend(motion.through(LiveRows.none(), known))
@@ -127,7 +127,7 @@ def among(
     return _told(told, motion.state, numbers, displacement)
 
 
-def _told(told: list[Told], state: CoupledState, numbers: Doubles, begin: float) -> CoupledRun:
+def _told(told: list[MotionRows], state: CoupledState, numbers: Doubles, begin: float) -> CoupledRun:
     assert [some.first_row for some in told] == np.cumsum([0] + [some.slider["time"].size for some in told])[
         :-1
     ].tolist()

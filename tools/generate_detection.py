@@ -20,13 +20,13 @@ sys.path[:0] = [str(ROOT), str(ROOT / "src")]
 
 from rubnoise.analysis.agreement import Agreement, family_wise_bound  # noqa: E402
 from rubnoise.analysis.comparing.findings import (  # noqa: E402
+    NORMAL,
     Finding,
     judged,
     judged_mean,
     poisson_figure,
 )
 from rubnoise.analysis.comparing.sizes import central_moments  # noqa: E402
-from rubnoise.analysis.comparing.tails import NORMAL  # noqa: E402
 from rubnoise.analysis.comparison import compare  # noqa: E402
 from rubnoise.analysis.moments import needed_for_mean  # noqa: E402
 from rubnoise.contact.births import PoissonBirths, RegularBirths  # noqa: E402

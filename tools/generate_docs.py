@@ -16,7 +16,7 @@ from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.limits import TITLE_CHARACTERS
-from rubnoise.scenario.sweep_settings import Sweeping
+from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -26,8 +26,7 @@ import numpy as np  # noqa: E402
 import rubnoise  # noqa: E402
 from rubnoise.api import run  # noqa: E402
 from rubnoise.scenario import Scenario, load  # noqa: E402
-from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, seconds  # noqa: E402
-from rubnoise.simulation.yardstick import Pace, pace  # noqa: E402
+from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, MachineSpeed, machine_speed, seconds  # noqa: E402  # noqa: E402
 from rubnoise.storage.forecast import Budget, counted  # noqa: E402
 
 WITH_SLIDER = ROOT / "scenarios" / "paper" / "fig5.toml"
@@ -131,7 +130,7 @@ def taken(scenario: Scenario) -> Taken:
         peak=_peak(),
         time=min(times),
         foretold_peak=PROGRAM_BYTES + told.working_bytes,
-        foretold_time=seconds(told.work, pace()),
+        foretold_time=seconds(told.work, machine_speed()),
         work=told.work,
         rows_share=rows / (told.slider_rows_at_most or 1),
         factor=TWO_WAY_FACTOR if told.slider_rows_at_most else TIME_FACTOR,
@@ -159,7 +158,7 @@ def _fitting(runs: Sequence[Taken]) -> Iterator[str]:
     """Yield each constant as it is and as it would fit the measured times, relative errors squared."""
     from scipy.optimize import nnls
 
-    here = pace()
+    here = machine_speed()
     paces = [here.processes if kind in IN_PROCESSES else here.arrays for kind in SECONDS]
     amounts = np.array([[each.work.get(kind, 0.0) for kind in SECONDS] for each in runs]) * paces
     times = np.array([each.time for each in runs])
@@ -170,10 +169,10 @@ def _fitting(runs: Sequence[Taken]) -> Iterator[str]:
 
 def main(cases: Mapping[str, Case]) -> int:
     """Print everything and return the exit code."""
-    here: Pace = pace()
+    here: MachineSpeed = machine_speed()
     for name in ("Figure 5", "triangles", "1 mm/s, 20"):
         _in_a_child(name, "batch")  # compiles what has not been compiled yet, which takes memory of its own
-    print(f"pace of this machine: processes {here.processes:.2f}, arrays {here.arrays:.2f}")
+    print(f"machine_speed of this machine: processes {here.processes:.2f}, arrays {here.arrays:.2f}")
     print(f"{'':<26}{'MB':>9}{'told':>9}{'ratio':>7}{'s':>11}{'told':>9}{'ratio':>7}{'rows':>7}")
     runs = []
     for name in cases:

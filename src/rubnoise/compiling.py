@@ -8,7 +8,7 @@ from numba import float64, njit
 from numba.extending import intrinsic
 
 SOURCES = (
-    "analysis/verifying/areas.py",
+    "analysis/verifying/sums.py",
     "compiling.py",
     "simulation/coupled/*.py",
     "simulation/kernels/*.py",

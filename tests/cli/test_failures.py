@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rubnoise.simulation import panels
+from rubnoise.simulation import ticks
 from rubnoise.storage.part import Part
 from tests.cli.terminal import call, command, names, start
 
@@ -31,7 +31,7 @@ def _failing_after(writes: int) -> Callable[..., None]:
 @pytest.fixture
 def many_panels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a run reach the disk in many pieces."""
-    monkeypatch.setattr(panels, "LARGEST_PANEL", 4096)
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 4096)
 
 
 @pytest.mark.usefixtures("many_panels")

@@ -13,7 +13,7 @@ import pytest
 
 import rubnoise
 from rubnoise.analysis import sound
-from rubnoise.analysis.hearing import Hearing
+from rubnoise.analysis.sound import Hearing
 from rubnoise.analysis.spectra import Spectrum
 from rubnoise.storage.reader import RunFile
 from tests.cli.terminal import begin, call, names, stop

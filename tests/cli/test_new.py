@@ -7,7 +7,7 @@ from pathlib import Path
 from rubnoise.scenario import loads
 from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS
 from rubnoise.scenario.sweep import load_sweep
-from rubnoise.scenario.sweep_settings import Sweeping
+from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.scenario.template import template
 from tests.cli.terminal import call, names
 

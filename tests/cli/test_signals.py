@@ -95,7 +95,7 @@ main()
 
 @pytest.mark.parametrize(
     ("while_loading", "command"),
-    [("rubnoise.cli.app", "run"), ("rubnoise.scenario.load", "run"), ("rubnoise.api.sweeping", "sweep")],
+    [("rubnoise.cli.app", "run"), ("rubnoise.scenario.reading", "run"), ("rubnoise.api.sweeping", "sweep")],
 )
 def test_an_interrupt_while_the_program_is_being_loaded_says_nothing(while_loading: str, command: str) -> None:
     words = [sys.executable, "-c", LOADING.replace("sys.argv[1]", repr(while_loading)), command, "x.toml"]

@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 import rubnoise
-from rubnoise.analysis.neighbours import Neighbours, neighbours
+from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.figures import animation, film, style
 from rubnoise.figures.animation import LEAD, MOST_AT_ONCE, Film, Stage, shades, stage_of

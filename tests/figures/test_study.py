@@ -14,7 +14,7 @@ from rubnoise.figures.study import Line, PointRuns, Study, exact_at, exact_of, s
 from rubnoise.figures.study_picture import draw_study, study_picture
 from rubnoise.figures.style import house_style
 from rubnoise.scenario import Scenario, build
-from rubnoise.scenario.precision import QUANTITIES as FIGURES
+from rubnoise.scenario.sweep_table import QUANTITIES as FIGURES
 from rubnoise.theory.campbell import area_cumulants
 from tests.verification.seeds import seed_of
 

@@ -6,7 +6,7 @@ from math import sqrt
 import pytest
 
 import rubnoise
-from rubnoise.scenario.load import load
+from rubnoise.scenario.reading import load
 from tests.architecture.sources import ROOT
 from tests.lesson.teaching import lessons, minutes, other_numbers
 

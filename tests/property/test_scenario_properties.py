@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario, build, loads
-from rubnoise.scenario.locate import locate
+from rubnoise.scenario.source import locate
 from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
 from tests.unit.scenarios import BARE, WHOLE
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from rubnoise.scenario.load import loads
+from rubnoise.scenario.reading import loads
 from rubnoise.storage.schema import GROUPS
 from rubnoise.storage.seal import INTERVENTION
 from tools import generate_docs

@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from rubnoise.analysis.bands import Band, band_powers
-from rubnoise.analysis.spectra import WelchSum, hann
+from rubnoise.analysis.spectra import Band, WelchSum, band_powers, hann
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants

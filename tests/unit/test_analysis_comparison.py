@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from rubnoise.analysis import comparing
-from rubnoise.analysis.comparing import rows, trace
+from rubnoise.analysis import comparing, reading
+from rubnoise.analysis.comparing import trace
 from rubnoise.analysis.comparing.asked import Cubes, asked_findings
 from rubnoise.analysis.comparing.findings import Comparison, LeftOut
 from rubnoise.analysis.comparison import compare
@@ -103,7 +103,7 @@ def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
     found = compared("empty")
     assert not any(figure.name.startswith("start") for figure in found.figures)
     assert {"real_contact_area_mean", "life_mean_area", "birth_count"} <= names(found)
-    settled = rows.settled_tick(RIGHT["empty"])
+    settled = reading.settled_tick(RIGHT["empty"])
     assert trace.read_trace(RIGHT["empty"], run("empty")).settled_ticks == RIGHT["empty"].tick_count + 1 - settled
     # The first life taken in, the run would not pass as stationary.
     taken = compare(replace(RIGHT["empty"], start="stationary"), run("empty"))
@@ -195,7 +195,7 @@ def test_a_bound_may_be_asked_for() -> None:
 
 
 def test_panels_of_any_size_give_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rows, "PANEL_ROWS", 997)
+    monkeypatch.setattr(reading, "CHECKED_ROWS", 997)
     again = compare(RIGHT["empty"], run("empty"))
     for one, other in zip(again.figures, compared("empty").figures, strict=True):
         assert one.observed == pytest.approx(other.observed, rel=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rubnoise.analysis.covariance import LaggedProducts, autocovariance
-from rubnoise.analysis.covariance_errors import Covariances, covariance_errors, sample_covariances
+from rubnoise.analysis.moments import Covariances, covariance_errors, sample_covariances
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.model import Model
 from rubnoise.theory import correlation

@@ -6,9 +6,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from rubnoise.analysis.batch_means import FEWEST_BATCHES, batch_length, error_of_mean, integrated_autocorrelation
 from rubnoise.analysis.moments import SampleMoments, needed_for_mean, over_ticks, sample_moments
-from rubnoise.analysis.records import Estimate, RecordTooShort, longer
+from rubnoise.analysis.records import (
+    FEWEST_BATCHES,
+    Estimate,
+    RecordTooShort,
+    batch_length,
+    error_of_mean,
+    integrated_autocorrelation,
+    longer,
+)
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from tests.models import bare, recorded

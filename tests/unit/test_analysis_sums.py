@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from rubnoise.analysis.batch_means import error_of_mean
-from rubnoise.analysis.covariance import LaggedProducts, autocovariance
-from rubnoise.analysis.covariance_sum import CovarianceSum
-from rubnoise.analysis.histogram_sum import HistogramSum
+from rubnoise.analysis.covariance import CovarianceSum, LaggedProducts, autocovariance
+from rubnoise.analysis.histogram import HistogramSum
+from rubnoise.analysis.records import error_of_mean
 from tests.unit.records import memory
 from tests.verification.seeds import seed_of
 

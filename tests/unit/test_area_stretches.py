@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
-from rubnoise.simulation.kernels import Grid, Room, choice, deposit
+from rubnoise.simulation.kernels import Grid, Scratch, choice, deposit
 from rubnoise.simulation.kernels.fine import FINEST
 from rubnoise.simulation.state import LiveRows
 
@@ -31,13 +31,13 @@ def rows() -> LiveRows:
 def test_stretches_have_the_bits_of_one_pass(pulse: Pulse, monkeypatch: pytest.MonkeyPatch) -> None:
     lives = rows()
     weight = lives.diameter**2
-    found = deposit(pulse.shape, GRID, lives, weight, Room(0))
+    found = deposit(pulse.shape, GRID, lives, weight, Scratch(0))
     monkeypatch.setattr(choice, "_LONG", 1_000_000)
-    at_once = deposit(pulse.shape, GRID, lives, weight, Room(0))
+    at_once = deposit(pulse.shape, GRID, lives, weight, Scratch(0))
     assert np.array_equal(found.total, at_once.total)
     assert np.array_equal(found.moments, at_once.moments)
     without = lives.at(np.flatnonzero(lives.diameter > FINEST))
-    bare = deposit(pulse.shape, GRID, without, without.diameter**2, Room(0))
+    bare = deposit(pulse.shape, GRID, without, without.diameter**2, Scratch(0))
     assert np.count_nonzero(found.total != bare.total) > 200
 
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.friction_path import FrictionIntegral
+from rubnoise.analysis.balance import Balance, FrictionIntegral
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Slider

@@ -9,10 +9,9 @@ import pytest
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.record.tally import Tally
-from rubnoise.simulation import yardstick
-from rubnoise.simulation.cost import PROGRAM_BYTES, seconds, work, working_bytes
+from rubnoise.simulation import cost
+from rubnoise.simulation.cost import PROGRAM_BYTES, MachineSpeed, machine_speed, seconds, work, working_bytes
 from rubnoise.simulation.run import extent, simulate
-from rubnoise.simulation.yardstick import Pace, pace
 from tests.models import UNEQUAL, bare, model
 
 ENGINES = ("events", "batch")
@@ -21,7 +20,7 @@ ENGINES = ("events", "batch")
 def _seconds(engine: Any, **changes: Any) -> float:
     run = model(**changes)
     rows = extent(run, 1)
-    return seconds(work(run, engine, rows.junctions, rows.ticks), Pace())
+    return seconds(work(run, engine, rows.junctions, rows.ticks), MachineSpeed())
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -59,7 +58,7 @@ def _two_way_seconds(**changes: Any) -> float:
     assert run.slider is not None
     run = replace(run, slider=replace(run.slider, coupling="two-way"))
     rows = extent(run, 1)
-    return seconds(work(run, "batch", rows.junctions, rows.ticks), Pace())
+    return seconds(work(run, "batch", rows.junctions, rows.ticks), MachineSpeed())
 
 
 def test_a_slider_that_pushes_back_takes_longer_where_it_moves_slowly() -> None:
@@ -71,25 +70,27 @@ def test_a_slider_that_pushes_back_takes_longer_where_it_moves_slowly() -> None:
     many = _two_way_seconds(speed=1e5, distance=30_000.0, tick=0.2) / (30_000.0 * model().birth_rate)
     assert 7e-7 < many < 4e-6
     assert _two_way_seconds(tick=0.005) > _two_way_seconds(tick=0.04)
-    assert work(model(), "batch", 1000, 5000).keys().isdisjoint({"met", "told row", "swing"})
+    assert work(model(), "batch", 1000, 5000).keys().isdisjoint({"met", "written row", "swing"})
 
 
 def test_time_is_told_in_that_of_this_machine() -> None:
     amounts = work(model(), "events", 1000, 5000)
-    assert seconds(amounts, Pace(processes=2.0, arrays=2.0)) == pytest.approx(2.0 * seconds(amounts, Pace()))
-    apart = [seconds(amounts, Pace(processes=p, arrays=a)) for p, a in ((1.0, 0.0), (0.0, 1.0))]
+    assert seconds(amounts, MachineSpeed(processes=2.0, arrays=2.0)) == pytest.approx(
+        2.0 * seconds(amounts, MachineSpeed())
+    )
+    apart = [seconds(amounts, MachineSpeed(processes=p, arrays=a)) for p, a in ((1.0, 0.0), (0.0, 1.0))]
     assert min(apart) > 0.0
-    assert sum(apart) == pytest.approx(seconds(amounts, Pace()))
+    assert sum(apart) == pytest.approx(seconds(amounts, MachineSpeed()))
 
 
 def test_a_machine_at_half_the_speed_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     ticking = iter(range(10**6))
-    monkeypatch.setattr(yardstick, "perf_counter", lambda: 1e-3 * next(ticking))
-    pace.cache_clear()
-    slow = pace()
-    pace.cache_clear()
-    assert slow.processes == pytest.approx(1e-3 / yardstick.EVENTS_SECONDS)
-    assert slow.arrays == pytest.approx(1e-3 / yardstick.TERMS_SECONDS)
+    monkeypatch.setattr(cost, "perf_counter", lambda: 1e-3 * next(ticking))
+    machine_speed.cache_clear()
+    slow = machine_speed()
+    machine_speed.cache_clear()
+    assert slow.processes == pytest.approx(1e-3 / cost.EVENTS_SECONDS)
+    assert slow.arrays == pytest.approx(1e-3 / cost.TERMS_SECONDS)
 
 
 RUNS: dict[str, dict[str, Any]] = {
@@ -107,7 +108,7 @@ RUNS: dict[str, dict[str, Any]] = {
 def test_time_is_about_what_the_processor_needs(engine: Any, changes: dict[str, Any]) -> None:
     run = model(**changes)
     rows = extent(run, 1)
-    told = seconds(work(run, engine, rows.junctions, rows.ticks), pace())
+    told = seconds(work(run, engine, rows.junctions, rows.ticks), machine_speed())
     taken = min(_taken(run, engine) for _ in range(2))
     assert taken / 3.0 < told < 3.0 * taken + 0.05
 

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rubnoise.simulation import counted, draws
-from rubnoise.simulation.counted import CountedBirths
-from rubnoise.simulation.draws import births_by_block, blocks_together, draw_blocks, first_birth
+from rubnoise.simulation import draws
+from rubnoise.simulation.draws import CountedBirths, births_by_block, blocks_drawn_at_once, draw_blocks, first_birth
 from tests.models import bare
 
 RUN = bare(distance=3_000.0, tick=1.0)
@@ -36,14 +35,14 @@ def test_another_run_or_place_has_other_births() -> None:
 
 def test_no_more_are_kept_than_fit() -> None:
     kept = CountedBirths()
-    for block in range(counted._MOST + 5):
+    for block in range(draws._MOST_KEPT + 5):
         kept.keep(RUN, 1, (block, 0.5, 16), BIRTHS)
-    found = [kept.look(RUN, 1, (block, 0.5, 16)) is not None for block in range(counted._MOST + 5)]
-    assert found == [True] * counted._MOST + [False] * 5
+    found = [kept.look(RUN, 1, (block, 0.5, 16)) is not None for block in range(draws._MOST_KEPT + 5)]
+    assert found == [True] * draws._MOST_KEPT + [False] * 5
 
 
 def test_a_run_is_played_from_what_was_counted_to_the_same_bits() -> None:
-    begin, together = first_birth(RUN, 7), blocks_together(RUN, 0)
+    begin, together = first_birth(RUN, 7), blocks_drawn_at_once(RUN, 0)
     assert draws._counted.take(RUN, 7, (0, begin, together)) is None
     drawn = draw_blocks(RUN, 7, 0, begin, together)
     assert len(drawn) == sum(births_by_block(RUN, 7))

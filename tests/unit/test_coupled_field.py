@@ -21,7 +21,7 @@ from rubnoise.simulation.coupled.field import (
 )
 from rubnoise.simulation.coupled.quadrature import CLOCKS, INTEGRAL, LEGENDRE, NODES, POWERS, RATES, TABLE, WEIGHTS
 from rubnoise.simulation.coupled.steps import WORK, clock_at, integral_to, rate_at, value_at
-from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
 
 Doubles = NDArray[np.float64]
@@ -46,7 +46,7 @@ def force(pulse: Pulse, some: LiveRows, place: float) -> float:
 
 
 def field_over(pulse: Pulse, some: LiveRows) -> Field:
-    return Field.over(pulse.shape, some, -8, 240, WIDTH, Room(0))
+    return Field.over(pulse.shape, some, -8, 240, WIDTH, Scratch(0))
 
 
 @PULSES
@@ -90,7 +90,7 @@ def test_the_integral_is_that_of_the_force(pulse: Pulse) -> None:
 def test_moments_of_cells_together_are_those_of_one_wide_cell() -> None:
     some = rows()
     narrow = field_over(LENS, some).moments
-    wide = Field.over("lens", some, -1, 30, 8.0 * WIDTH, Room(0)).moments
+    wide = Field.over("lens", some, -1, 30, 8.0 * WIDTH, Scratch(0)).moments
     for cell in range(31):
         assert merged.py_func(narrow, 8 * cell, 8) == pytest.approx(wide[:, cell], rel=1e-9, abs=1e-6)
 

@@ -4,9 +4,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.contact import gamma_deviates as module
-from rubnoise.contact.deviates import normal_above
-from rubnoise.contact.gamma_deviates import density_at_the_mean, gamma_deviates, likely_range
+from rubnoise.contact import deviates as module
+from rubnoise.contact.deviates import density_at_the_mean, gamma_deviates, likely_range, normal_above
 
 UNIFORM = np.concatenate([np.random.default_rng(4).random(60), [0.0, 2.0**-53, 1e-6, 0.5, 1.0 - 2.0**-53]])
 SHAPES = ["0.1111111", "0.5", "1", "2", "7.3", "123.25"]

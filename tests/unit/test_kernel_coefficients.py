@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 TOOL = ROOT / "tools" / "kernel_coefficients.py"
 KERNELS = ROOT / "src" / "rubnoise" / "simulation" / "kernels" / "lens.py"
-FINE = KERNELS.with_name("ends.py")
+FINE = KERNELS.with_name("fine.py")
 GRID = [10.0**exponent for exponent in range(-14, 0, 2)] + [i / 97 for i in range(1, 98)]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from rubnoise.contact.overlap import junction_area
 from rubnoise.simulation.kernels import coarse, lens
-from rubnoise.simulation.kernels.ticks import count_live
+from rubnoise.simulation.kernels.grid import count_live
 from tests.frozen import frozen
 
 DIAMETERS = [0.03, 1.0, 5.53, 240.0]

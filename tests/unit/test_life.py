@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis import neighbours as neighbours_module
+from rubnoise.analysis import selection as neighbours_module
 from rubnoise.analysis.life import Life, life_of
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import Refused, RunFileRefused

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from rubnoise.model import Slider
-from rubnoise.simulation.propagator import propagator
+from rubnoise.simulation.slider import propagator
 from tests.frozen import frozen
 
 CRITICAL = 2.0 * np.sqrt(300.0 * 0.005)

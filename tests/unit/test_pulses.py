@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.analysis.verifying import areas, forces
+from rubnoise.analysis.verifying import sums
 from rubnoise.contact.pulses import PULSES
 from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
 from rubnoise.theory.live_area import unit_density
@@ -21,10 +21,10 @@ def test_every_pulse_is_known_to_each_table(pulse):
     assert unit_density(pulse)(np.array([0.3])) > 0.0
     area, force = np.zeros(1), np.zeros(1)
     lives = np.array([0]), np.array([1])
-    areas.add_areas(pulse, np.array([3.0]), lives, (np.array([0.0]), np.array([4.0]), np.array([2.0])), area, force)
+    sums.add_areas(pulse, np.array([3.0]), lives, (np.array([0.0]), np.array([4.0]), np.array([2.0])), area, force)
     assert area == pytest.approx(pulse.area(3.0, 4.0), rel=1e-14)
     life = np.array([0.5]), np.array([4.0]), np.array([8.5]), np.array([2.0])
-    moments = forces.force_moments(pulse, np.array([0.0, 10.0]), 10.0, life)
+    moments = sums.force_moments(pulse, np.array([0.0, 10.0]), 10.0, life)
     assert moments[0, 0] == pytest.approx(2.0 * pulse.life_integral(1) * 4.0**3, rel=1e-13)
 
 

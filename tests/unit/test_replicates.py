@@ -5,9 +5,8 @@ from math import inf, isinf, isnan, nan, sqrt
 import numpy as np
 import pytest
 
-from rubnoise.analysis.expected_figures import FIGURES, expected_figure
 from rubnoise.analysis.replicates import Pooled, pooled, ratio, ratio_of_pairs
-from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.summary import EXPECTED_FIGURES, expected_figure, summarise
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
 from rubnoise.simulation.run import simulate
@@ -20,7 +19,7 @@ def test_exact_values_are_those_of_the_summary(run: Model) -> None:
     tally = Tally()
     simulate(run, 1, tally, engine="batch")
     expected = {figure.name: figure.expected for figure in summarise(run, tally)}
-    for name in FIGURES:
+    for name in EXPECTED_FIGURES:
         value = expected_figure(run, name)
         assert value == pytest.approx(expected[name], rel=1e-12) if name in expected else isnan(value)
 
@@ -28,7 +27,7 @@ def test_exact_values_are_those_of_the_summary(run: Model) -> None:
 def test_every_figure_has_an_exact_value() -> None:
     tally = Tally()
     simulate(model(), 1, tally, engine="batch")
-    assert [figure.name for figure in summarise(model(), tally)] == list(FIGURES)
+    assert [figure.name for figure in summarise(model(), tally)] == list(EXPECTED_FIGURES)
 
 
 def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> None:

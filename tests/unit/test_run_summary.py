@@ -5,13 +5,11 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from rubnoise.analysis.batch_means import error_of_mean
 from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.covariance_errors import sample_covariances
-from rubnoise.analysis.curve_theory import curve_theory
 from rubnoise.analysis.histogram import histogram
-from rubnoise.analysis.run_layout import BANDS, BINS, LAGS, RunLayout
-from rubnoise.analysis.run_summary import CURVES, RunSummary, SummarySink
+from rubnoise.analysis.moments import sample_covariances
+from rubnoise.analysis.records import error_of_mean
+from rubnoise.analysis.run_summary import BANDS, BINS, CURVES, LAGS, RunLayout, RunSummary, SummarySink, curve_theory
 from rubnoise.analysis.spectra import welch
 from rubnoise.analysis.summary import summarise
 from rubnoise.contact.laws import Spread

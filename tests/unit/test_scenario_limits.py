@@ -8,7 +8,7 @@ import pytest
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import limits, load, loads
-from rubnoise.scenario.syntax import parse
+from rubnoise.scenario.source import parse
 from tests.unit.scenarios import BARE
 
 Counted = Callable[[], int]

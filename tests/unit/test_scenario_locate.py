@@ -2,7 +2,7 @@
 
 import pytest
 
-from rubnoise.scenario.locate import last_key, locate
+from rubnoise.scenario.source import last_key, locate
 
 TEXT = '''\
 # a = 1

@@ -11,7 +11,7 @@ from rubnoise.scenario import json_schema, load
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.sweep import load_either
-from rubnoise.scenario.sweep_settings import Sweeping
+from rubnoise.scenario.sweep_table import Sweeping
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 

@@ -5,8 +5,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from rubnoise.analysis.expected_figures import expected_figure
 from rubnoise.analysis.replicates import Pooled, pooled, ratio
+from rubnoise.analysis.summary import expected_figure
 from rubnoise.record.tally import Tally
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.sweep import Sweep, load_sweep

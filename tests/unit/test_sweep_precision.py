@@ -8,7 +8,7 @@ import pytest
 
 from rubnoise.analysis.run_summary import SummarySink
 from rubnoise.scenario import limits
-from rubnoise.scenario.precision import FEWEST, QUANTITIES, Precision
+from rubnoise.scenario.sweep_table import FEWEST, QUANTITIES, Precision
 from rubnoise.simulation.run import simulate
 from tests.models import model
 from tests.unit.sweeps import GRID, HEAD, sweep_of, sweep_refusal

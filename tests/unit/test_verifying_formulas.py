@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying import forces
-from rubnoise.analysis.verifying.areas import add_areas, lens_fraction
+from rubnoise.analysis.verifying import sums
 from rubnoise.analysis.verifying.contact import FORMULA
 from rubnoise.analysis.verifying.findings import Notes
-from rubnoise.analysis.verifying.forces import force_moments
-from rubnoise.analysis.verifying.motion import cell_motion
+from rubnoise.analysis.verifying.slider import cell_motion
+from rubnoise.analysis.verifying.sums import add_areas, force_moments, lens_fraction
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.model import Slider
-from rubnoise.simulation.propagator import propagator
+from rubnoise.simulation.slider import propagator
 from rubnoise.theory.quadrature import panels
 
-FOLDER = Path(forces.__file__).parent
+FOLDER = Path(sums.__file__).parent
 MADE_AGAIN = "regenerating.py"
 LIVES = {
     "inside": (1.3, 2.0, 5.3),
@@ -64,7 +63,7 @@ def moments_by_quadrature(pulse: Pulse, edges: NDArray[np.float64], life: tuple[
 def test_moments_of_a_life_are_those_of_its_area(
     monkeypatch: pytest.MonkeyPatch, name: str, pulse: Pulse, way: str
 ) -> None:
-    monkeypatch.setattr(forces, "NARROW", WAYS[way])
+    monkeypatch.setattr(sums, "NARROW", WAYS[way])
     birth, d, death = LIVES[name]
     edges = np.linspace(0.0, 8.0, 33)
     shapes = tuple(np.array([value]) for value in (birth, d, death, 250.0))
@@ -82,7 +81,7 @@ def test_closed_forms_and_quadrature_agree_on_narrow_cells(monkeypatch: pytest.M
     shapes = tuple(np.array(values) for values in ([-9.9, -5.0, 0.1], [5.0] * 3, [0.1, 5.0, 10.1], [1.0, 2.0, 3.0]))
     found = []
     for narrow in WAYS.values():
-        monkeypatch.setattr(forces, "NARROW", narrow)
+        monkeypatch.setattr(sums, "NARROW", narrow)
         found.append(force_moments(LENS, edges, 0.005, shapes))
     closed, fine = found
     assert (np.abs(closed - fine) < 6.0 * rounding(5.0, 0.005)).all()

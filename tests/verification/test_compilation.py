@@ -4,9 +4,9 @@ from simpy import Environment
 from simpy.events import ProcessGenerator
 
 from rubnoise.contact.pulses import TRIANGLE
-from rubnoise.simulation import recurrence
+from rubnoise.simulation import slider
 from rubnoise.simulation.intervention import LiveJunctions
-from rubnoise.simulation.kernels import coarse, fine, lens, ticks, triangle
+from rubnoise.simulation.kernels import coarse, fine, grid, lens, triangle
 from tests.cli.terminal import spawn_program
 from tests.models import UNEQUAL, bare, model, recorded
 
@@ -16,8 +16,8 @@ KERNELS = (
     lens.deposit_fine_moments,
     triangle.deposit_areas,
     triangle.deposit_moments,
-    recurrence.advance_slider,
-    ticks.count_live,
+    slider.advance_slider,
+    grid.count_live,
 )
 RUNS = (
     model(distance=600.0, tick=0.5),

@@ -12,7 +12,7 @@ from rubnoise.contact.pulses import LENS
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.coupled import steps
 from rubnoise.simulation.coupled.field import LENS_SHAPE, gather
-from rubnoise.simulation.coupled.layout import Scratch, Start
+from rubnoise.simulation.coupled.layout import Start, Workspace
 from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, NODES, PLAIN, RIGHT, TABLE
 from tests.coupled_runs import CoupledRun, coupled, field_of
 from tests.models import model, recorded
@@ -173,10 +173,10 @@ def event_cell_errors(width: float) -> dict[int, tuple[float, float]]:
     count = gather(lives, LENS_SHAPE, 0.0, width, TABLE, near, far, work)
     assert count == 2
     part = (2.0 / width, far, near, count, LENS_SHAPE)
-    scratch = Scratch(table=TABLE, work=work, powers=np.zeros(10), near=near, far=far)
+    workspace = Workspace(table=TABLE, work=work, powers=np.zeros(10), near=near, far=far)
 
     def step(clock: int, x: float, u: float, offset: float, length: float) -> tuple[float, float]:
-        after, took, _ = steps.event_cell(constants, starting(x, u, offset), length, clock, part, scratch)
+        after, took, _ = steps.event_cell(constants, starting(x, u, offset), length, clock, part, workspace)
         return after, took
 
     x, u, offset, time, parts = 20.0, 3000.0, 0.0, 0.0, 64

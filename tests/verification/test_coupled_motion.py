@@ -11,7 +11,7 @@ from rubnoise.simulation.coupled.fold import CoupledMotion, constants
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
-from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.kernels import Scratch
 from tests.coupled_runs import CoupledRun, coupled, field_of, oscillator_of
 from tests.models import model
 from tests.oracle import coupled_slider
@@ -123,7 +123,7 @@ def test_after_a_breakaway_the_slider_moves_on() -> None:
     run = model(distance=2000.0)
     numbers = constants(run, 1e-9)
     state = CoupledState.start(run, numbers, start(run, 3).live)
-    motion = CoupledMotion(run, numbers, state, Room(0), partial(lived, run, 3))
+    motion = CoupledMotion(run, numbers, state, Scratch(0), partial(lived, run, 3))
     # What comes at once, since a slider that sticks for ever tells landmarks for ever.
     told = next(motion.through(lived(run, 3, 0.0, 2000.0), np.inf)).landmarks
     slip = np.flatnonzero(told["kind"][:-1] == 1)

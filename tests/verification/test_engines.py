@@ -14,8 +14,8 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario
-from rubnoise.scenario.load import build
-from rubnoise.simulation import draws, panels
+from rubnoise.scenario.reading import build
+from rubnoise.simulation import draws, ticks
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import Engine, extent, simulate
 from rubnoise.simulation.state import LiveRows, State
@@ -164,7 +164,7 @@ def test_small_blocks_are_played_together_and_each_ones_start_is_written(
 
 
 def test_both_tell_of_their_progress(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(panels, "LARGEST_PANEL", 400)
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 400)
     run = model(distance=600.0, tick=0.1)
     for engine in ("events", "batch"):
         told: list[tuple[float, int, int]] = []

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.scenario.load import loads
+from rubnoise.scenario.reading import loads
 
 SCENARIO = """
 format = 1

@@ -7,7 +7,7 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
-from rubnoise.simulation import draws, panels
+from rubnoise.simulation import draws, ticks
 from rubnoise.simulation.run import extent, finished, simulate
 from rubnoise.simulation.state import State
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
@@ -54,7 +54,7 @@ def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
 def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pulse):
     run = model(distance=distance, tick=0.05, pulse=pulse, strength=UNEQUAL)
     expected = contents(recorded(run))
-    monkeypatch.setattr(panels, "LARGEST_PANEL", size)
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", size)
     assert contents(recorded(run)) == expected
 
 

@@ -16,10 +16,9 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.bands import band_powers
 from rubnoise.analysis.resampling import PASSED, RIPPLE
 from rubnoise.analysis.sound import Sound, level_of, samples_of
-from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
+from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.wave_file import STEPS
 from rubnoise.theory.estimated_spectrum import expected_periodogram

@@ -10,7 +10,7 @@ import pytest
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation import draws, panels, starts
+from rubnoise.simulation import draws, starts, ticks
 from rubnoise.simulation.coupled import fold, motion
 from rubnoise.simulation.run import Engine, extent, simulate
 from rubnoise.simulation.state import State
@@ -92,7 +92,7 @@ def test_resumed_after_any_block_it_has_equal_bits(
 ) -> None:
     for each in (draws, starts):
         monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
-    monkeypatch.setattr(panels, "LARGEST_PANEL", 700)
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 700)
     run = two_way(model(**changes))
     states: list[State] = []
     whole = MemoryRecord(extent(run, 3))

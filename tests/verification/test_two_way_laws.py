@@ -12,9 +12,9 @@ import pytest
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparing.findings import Comparison, Identity, LeftOut
-from rubnoise.analysis.comparing.two_way import Path, two_way_identities
+from rubnoise.analysis.comparing.motion import Path, two_way_identities
 from rubnoise.analysis.comparison import compare
-from rubnoise.analysis.expected_figures import expected_figure
+from rubnoise.analysis.summary import expected_figure
 from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused

@@ -17,7 +17,7 @@ import h5py
 from fuzz.changing import Places
 from rubnoise import build
 from rubnoise.errors import RubnoiseError
-from rubnoise.scenario.load import loads
+from rubnoise.scenario.reading import loads
 from rubnoise.scenario.scenario import flattened
 
 TIME: Final = "%Y-%m-%dT%H:%M:%SZ"

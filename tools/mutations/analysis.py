@@ -56,7 +56,7 @@ MUTANTS = (
     one(
         "full overlap not verified",
         "test_one_bit_of_one_value_is_seen_though_its_hash_is_right[junctions/max_area]",
-        'notes.equal("/junctions/max_area", panel.first, panel["max_area"], max_area(diameter))',
+        'notes.equal("/junctions/max_area", chunk.first, chunk["max_area"], max_area(diameter))',
         "",
     ),
     one(

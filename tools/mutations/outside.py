@@ -68,14 +68,14 @@ FIGURES = (
     one(
         "a thinned curve without its peaks",
         "test_a_thinned_curve_keeps_its_extremes",
-        "np.maximum.reduceat(value, starts)",
-        "np.minimum.reduceat(value, starts)",
+        "np.maximum.reduceat(value, starts)], axis=-1)",
+        "np.minimum.reduceat(value, starts)], axis=-1)",
     ),
     one(
         "a thinned column without its peaks",
         "test_of_many_rows_the_extremes_are_kept",
-        "np.maximum.reduceat(chunk, starts)",
-        "np.minimum.reduceat(chunk, starts)",
+        "np.maximum.reduceat(chunk, starts)], axis=-1)",
+        "np.minimum.reduceat(chunk, starts)], axis=-1)",
     ),
     one(
         "lenses drawn too narrow",

@@ -8,12 +8,17 @@ from rubnoise.analysis.comparing.births import Births, birth_findings
 from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
 from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, LeftOut, comparison
 from rubnoise.analysis.comparing.lives import Lives, life_findings
-from rubnoise.analysis.comparing.motion import first_tick, motion_findings
+from rubnoise.analysis.comparing.motion import (
+    Path,
+    first_tick,
+    mean_force_findings,
+    motion_findings,
+    two_way_identities,
+)
 from rubnoise.analysis.comparing.noise import covariance_findings, distribution_findings, spectrum_findings
-from rubnoise.analysis.comparing.rows import panels
 from rubnoise.analysis.comparing.sizes import Marks, Start, mark_findings, start_findings
 from rubnoise.analysis.comparing.trace import TraceSums, read_trace
-from rubnoise.analysis.comparing.two_way import Path, mean_force_findings, two_way_identities
+from rubnoise.analysis.reading import checked_chunks
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.model import Model
@@ -26,7 +31,7 @@ COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "she
 def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
     """Return everything that a run can be held against, with scores; ``bound`` replaces the family-wise bound on |z|.
 
-    The run is read twice, /trace and /junctions once each (and /slider), in panels. Raises RecordTooShort, carrying the
+    The run is read twice, /trace and /junctions once each (and /slider), in chunks. Raises RecordTooShort, carrying the
     mean area, for a run from which not even that can be judged, RunFileRefused for damaged rows.
     """
     trace = read_trace(model, rows)
@@ -36,7 +41,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
         raise RecordTooShort("a comparison with the theory", trace.area.mean, length=length, needed=missing)
     births, start, marks, lives, cubes = Births(model), Start(), Marks(model), Lives(model, trace), Cubes()
     path = Path(model, rows) if model.is_two_way else None
-    for columns in panels(rows, "junctions", COLUMNS):
+    for columns in checked_chunks(rows, "junctions", COLUMNS):
         for gathered in (births, start, marks, lives, cubes):
             gathered.add(columns)
         if path is not None:

@@ -1,4 +1,4 @@
-"""The autocovariance of a record, and how far it may well be off."""
+"""The autocovariance of a record: at once, at chosen lags of a stream, and at all lags of a stream up to a reach."""
 
 from collections.abc import Sequence
 
@@ -54,3 +54,67 @@ class LaggedProducts:
         pairs = np.array([max(self._count - lag, 0) for lag in self._lags], dtype=np.float64)
         products, earlier, later = self._sums.T
         return (products - mean * (earlier + later)) / np.where(pairs > 0.0, pairs, np.nan) + mean * mean
+
+
+_STRETCHES_A_REACH = 4
+_SHORTEST = 4096
+
+
+class CovarianceSum:
+    """Autocovariances at lags of 0 to ``reach`` ticks of a stream of values, which may come in pieces of any size.
+
+    ``centre`` is about the mean, so that nothing is lost to cancellation. It holds some reaches of values, however long
+    the stream is.
+    """
+
+    def __init__(self, reach: int, centre: float) -> None:
+        from scipy.fft import next_fast_len
+
+        self._reach = reach
+        self._centre = centre
+        self._stretch = max(_SHORTEST, _STRETCHES_A_REACH * reach)
+        self._held: list[Doubles] = []
+        self._waiting = 0
+        self._head = np.empty(0)
+        self._tail = np.zeros(reach)
+        self._size = next_fast_len(self._stretch + reach, real=True)
+        self._waves = np.zeros(self._size // 2 + 1, dtype=np.complex128)
+        self._count = 0
+        self._total = 0.0
+
+    def add(self, values: Doubles) -> None:
+        """Take in the values that follow those before."""
+        new = values - self._centre
+        if self._head.size < self._reach:
+            self._head = np.concatenate([self._head, new[: self._reach - self._head.size]])
+        self._count += new.size
+        self._total += float(np.add.reduce(new))
+        self._held.append(new)
+        self._waiting += new.size
+        if self._waiting >= self._stretch:
+            self._multiply()
+
+    def _multiply(self) -> None:
+        """Add the products of what is held with itself and with what came before: an overlap-save correlation."""
+        from scipy.fft import rfft
+
+        row = np.concatenate([self._tail, *self._held])
+        self._held, self._waiting = [], 0
+        for first in range(self._reach, row.size, self._stretch):
+            part = row[first : first + self._stretch]
+            around = row[first - self._reach : first + part.size]
+            self._waves += np.conj(rfft(part, self._size)) * rfft(around, self._size)
+        self._tail = row[row.size - self._reach :]
+
+    def covariances(self) -> Doubles:
+        """Return the mean of (x_i - mean)(x_(i+j) - mean) over the n - j pairs of each lag j; nan for a lag without."""
+        from scipy.fft import irfft
+
+        self._multiply()
+        products = irfft(self._waves, self._size)[self._reach :: -1]
+        pairs = np.maximum(self._count - np.arange(self._reach + 1), 0).astype(np.float64)
+        mean = self._total / max(self._count, 1)
+        head = np.pad(self._head, (0, self._reach - self._head.size))
+        missing = np.concatenate([[0.0], np.cumsum(head + self._tail[::-1])])
+        ends = 2.0 * self._total - missing
+        return (products - mean * ends) / np.where(pairs > 0.0, pairs, np.nan) + mean * mean

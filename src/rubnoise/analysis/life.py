@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rubnoise.analysis.neighbours import Neighbours, check_lives, neighbours
+from rubnoise.analysis.selection import Neighbours, check_lives, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused

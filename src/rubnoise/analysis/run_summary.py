@@ -1,21 +1,138 @@
-"""What is kept of a run that keeps no trace: its figures, and its distribution, spectrum and memory on few places."""
+"""What is kept of a run that keeps no trace: its figures, and its distribution, spectrum and autocovariance.
 
+The places of these curves are fixed by the model beforehand, so that all replicates have the same ones, and so has what
+theory expects there.
+"""
+
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, floor, log2
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.covariance_sum import CovarianceSum
-from rubnoise.analysis.histogram_sum import HistogramSum
-from rubnoise.analysis.run_layout import BANDS, BINS, LAGS, RunLayout
-from rubnoise.analysis.spectra import WelchSum
-from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.covariance import CovarianceSum
+from rubnoise.analysis.histogram import HistogramSum
+from rubnoise.analysis.moments import covariance_errors
+from rubnoise.analysis.spectra import Band, Spectrum, WelchSum, band_powers, bands_of, hann
+from rubnoise.analysis.summary import FEWEST_LIVES, summarise
 from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.record.tally import Tally
 from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.estimated_spectrum import expected_periodogram, segment_wavenumbers
+from rubnoise.theory.regular_births import are_at_random
+from rubnoise.theory.sampling import variance_of_time_mean
+from rubnoise.theory.spectrum import spectral_density
+
+BINS: Final = 64
+BANDS: Final = 128
+LAGS: Final = 128
+"""Numbers that a summary keeps of a histogram, a spectrum and an autocovariance."""
+
+_STDS: Final = 8.0
+_LIVES_A_REACH: Final = 2.0
+_LIVES_A_SEGMENT: Final = 64.0
+_FEWEST_SEGMENTS: Final = 8
+_MOST_TICKS_A_LIFE: Final = 1024
+_FEWEST_TICKS: Final = 16
+_ROUNDING: Final = 1e-6
+_CORRELATIONS_A_BATCH: Final = 10.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunLayout:
+    """Edges of a histogram in um^2, lags and segments for every ``stride``-th tick, and ticks of an independent batch.
+
+    ``lags`` and ``segment`` count those ticks, ``step`` um apart: fine ticks cost no more than they tell. Bands of a
+    spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but of one bin at the least.
+    """
+
+    edges: Doubles
+    batch: int
+    stride: int
+    step: float
+    lags: NDArray[np.int64]
+    segment: int
+    segments: int
+    starts: NDArray[np.int64]
+    widths: NDArray[np.int64]
+
+    @classmethod
+    @lru_cache(maxsize=8)
+    def of(cls, model: Model) -> "RunLayout":
+        """Return the layout that suits a model: no part of it grows with the length of its runs."""
+        life = model.mean_life_distance
+        stride = max(1, floor(life / model.tick / _MOST_TICKS_A_LIFE))
+        ticks = model.tick_count // stride + 1
+        segment = _segment(ticks, life / (stride * model.tick))
+        segments = max(0, (ticks - segment) // (segment // 2) + 1)
+        bands = bands_of(segment // 2 + 1, BANDS) if segments else []
+        return cls(
+            edges=_edges(model),
+            batch=ceil(_CORRELATIONS_A_BATCH * _correlation_length(model) / model.tick),
+            stride=stride,
+            step=stride * model.tick,
+            lags=_lags(ticks, life / (stride * model.tick)),
+            segment=segment,
+            segments=segments,
+            starts=np.array([bins[0] for bins in bands], dtype=np.int64),
+            widths=np.array([bins.size for bins in bands], dtype=np.int64),
+        )
+
+    @property
+    def middles(self) -> Doubles:
+        """The middles of the bins in um^2."""
+        return 0.5 * (self.edges[1:] + self.edges[:-1])
+
+    @property
+    def distances(self) -> Doubles:
+        """The lags in um."""
+        return self.step * self.lags.astype(np.float64)
+
+    def banded(self, values: Doubles) -> Doubles:
+        """Return the mean over each band of what a spectrum has in its bins."""
+        if not self.starts.size:
+            return np.empty(0)
+        sums: Doubles = np.add.reduceat(values[: self.starts[-1] + self.widths[-1]], self.starts)
+        return sums / self.widths
+
+
+def _edges(model: Model) -> Doubles:
+    """Return edges eight standard deviations about the exact mean, and none far below 0, where no area is."""
+    area = area_cumulants(model)
+    reach = max(_STDS * area.std, _ROUNDING * area.mean)
+    # What is left of a sum whose junctions have all ended may lie below 0 by a rounding.
+    low = max(area.mean - reach, -_ROUNDING * reach)
+    return np.linspace(low, area.mean + reach, BINS + 1)
+
+
+def _correlation_length(model: Model) -> float:
+    """Return how many um tell as much of a mean as one independent value, S(0)/R(0); a life for regular births."""
+    variance = area_cumulants(model).variance
+    if not are_at_random(model) or variance == 0.0:
+        return model.mean_life_distance
+    return float(spectral_density(model, 0.0)) / variance
+
+
+def _lags(ticks: int, ticks_a_life: float) -> NDArray[np.int64]:
+    reach = max(1, min(round(_LIVES_A_REACH * ticks_a_life), ticks // _FEWEST_SEGMENTS))
+    return np.arange(0, reach + 1, ceil((reach + 1) / LAGS), dtype=np.int64)
+
+
+def _segment(ticks: int, ticks_a_life: float) -> int:
+    """Return the ticks of a segment, a power of two: 64 lives, or less where a run would hold fewer than eight."""
+    most = min(_LIVES_A_SEGMENT * ticks_a_life, 2.0 * ticks / (_FEWEST_SEGMENTS + 1))
+    return max(_FEWEST_TICKS, 2 ** floor(log2(max(most, 1.0))))
+
 
 CURVES: Final = {"histogram": BINS, "histogram_standard_error": BINS, "spectrum": BANDS, "autocovariance": LAGS}
 """The curves of a summary, and how many numbers each has; those left over are nan."""
@@ -25,7 +142,7 @@ CURVES: Final = {"histogram": BINS, "histogram_standard_error": BINS, "spectrum"
 class RunSummary:
     """The figures of a run, and its curves of real contact area by name: um^-2, um^4 per rad/um, um^4.
 
-    The places of the curves, and what theory expects there, are `rubnoise.analysis.curve_theory.curve_theory`.
+    The places of the curves, and what theory expects there, are `rubnoise.analysis.run_summary.curve_theory`.
     """
 
     figures: list[Agreement]
@@ -75,3 +192,92 @@ def filled_up(values: Doubles, count: int) -> Doubles:
     """Return values with nan after them up to a count, and in place of what is infinite."""
     finite = np.where(np.isfinite(values), values, np.nan)
     return np.pad(finite, (0, count - values.size), constant_values=np.nan)
+
+
+FEWEST_TICKS_A_LIFE = 8
+"""Ticks to a mean life below which errors of autocovariance and spectrum, made for a continuous record, do not hold."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurveTheory:
+    """Places of a curve, its expected values, and the standard error of one run's; nan where theory is silent.
+
+    In um^2, rad/um and um; in um^-2, um^4 per rad/um and um^4.
+    """
+
+    place: Doubles
+    expected: Doubles
+    standard_error: Doubles
+
+
+@lru_cache(maxsize=8)
+def curve_theory(model: Model) -> dict[str, CurveTheory]:
+    """Return what is expected of the histogram, spectrum and autocovariance of a model's runs.
+
+    The histogram's errors are those of each run: theory has none. A run that starts empty is expected nothing of.
+    """
+    layout = RunLayout.of(model)
+    return {
+        "histogram": _made(layout.middles, BINS, model, lambda: (_shares(model, layout), np.empty(0))),
+        "spectrum": _made(_wavenumbers(layout), BANDS, model, lambda: _spectrum(model, layout)),
+        "autocovariance": _made(layout.distances, LAGS, model, lambda: _covariance(model, layout)),
+    }
+
+
+def _made(place: Doubles, count: int, model: Model, tell: Callable[[], tuple[Doubles, Doubles]]) -> CurveTheory:
+    expected = error = np.empty(0)
+    if model.start == "stationary":
+        with suppress(Refused):
+            expected, error = tell()
+    return CurveTheory(
+        place=filled_up(place, count),
+        expected=filled_up(expected, count),
+        standard_error=filled_up(error if _told(model) else np.empty(0), count),
+    )
+
+
+def _told(model: Model) -> bool:
+    """Whether a run is long, its births at random and its ticks fine enough for errors of a spectrum and the like."""
+    life = model.mean_life_distance
+    return (
+        are_at_random(model)
+        and model.distance >= FEWEST_LIVES * life >= FEWEST_LIVES * FEWEST_TICKS_A_LIFE * model.tick
+    )
+
+
+def _shares(model: Model, layout: RunLayout) -> Doubles:
+    """Return the expected density of each bin, the exact probability over the width."""
+    return np.diff(np.asarray(distribution(model).cdf(layout.edges))) / np.diff(layout.edges)
+
+
+def _wavenumbers(layout: RunLayout) -> Doubles:
+    return layout.banded(segment_wavenumbers(layout.step, layout.segment))
+
+
+def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
+    """Return the mean expected density of each band, aliases and leakage included, and its standard error."""
+    wavenumber, expected = expected_periodogram(model, layout.step, hann(layout.segment))
+    means = layout.banded(expected)
+    if not means.size or not _told(model):
+        return means, np.empty(0)
+    shown = Spectrum(
+        wavenumber=wavenumber,
+        density=expected,
+        standard_error=expected,
+        ticks=layout.segment,
+        segments=layout.segments,
+    )
+    powers = band_powers(model, shown, expected, model.distance, BANDS)
+    return means, means * np.array([_relative(band) for band in powers])
+
+
+def _relative(band: Band) -> float:
+    return band.standard_error / band.expected
+
+
+def _covariance(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
+    """Return the expected autocovariance about the record's own mean, and its standard error."""
+    lags = layout.distances
+    expected = autocovariance(model, lags) - variance_of_time_mean(model)
+    errors = covariance_errors(model, lags, model.distance, layout.step) if _told(model) else np.empty(0)
+    return expected, errors

@@ -1,9 +1,10 @@
-"""The figures of a finished run beside the exact ones."""
+"""The figures of a finished run beside the exact ones, and the exact value of any single figure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
-from math import isnan
+from functools import lru_cache, partial
+from math import isnan, nan
+from typing import Final
 
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.balance import Balance
@@ -13,7 +14,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import Moments, Tally
-from rubnoise.theory.campbell import Cumulants
+from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.motion_errors import (
@@ -22,7 +23,7 @@ from rubnoise.theory.motion_errors import (
     mean_force_error,
     motion_errors,
 )
-from rubnoise.theory.occupancy import mean_count_error
+from rubnoise.theory.occupancy import count_variance, mean_count, mean_count_error
 from rubnoise.theory.regular_births import are_at_random
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.sampling import StandardErrors, force_standard_errors, mean_area_error, standard_errors
@@ -255,3 +256,69 @@ def _decays(model: Model) -> float | None:
         return None
     slowest = max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
     return model.distance / speed / slowest
+
+
+_PARTS: Final = ("mean", "std", "skewness", "excess_kurtosis")
+
+
+def expected_figure(model: Model, name: str) -> float:
+    """Return the exact value of a figure that `rubnoise.analysis.summary.summarise` names, in its unit.
+
+    nan where the model has no such figure, or where theory is silent about it.
+    """
+    needs, value = EXPECTED_FIGURES.get(name, ("", None))
+    if value is None or (needs == "slider" and model.is_two_way and not _is_known(model, name)):
+        return nan
+    return value(model) if needs is None or getattr(model, needs) is not None else nan
+
+
+def _of_area(part: str, model: Model) -> float:
+    return float(getattr(area_cumulants(model), part))
+
+
+def _of_force(part: str, model: Model) -> float:
+    return float(getattr(force_cumulants(model), part))
+
+
+def _is_known(model: Model, name: str) -> bool:
+    """Whether theory has a figure of a two-way slider: its motion while coupling is weak."""
+    return name != "one_way_validity" and coupling(model).unknown is None
+
+
+def _exact_motion(model: Model) -> Response:
+    return weak_motion(model) if model.is_two_way else response(model)
+
+
+def _exact_mean_displacement(model: Model) -> float:
+    excess = _exact_motion(model).mean_displacement - response(model).mean_displacement
+    return expected_mean_displacement(model, model.distance) + excess
+
+
+def _displacement_std(model: Model) -> float:
+    return _exact_motion(model).displacement_std
+
+
+def _velocity_std(model: Model) -> float:
+    return _exact_motion(model).velocity_std
+
+
+def _count_std(model: Model) -> float:
+    return float(count_variance(model) ** 0.5)
+
+
+def _one_way_validity(model: Model) -> float:
+    found = response(model)
+    return found.velocity_std / found.sliding_speed
+
+
+EXPECTED_FIGURES: Final[dict[str, tuple[str | None, Callable[[Model], float]]]] = {
+    **{f"real_contact_area_{part}": (None, partial(_of_area, part)) for part in _PARTS},
+    "junction_count_mean": (None, mean_count),
+    "junction_count_std": (None, _count_std),
+    **{f"friction_force_{part}": ("strengths", partial(_of_force, part)) for part in _PARTS[:2]},
+    "displacement_mean": ("slider", _exact_mean_displacement),
+    "displacement_std": ("slider", _displacement_std),
+    "velocity_std": ("slider", _velocity_std),
+    "one_way_validity": ("slider", _one_way_validity),
+}
+"""The figures, what a model needs for each, and its exact value."""

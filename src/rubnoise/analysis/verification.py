@@ -12,8 +12,13 @@ from rubnoise.analysis.verifying.derived import curve_check, summary_check
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
 from rubnoise.analysis.verifying.hashes import hash_check, unreadable
 from rubnoise.analysis.verifying.lives import life_checks
-from rubnoise.analysis.verifying.origin import cells_per_tick, layout_check, need_same_streams, origin_check
-from rubnoise.analysis.verifying.scenario_text import scenario_check
+from rubnoise.analysis.verifying.origin import (
+    cells_per_tick,
+    layout_check,
+    need_same_streams,
+    origin_check,
+    scenario_check,
+)
 from rubnoise.analysis.verifying.slider import slider_checks
 from rubnoise.analysis.verifying.two_way import two_way_checks
 from rubnoise.analysis.verifying.two_way_motion import motion_checks
@@ -33,7 +38,7 @@ class ResultFile(HashedReader, Protocol):
 
 
 def verify(run: ResultFile, regenerate: int = 0) -> Verification:
-    """Return everything that a file can be asked about itself, in panels: a longer run needs no more memory.
+    """Return everything that a file can be asked about itself, in chunks: a longer run needs no more memory.
 
     ``regenerate``: how many blocks to make again from the seed and compare bit for bit. Checks that build on what has
     been found different are left out. Raises Refused for ``regenerate`` where the seed stands for other numbers.

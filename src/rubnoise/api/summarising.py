@@ -4,8 +4,7 @@ from typing import Any, cast
 
 from numpy.typing import NDArray
 
-from rubnoise.analysis.curve_theory import curve_theory
-from rubnoise.analysis.run_summary import SummarySink
+from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.model import Model
 from rubnoise.scenario.points import Point
 from rubnoise.simulation.block import Watch

@@ -8,10 +8,17 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.verifying.attributes import (
+    command_form,
+    compare_attributes,
+    compare_structure,
+    digits_form,
+    moment_form,
+    shown,
+    source_form,
+)
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes
-from rubnoise.analysis.verifying.forms import command_form, digits_form, moment_form, source_form
-from rubnoise.analysis.verifying.inventories import compare_attributes, compare_structure, shown
-from rubnoise.analysis.verifying.scenario_text import asked_by
+from rubnoise.analysis.verifying.origin import asked_by
 from rubnoise.errors import RunFileRefused, ScenarioRefused
 from rubnoise.scenario.points import Case, Point, points_of
 from rubnoise.scenario.source import Source

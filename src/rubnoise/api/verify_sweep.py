@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any, Final, get_args
 
 from rubnoise.analysis.verification import ResultFile, verify
+from rubnoise.analysis.verifying.attributes import shown
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes, Verification
-from rubnoise.analysis.verifying.inventories import shown
 from rubnoise.api.verify_index import index_checks
 from rubnoise.api.verify_journals import journal_check
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.scenario.sweep_settings import Keep
+from rubnoise.scenario.sweep_table import Keep
 from rubnoise.storage.index_file import name_of
 from rubnoise.storage.reader import open_run
 from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text

@@ -12,8 +12,7 @@ from rubnoise.cli.layout import grouped, line, number, remark, sentence
 from rubnoise.cli.progress import watching
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.hearing import Hearing
-    from rubnoise.analysis.sound import Level, Sound
+    from rubnoise.analysis.sound import Hearing, Level, Sound
 
 
 class What(StrEnum):
@@ -119,7 +118,7 @@ def _natural_lines(sound: "Sound") -> list[str]:
 def _audible_lines(sound: "Sound", level: "Level") -> list[str]:
     if level.spectrum is None:
         return [remark("too short to estimate the audible part")]
-    from rubnoise.analysis.hearing import Hearing
+    from rubnoise.analysis.sound import Hearing
 
     hearing = Hearing.of(level.spectrum)
     lines = [

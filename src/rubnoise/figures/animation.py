@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.neighbours import Neighbours, neighbours
+from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.covariance_errors import covariance_errors
 from rubnoise.analysis.histogram import Histogram, histogram
+from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import RecordTooShort
 from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
 from rubnoise.arrays import Doubles

@@ -12,8 +12,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.neighbours import check_lives, neighbours
-from rubnoise.analysis.selection import gather
+from rubnoise.analysis.selection import check_lives, gather, neighbours
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
 from rubnoise.pages.page import packed, page

@@ -13,7 +13,7 @@ Columns = Mapping[str, NDArray[Any]]
 class Extent:
     """How many rows each group of a run has, known exactly before its first event.
 
-    slider: 0 without a slider, None where its rows grow with the run, so that only the end tells how many there are;
+    slider: 0 without a slider, None where its rows grow with the run, so that only the end shows how many there are;
     landmarks: 0 with one-way coupling, None with two-way, where /balance has a row.
     """
 

@@ -37,7 +37,7 @@ KEPT = {
 """Columns of which the last value is kept, by group."""
 
 SLIPS = {"landmarks": ("kind", "distance")}
-"""Columns that tell how long slips are, by group."""
+"""Columns that say how long slips are, by group."""
 
 TALLIED = {
     group: dict.fromkeys(

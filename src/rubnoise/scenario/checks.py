@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.model import Model
 from rubnoise.scenario import limits
-from rubnoise.scenario.build import default_tick, diameter_of, model_of, spread_of
 from rubnoise.scenario.document import Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
+from rubnoise.scenario.scenario import default_tick, diameter_of, model_of, spread_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")

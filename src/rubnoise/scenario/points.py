@@ -47,23 +47,23 @@ def points_of(cases: Iterable[Case], replicates: int, first: int = 0) -> tuple[P
 
 def _points(case: Case, replicates: range) -> Iterator[Point]:
     """Yield replicates of a case; what all of them have in common is put into words once."""
-    scenario, told = case.scenario, case.scenario.resolved()
-    words = _seed_words(told)
+    scenario, resolved = case.scenario, case.scenario.resolved()
+    words = _seed_words(resolved)
     for replicate in replicates:
         seed = _derived(scenario.run.seed, words, replicate)
         run = scenario.run.model_copy(update={"seed": seed})
         yield Point(
             values=case.values,
             replicate=replicate,
-            run_id=_name(told, seed),
+            run_id=_name(resolved, seed),
             seed=seed,
             scenario=replace(scenario, run=run),
         )
 
 
-def _seed_words(told: Mapping[str, Any]) -> tuple[int, ...]:
-    slider = {key: value for key, value in (told.get("slider") or {}).items() if key not in _NOT_THE_FIELD}
-    digest = sha256(_canonical({**told, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
+def _seed_words(resolved: Mapping[str, Any]) -> tuple[int, ...]:
+    slider = {key: value for key, value in (resolved.get("slider") or {}).items() if key not in _NOT_THE_FIELD}
+    digest = sha256(_canonical({**resolved, "slider": slider}, without=_NOT_THE_CONTACT)).digest()
     return tuple(int.from_bytes(digest[at : at + 4], "big") for at in range(0, len(digest), 4))
 
 
@@ -86,9 +86,9 @@ def run_id(scenario: Scenario) -> str:
     return _name(scenario.resolved(), scenario.run.seed)
 
 
-def _name(told: Mapping[str, Any], seed: int) -> str:
-    run = told["run"] | {"seed": seed, "engine": SECTIONS["run"].model_fields["engine"].default}
-    return sha256(_canonical({**told, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
+def _name(resolved: Mapping[str, Any], seed: int) -> str:
+    run = resolved["run"] | {"seed": seed, "engine": SECTIONS["run"].model_fields["engine"].default}
+    return sha256(_canonical({**resolved, "run": run}, without=("title",))).hexdigest()[:_ID_DIGITS]
 
 
 def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
@@ -100,12 +100,12 @@ def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
 
 
 def _canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
-    told = {
+    resolved = {
         name: _without_defaults(name, value) if isinstance(value, dict) else value
         for name, value in resolved.items()
         if name not in without
     }
-    kept = {name: value for name, value in told.items() if value != {}}
+    kept = {name: value for name, value in resolved.items() if value != {}}
     return json.dumps(kept, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()
 
 

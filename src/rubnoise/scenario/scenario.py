@@ -1,12 +1,18 @@
-"""A scenario that has been checked: its sections in working units, its model, and itself with nothing left implicit."""
+"""A scenario that has been checked: its sections in working units, and the physics that follows from its keys."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from math import sqrt
+from typing import Any, Final, Literal, cast
 
-from rubnoise.model import Model
+from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
+from rubnoise.contact.calibration import calibrated_diameter
+from rubnoise.contact.laws import LAWS, Law, Spread, law_for
+from rubnoise.contact.pulses import PULSES
+from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
-from rubnoise.units import Quantity
+from rubnoise.units import LENGTH, RATIO, Quantity
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,3 +70,87 @@ def _explicit(section: sections.Section) -> dict[str, Any]:
         for name, value in values.items()
         if value is not None
     }
+
+
+TOLERANCE: Final = 1e-9
+"""Of a two-way motion, where the file has none."""
+
+_BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
+
+
+def diameter_of(document: sections.Document) -> float:
+    """Return the calibrated diameter d_m in um.
+
+    Raises NoMatchingDiameter where `matched` has no solution, PaperMeansLens for `paper` with another pulse.
+    """
+    interface = document.interface
+    return calibrated_diameter(
+        interface.calibration,
+        float(interface.mean_real_contact_area),
+        interface.mean_junction_count,
+        spread_of(document.diameter),
+        PULSES[document.pulse.shape],
+    )
+
+
+def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
+    """Return how a quantity spreads about its centre: by what law, and by an absolute or a relative spread."""
+    law = "fixed" if quantity.law == sections.ONE_STRENGTH else quantity.law
+    own = tuple((each.name, getattr(quantity, each.name)) for each in LAWS[law].parameters)
+    spread = quantity.spread
+    if spread is None:
+        return Spread(law=law, parameters=own)
+    if spread.kind == RATIO:
+        return Spread(relative=float(spread), law=law, parameters=own)
+    return Spread(absolute=float(spread), law=law, parameters=own)
+
+
+def default_tick(diameter: float) -> Quantity:
+    """Return a two-hundredth of the mean life 2 d_m, as the decimal number that a file would give."""
+    return Quantity(Fraction(repr(diameter / 100.0)), LENGTH)
+
+
+def tick_count(distance: Quantity, tick: Quantity) -> int:
+    """Return the exact floor of distance over tick as written; floats would lose the last tick now and then."""
+    return distance.exact // tick.exact
+
+
+def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Model:
+    """Return the model of a complete document for its calibrated diameter in um and its tick."""
+    interface, sliding = document.interface, document.sliding
+    return Model(
+        mean_real_contact_area=float(interface.mean_real_contact_area),
+        mean_junction_count=interface.mean_junction_count,
+        calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
+        calibrated_diameter=diameter,
+        sizes=law_for(diameter, spread_of(document.diameter)),
+        births=_BIRTHS[document.birth.law](mean_spacing=2.0 * diameter / interface.mean_junction_count),
+        strengths=_strengths(document.strength),
+        sliding_speed=None if sliding.speed is None else float(sliding.speed),
+        distance=float(sliding.distance),
+        start=cast(Literal["stationary", "empty"], sliding.start),
+        slider=_slider(document.slider) if document.slider else None,
+        tick=float(tick),
+        tick_count=tick_count(sliding.distance, tick),
+        pulse=PULSES[document.pulse.shape],
+    )
+
+
+def _strengths(strength: sections.Strength | None) -> Law | None:
+    return law_for(float(strength.mean), spread_of(strength)) if strength else None
+
+
+def _slider(slider: sections.Slider) -> Slider:
+    mass, stiffness = float(slider.mass), float(slider.stiffness)
+    critical = 2.0 * sqrt(stiffness * mass)
+    ratio = slider.damping_ratio
+    damping = float(slider.damping or 0.0) if ratio is None else ratio * critical
+    start = cast(Literal["equilibrium", "rest"], slider.start)
+    return Slider(
+        mass=mass,
+        stiffness=stiffness,
+        damping=damping,
+        start=start,
+        coupling=cast(Literal["one-way", "two-way"], slider.coupling),
+        tolerance=slider.tolerance or TOLERANCE,
+    )

@@ -2,10 +2,9 @@
 
 from typing import Any
 
-from rubnoise.scenario.axes import known_keys
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.keys import SECTIONS, SWEEP
-from rubnoise.scenario.sweep_settings import Sweeping
+from rubnoise.scenario.sweep_table import Sweeping, known_keys
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -34,12 +33,12 @@ def json_schema() -> dict[str, Any]:
 
 
 def _sweep() -> dict[str, Any]:
-    described = {
+    properties = {
         **Sweeping.model_json_schema()["properties"],
         "grid": _lists() | {"description": "Lists of values; every combination is a point."},
         "zip": _lists() | {"description": "Lists of equal length, in parallel."},
     }
-    return _table(described) | {"description": "Many runs from one file: the values that vary."}
+    return _table(properties) | {"description": "Many runs from one file: the values that vary."}
 
 
 def _lists() -> dict[str, Any]:

@@ -1,23 +1,64 @@
-"""Reading a sweep: one file that stands for many runs, each checked as the whole scenario that it is."""
+"""A sweep: one file that stands for many runs, each checked as the whole scenario that it is."""
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import layers
-from rubnoise.scenario.axes import Axis, Table, read_table
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, Overlay
-from rubnoise.scenario.load import examined, load
 from rubnoise.scenario.points import Case, Point, points_of, run_id
-from rubnoise.scenario.precision import ONE_WAY_ONLY, QUANTITIES, Precision
 from rubnoise.scenario.problems import Path, Place, Problem, in_order, report
+from rubnoise.scenario.reading import examined, load
 from rubnoise.scenario.scenario import Scenario
-from rubnoise.scenario.sweep_problems import Examined, gathered, in_words
-from rubnoise.scenario.sweep_settings import Keep
+from rubnoise.scenario.sweep_table import ONE_WAY_ONLY, QUANTITIES, Axis, Keep, Precision, Table, read_table
+
+_NUMBERS = re.compile(r"[0-9][0-9.,e+-]*")
+_SHOWN_CHARACTERS = 40
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Examined:
+    """A point that was looked at: its swept values, its scenario where it has one, and its problems."""
+
+    values: Mapping[str, Any]
+    scenario: Scenario | None
+    problems: Sequence[Problem]
+
+
+def gathered(points: Sequence[Examined]) -> list[Problem]:
+    """Return the problems of all points, those alike but for their numbers as one.
+
+    A problem of every point, or of every point with the value at which it stands, is reported as in a file of its own;
+    any other one names the first point that has it and says how many more have.
+    """
+    alike: dict[tuple[object, ...], list[tuple[Problem, Examined]]] = {}
+    for point in points:
+        for problem in dict.fromkeys(point.problems):
+            kind = _NUMBERS.sub("#", problem.message)
+            alike.setdefault((problem.path, problem.place, problem.severity, kind), []).append((problem, point))
+    return [_reported(found, points) for found in alike.values()]
+
+
+def in_words(values: Mapping[str, Any]) -> str:
+    """Return swept values as they are printed: `interface.mean_junction_count = 20, ...`."""
+    return ", ".join(f"{key} = {str(value)[:_SHOWN_CHARACTERS]}" for key, value in values.items())
+
+
+def _reported(found: Sequence[tuple[Problem, Examined]], points: Sequence[Examined]) -> Problem:
+    problem, first = found[0]
+    everywhere = sum(point.values.get(problem.key) == first.values.get(problem.key) for point in points)
+    if len(found) == everywhere and all(other.message == problem.message for other, _ in found):
+        return problem
+    where = in_words(first.values)
+    more = len(found) - 1
+    others = f", and at {more:,} more point{'s' if more > 1 else ''}" if more else ""
+    return replace(problem, message=f"{problem.message}, at {where}{others}")
+
 
 _LOOKED_AT_BESIDE_A_WRONG_TABLE = 100
 

@@ -8,11 +8,10 @@ from typing import Any, Final
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from rubnoise.scenario.axes import GRID
 from rubnoise.scenario.document import Document, Section
 from rubnoise.scenario.fields import Choice
 from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS, SWEEP
-from rubnoise.scenario.sweep_settings import Sweeping
+from rubnoise.scenario.sweep_table import GRID, Sweeping
 
 WIDTH: Final = 100
 HEADING: Final = """\

@@ -1,4 +1,4 @@
-"""The sum of the live junctions: real contact area, count and force at the ticks of a panel."""
+"""The sum of the live junctions: real contact area, count and force at the ticks of a range."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,14 +10,14 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
-from rubnoise.simulation.kernels import Grid, Room, count_live, deposit
-from rubnoise.simulation.panels import Panel
+from rubnoise.simulation.kernels import Grid, Scratch, count_live, deposit
 from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.ticks import TickRange
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceMoments:
-    """The friction force over the cells of a panel: Legendre moments (3, cells), in units of ``unit`` uN um."""
+    """The friction force over the cells of a tick range: Legendre moments (3, cells), in units of ``unit`` uN um."""
 
     moments: Doubles
     unit: float
@@ -25,46 +25,48 @@ class ForceMoments:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """The columns of /trace for a panel, and the moments of the force over its ticks where they have been asked for."""
+    """The columns of /trace for a range of ticks, and the moments of the force over its ticks where asked for."""
 
     columns: Columns
     force: ForceMoments | None = None
 
 
-def sample(model: Model, rows: LiveRows, panel: Panel, room: Room | None) -> Sample:
-    """Return the columns of /trace for a panel, from rows that cover everything alive in it.
+def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch | None) -> Sample:
+    """Return the columns of /trace for a tick range, from rows that cover everything alive in it.
 
-    ``room``: for the force's moments, where a slider is to be moved through the cells that end at its ticks; they hold
-    until the next panel.
+    ``scratch``: for the force's moments, where a slider is to be moved through the cells that end at its ticks; they
+    hold until the next tick range.
     """
-    grid = Grid.around(panel.first, panel.end, panel.tick)
+    grid = Grid.around(tick_range.first, tick_range.end, tick_range.tick)
     distance = grid.position[grid.wanted]
     count = np.empty(distance.size, dtype=np.uint32)
     count_live(distance, rows.birth, rows.departure, count)
     constant = isinstance(model.strengths, Fixed)
     square = rows.diameter * rows.diameter
-    deposited = deposit(model.pulse.shape, grid, rows, square, room if constant else None)
+    deposited = deposit(model.pulse.shape, grid, rows, square, scratch if constant else None)
     area, moments = deposited.total, deposited.moments
     columns: dict[str, NDArray[Any]] = {"distance": distance, "real_contact_area": area, "junction_count": count}
     if model.strengths is None:
         return Sample(columns=columns)
-    unit = panel.tick
+    unit = tick_range.tick
     if constant:
         columns["friction_force"] = model.strengths.mean * area
-        unit = panel.tick * model.strengths.mean
+        unit = tick_range.tick * model.strengths.mean
     else:
-        deposited = deposit(model.pulse.shape, grid, rows, rows.strength * square, room)
+        deposited = deposit(model.pulse.shape, grid, rows, rows.strength * square, scratch)
         columns["friction_force"], moments = deposited.total, deposited.moments
-    return Sample(columns=columns, force=None if room is None else ForceMoments(moments=moments, unit=unit))
+    return Sample(columns=columns, force=None if scratch is None else ForceMoments(moments=moments, unit=unit))
 
 
-def force_moments(model: Model, rows: LiveRows, panel: Panel, cells_per_tick: int, room: Room) -> ForceMoments:
-    """Return the force over the cells that end in a panel, exact through births, mid-lives and deaths.
+def force_moments(
+    model: Model, rows: LiveRows, tick_range: TickRange, cells_per_tick: int, scratch: Scratch
+) -> ForceMoments:
+    """Return the force over the cells that end in a tick range, exact through births, mid-lives and deaths.
 
     The number of cells per tick is a power of two, so that every tick lies at the same bits however it is divided.
     """
-    first = max(panel.first - 1, 0) * cells_per_tick + 1
-    grid = Grid.around(first, (panel.end - 1) * cells_per_tick + 1, panel.tick / cells_per_tick)
+    first = max(tick_range.first - 1, 0) * cells_per_tick + 1
+    grid = Grid.around(first, (tick_range.end - 1) * cells_per_tick + 1, tick_range.tick / cells_per_tick)
     weight = rows.strength * (rows.diameter * rows.diameter)
-    moments = deposit(model.pulse.shape, grid, rows, weight, room, areas=False).moments
+    moments = deposit(model.pulse.shape, grid, rows, weight, scratch, areas=False).moments
     return ForceMoments(moments=moments, unit=grid.spacing)

@@ -12,29 +12,28 @@ from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
-from rubnoise.simulation.draws import BlockBirths, blocks_together, draw_blocks
-from rubnoise.simulation.kernels import Room
-from rubnoise.simulation.observer import Telling
-from rubnoise.simulation.panels import LARGEST_PANEL, Panel, panels
-from rubnoise.simulation.propagator import Propagator
-from rubnoise.simulation.slider import SliderMotion
+from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
+from rubnoise.simulation.kernels import Scratch
+from rubnoise.simulation.observer import Notifier
+from rubnoise.simulation.slider import Propagator, SliderMotion
 from rubnoise.simulation.starts import BlockStarts
 from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, TickRange, tick_ranges
 
 if TYPE_CHECKING:
     from rubnoise.simulation.two_way import TwoWayMotion
 
-ROOM: Final = 12 * LARGEST_PANEL
-"""Numbers of room that are asked for, most of which are never touched. Usual systems take back what lies free at the
-end of the heap where it is more than twice the largest piece ever freed: after a run, all arrays of a panel, which the
-next one would have to be given anew."""
+SCRATCH_NUMBERS: Final = 12 * LARGEST_TICK_RANGE
+"""Numbers of scratch memory asked for; most are never touched. Usual systems take back what lies free at the end of the
+heap where it is more than twice the largest piece ever freed: after a run, all arrays of a tick range, which the next
+one would have to be given anew."""
 
 Watch = Callable[[float, int, int], None]
-"""Told after each panel: distance reached (um), junctions born so far, live count. It may raise to stop the run."""
+"""Called after each tick range: distance reached (um), junctions born, live count. It may raise to stop the run."""
 
 
 class Play(Protocol):
-    """An engine: lets one block happen, panel by panel, and so decides which rows each panel is computed from."""
+    """An engine: lets one block happen, range by range of ticks, and decides which rows each is computed from."""
 
     def __call__(
         self,
@@ -42,12 +41,12 @@ class Play(Protocol):
         state: State,
         births_of_block: BlockBirths,
         born: LiveRows,
-        panels: Sequence[Panel],
+        tick_ranges: Sequence[TickRange],
         run_end: float,
-        sample: Callable[[Panel, LiveRows], Sample],
-        move: Callable[[Panel, LiveRows, Sample], None] | None,
+        sample: Callable[[TickRange, LiveRows], Sample],
+        move: Callable[[TickRange, LiveRows, Sample], None] | None,
     ) -> tuple[LiveRows, int]:
-        """Sample every panel, then move the slider through it; return all rows and how many events it took.
+        """Sample every tick range, then move the slider through it; return all rows and how many events it took.
 
         The rows are the carried ones and then those born, each with its departure where its life has ended.
         """
@@ -55,28 +54,28 @@ class Play(Protocol):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
-    """What stays the same through all blocks of a run; ``together``: whether small blocks are played some at a time."""
+class RunSetup:
+    """What stays the same through all blocks of a run; ``grouped``: whether small blocks are played several at once."""
 
     model: Model
     seed: int
     constants: Propagator | None
     sink: Sink
     play: Play
-    together: bool
+    grouped: bool
     watch: Watch | None = None
-    telling: Telling | None = None
-    room: Room = field(default_factory=partial(Room, ROOM))
+    notifier: Notifier | None = None
+    scratch: Scratch = field(default_factory=partial(Scratch, SCRATCH_NUMBERS))
 
 
-def next_state(run: Run, state: State) -> State:
-    """Play one block, or some together, write their rows and ticks, and return the state from which to go on."""
-    together = blocks_together(run.model, state.block) if run.together else 1
-    births = draw_blocks(run.model, run.seed, state.block, state.next_birth, together)
+def next_state(run: RunSetup, state: State) -> State:
+    """Play one block, or several at once, write their rows and ticks, and return the state from which to continue."""
+    blocks = blocks_drawn_at_once(run.model, state.block) if run.grouped else 1
+    births = draw_blocks(run.model, run.seed, state.block, state.next_birth, blocks)
     starts = BlockStarts.of(run.model, state, births)
     born = _born(births, state.junctions)
     cells = 1 if run.constants is None else run.constants.cells_per_tick
-    block_panels = list(panels(run.model, state, births, cells))
+    ranges = list(tick_ranges(run.model, state, births, cells))
     motion = None if run.constants is None else _motion(run, state, run.constants)
     two_way = _two_way(run, state, starts) if run.model.is_two_way else None
     slider = Appender(run.sink, "slider", state.slider_rows)
@@ -84,9 +83,9 @@ def next_state(run: Run, state: State) -> State:
         state=state,
         births_of_block=births,
         born=born,
-        panels=block_panels,
+        tick_ranges=ranges,
         run_end=run.model.distance,
-        sample=lambda panel, rows: _write_trace(run, panel, rows),
+        sample=lambda tick_range, rows: _write_trace(run, tick_range, rows),
         move=_moving(motion, two_way, slider, starts),
     )
     natural = natural_death(rows.birth, rows.diameter)
@@ -95,7 +94,7 @@ def next_state(run: Run, state: State) -> State:
     else:
         two_way.through(rows, min(births.next_birth, run.model.distance))
     run.sink.write("blocks", state.block, starts.columns(moving=motion is not None, two_way=two_way is not None))
-    ticks = block_panels[-1].end if block_panels else state.ticks
+    ticks = ranges[-1].end if ranges else state.ticks
     return State(
         block=state.block + births.blocks,
         begin=births.next_birth,
@@ -121,45 +120,45 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
     )
 
 
-def _motion(run: Run, state: State, constants: Propagator) -> SliderMotion:
-    return SliderMotion(run.model, constants, run.room, state.displacement, state.velocity)
+def _motion(run: RunSetup, state: State, constants: Propagator) -> SliderMotion:
+    return SliderMotion(run.model, constants, run.scratch, state.displacement, state.velocity)
 
 
-def _two_way(run: Run, state: State, starts: BlockStarts) -> "TwoWayMotion":
+def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion":
     from rubnoise.simulation.two_way import TwoWayMotion  # which few runs need, and which takes long to load
 
-    return TwoWayMotion(run.model, run.seed, run.sink, run.room, state, starts, run.telling)
+    return TwoWayMotion(run.model, run.seed, run.sink, run.scratch, state, starts, run.notifier)
 
 
 def _moving(
     motion: SliderMotion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
-) -> Callable[[Panel, LiveRows, Sample], None] | None:
-    """Return what moves the slider through a panel; None where there is no slider."""
+) -> Callable[[TickRange, LiveRows, Sample], None] | None:
+    """Return what moves the slider through a tick range; None where there is no slider."""
     if two_way is not None:
-        return lambda panel, rows, _: two_way.through(rows, panel.last_distance)
+        return lambda tick_range, rows, _: two_way.through(rows, tick_range.last_distance)
     return None if motion is None else partial(_write_slider, slider, motion, starts)
 
 
-def _write_trace(run: Run, panel: Panel, rows: LiveRows) -> Sample:
+def _write_trace(run: RunSetup, tick_range: TickRange, rows: LiveRows) -> Sample:
     # The moments of the force come with its sum where the slider needs them over the ticks themselves.
     moving = run.constants is not None and run.constants.cells_per_tick == 1
-    found = sample(run.model, rows, panel, run.room if moving else None)
-    run.sink.write("trace", panel.first, found.columns)
+    found = sample(run.model, rows, tick_range, run.scratch if moving else None)
+    run.sink.write("trace", tick_range.first, found.columns)
     if run.watch is not None:
         born = int(rows.junction[-1]) + 1 if len(rows) else 0
-        run.watch(panel.last_distance, born, int(found.columns["junction_count"][-1]))
+        run.watch(tick_range.last_distance, born, int(found.columns["junction_count"][-1]))
     return found
 
 
 def _write_slider(
-    slider: Appender, motion: SliderMotion, starts: BlockStarts, panel: Panel, rows: LiveRows, found: Sample
+    slider: Appender, motion: SliderMotion, starts: BlockStarts, tick_range: TickRange, rows: LiveRows, found: Sample
 ) -> None:
-    columns = motion.through(panel, rows, found)
+    columns = motion.through(tick_range, rows, found)
     starts.pass_slider(columns)
     slider.append(columns)
 
 
-def _write_junctions(run: Run, state: State, rows: LiveRows, natural: Doubles) -> None:
+def _write_junctions(run: RunSetup, state: State, rows: LiveRows, natural: Doubles) -> None:
     """Write the rows that are new, and one by one those written before whose junction has been ended early since."""
     carried = len(state.live)
     written = 0 if state.block == 0 else carried
@@ -171,7 +170,7 @@ def _write_junctions(run: Run, state: State, rows: LiveRows, natural: Doubles) -
         _write_rows(run, int(rows.junction[row]), rows.part(row, row + 1), natural[row : row + 1])
 
 
-def _write_rows(run: Run, first: int, rows: LiveRows, natural: Doubles) -> None:
+def _write_rows(run: RunSetup, first: int, rows: LiveRows, natural: Doubles) -> None:
     # Only who was alive at the start has a birth with a minus sign, which -0.0 has too.
     at_start = np.signbit(rows.birth)
     columns = junction_columns(

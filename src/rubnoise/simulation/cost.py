@@ -1,20 +1,84 @@
 """What a run takes of a machine, from a few constants that were measured once: memory, and the processor's time.
 
-`tools/measure_cost.py` measures runs of many kinds, tells how far these estimates are off, and what the constants would
-be where it runs.
+A few milliseconds of work like that of a run measure how fast this machine is. `tools/measure_cost.py` measures runs of
+many kinds, says how far these forecasts are off, and what the constants would be where it runs.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from heapq import heappop, heappush
 from math import ceil, inf
+from time import perf_counter
 from typing import Final
+
+import numpy as np
 
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
-from rubnoise.simulation.cells import cells_per_tick, coupled_spacing, narrow
-from rubnoise.simulation.draws import births_per_block, births_together
-from rubnoise.simulation.panels import LARGEST_PANEL
+from rubnoise.simulation.draws import births_drawn_at_once, births_per_block
 from rubnoise.simulation.run import Engine
-from rubnoise.simulation.yardstick import Pace
+from rubnoise.simulation.slider import cells_per_tick, coupled_spacing, narrow
+from rubnoise.simulation.ticks import LARGEST_TICK_RANGE
+
+REPEATS: Final = 5
+EVENTS: Final = 500
+VALUES: Final = 4096
+TERMS: Final = 30
+
+EVENTS_SECONDS: Final = 4.2e-4
+TERMS_SECONDS: Final = 6.6e-5
+"""What the two pieces of work took where the constants of `rubnoise.simulation.cost` were measured."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineSpeed:
+    """How many times longer a machine takes than the measured one: for steps of processes, and for sums over arrays."""
+
+    processes: float = 1.0
+    arrays: float = 1.0
+
+
+@cache
+def machine_speed() -> MachineSpeed:
+    """Return how fast this machine is, measured once in a process: the best of a few repeats of some 0.3 ms."""
+    return MachineSpeed(processes=_best(_step) / EVENTS_SECONDS, arrays=_best(_sum) / TERMS_SECONDS)
+
+
+def _best(work: Callable[[], None]) -> float:
+    return min(_timed(work) for _ in range(REPEATS))
+
+
+def _timed(work: Callable[[], None]) -> float:
+    begin = perf_counter()
+    work()
+    return perf_counter() - begin
+
+
+def _step() -> None:
+    """Wake generators in the order of a queue, as an event loop does."""
+    queue: list[tuple[float, int, Generator[float, None, None]]] = []
+    for number in range(EVENTS):
+        heappush(queue, (float(number * 7919 % EVENTS), number, _sleeper(float(number))))
+    while queue:
+        place, number, sleeper = heappop(queue)
+        for wait in sleeper:
+            heappush(queue, (place + wait, number, sleeper))
+            break
+
+
+def _sleeper(wait: float) -> Generator[float, None, None]:
+    yield wait
+
+
+def _sum() -> None:
+    """Evaluate a polynomial over an array that fits into the processor's cache."""
+    values = np.linspace(0.0, 1.0, VALUES)
+    total = np.zeros(VALUES)
+    for _ in range(TERMS):
+        total *= values
+        total += 0.5
+
 
 PROGRAM_BYTES: Final = 216_000_000
 """What a process holds with everything loaded that a run needs, before the run."""
@@ -24,7 +88,7 @@ ROW_BYTES: Final[Mapping[Engine, int]] = {"events": 480, "batch": 260}
 ALIVE_BYTES: Final[Mapping[Engine, int]] = {"events": 1000, "batch": 0}
 POSITION_BYTES: Final = 140
 """Of memory for each birth drawn in a block, each row of it that is played, each that is alive at once, and each
-position of a panel."""
+position of a tick range."""
 
 PROGRAM_SECONDS: Final = 1.2
 """What it takes to start and to load everything."""
@@ -42,8 +106,8 @@ SECONDS: Final[Mapping[str, float]] = {
     "fine push": 8.0e-10,
     "growing": 1.2e-2,
     "met": 6.0e-7,
-    "told row": 1.3e-7,
-    "told life": 4.5e-9,
+    "written row": 1.3e-7,
+    "row life": 4.5e-9,
     "slow cell": 1.6e-7,
     "swing": 1.7e-7,
     "packed byte": 1.7e-8,
@@ -56,10 +120,10 @@ CROWDING: Final = 0.4
 
 
 def working_bytes(model: Model, engine: Engine) -> int:
-    """Return the memory that a run needs beside its program: of one block and one panel, however long it is."""
-    drawn, alive = births_together(model), _alive(model)
+    """Return the memory that a run needs beside its program: of one block and one tick range, however long it is."""
+    drawn, alive = births_drawn_at_once(model), _alive(model)
     played = min(drawn, model.birth_rate * model.distance) + alive
-    positions = min(LARGEST_PANEL, (model.tick_count + 1) * cells_per_tick(model))
+    positions = min(LARGEST_TICK_RANGE, (model.tick_count + 1) * cells_per_tick(model))
     junctions = DRAWN_BYTES * drawn + ROW_BYTES[engine] * played + ALIVE_BYTES[engine] * alive
     return round(junctions + POSITION_BYTES * positions)
 
@@ -105,17 +169,17 @@ def _two_way_work(model: Model, junctions: int, ticks: int) -> dict[str, float]:
     return {
         "growing": 1.0,
         "met": junctions,
-        "told row": moving,
-        "told life": moving * count,
+        "written row": moving,
+        "row life": moving * count,
         "slow cell": model.distance / coupled_spacing(model) * part**-0.2 * count**-0.5,
         "swing": model.distance / speed * omega,
     }
 
 
-def seconds(amounts: Mapping[str, float], pace: Pace) -> float:
-    """Return how long so much of each kind of work takes one process on a machine of some pace, its start left out."""
+def seconds(amounts: Mapping[str, float], machine_speed: MachineSpeed) -> float:
+    """Return how long so much of each kind of work takes one process on a machine of some speed, its start left out."""
     return sum(
-        amount * SECONDS[kind] * (pace.processes if kind in IN_PROCESSES else pace.arrays)
+        amount * SECONDS[kind] * (machine_speed.processes if kind in IN_PROCESSES else machine_speed.arrays)
         for kind, amount in amounts.items()
     )
 

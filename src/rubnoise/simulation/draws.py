@@ -12,15 +12,51 @@ from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.deviates import exponential
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.model import Model
-from rubnoise.simulation.counted import CountedBirths
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
 
-_TOGETHER = 65_536
-"""Births before the start that are looked at together."""
+Births = tuple[Doubles, Doubles]
+"""Birth distances and the gaps between them (um)."""
+
+Place = tuple[int, float, int]
+"""Where births that are drawn at once begin: block, distance (um), and how many blocks they make."""
+
+_MOST_KEPT = 24
+"""Draws that are kept: a few megabytes, in which all of a run of half a million junctions fit."""
+
+
+class CountedBirths:
+    """The first births of the run that was counted last; each is handed out once to be played, and forgotten."""
+
+    def __init__(self) -> None:
+        """Know of no run."""
+        self._kept: tuple[tuple[Model, int] | None, dict[Place, Births]] = (None, {})
+
+    def look(self, model: Model, seed: int, place: Place) -> Births | None:
+        """Return the births of a place, if they are kept."""
+        run, births = self._kept
+        return births.get(place) if run == (model, seed) else None
+
+    def keep(self, model: Model, seed: int, place: Place, births: Births) -> None:
+        """Keep births, unless there are many of this run already; those of another run are given up for them."""
+        if self._kept[0] != (model, seed):
+            # One assignment: another thread finds either run with its own births.
+            self._kept = ((model, seed), {})
+        kept = self._kept[1]
+        if len(kept) < _MOST_KEPT:
+            kept[place] = births
+
+    def take(self, model: Model, seed: int, place: Place) -> Births | None:
+        """Return the births of a place, if they are kept, and keep them no longer."""
+        run, births = self._kept
+        return births.pop(place, None) if run == (model, seed) else None
+
+
+_LOOKED_AT_ONCE = 65_536
+"""Births before the start that are looked at in one go."""
 
 _DRAWN_AT_ONCE = 24_576
-"""Births that are drawn together: many enough for arrays to pay, few enough to stay in the processor's cache."""
+"""Births that are drawn at once: many enough for arrays to pay, few enough to stay in the processor's cache."""
 
 _counted = CountedBirths()
 
@@ -74,14 +110,14 @@ def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: i
     return np.add.accumulate(np.concatenate([[begin], gaps])), gaps
 
 
-def blocks_together(model: Model, block: int) -> int:
-    """Return how many blocks from this one on make arrays long enough: to the end of those that are drawn together."""
+def blocks_drawn_at_once(model: Model, block: int) -> int:
+    """Return how many blocks from this one on make arrays long enough: to the end of those that are drawn at once."""
     group = _blocks_at_once(model)
     return group - block % group
 
 
-def births_together(model: Model) -> int:
-    """Return how many births are played at a time, where small blocks are played together."""
+def births_drawn_at_once(model: Model) -> int:
+    """Return how many births are played at a time, where small blocks are played at once."""
     return _blocks_at_once(model) * births_per_block(model)
 
 
@@ -125,7 +161,7 @@ def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
 
 
 def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> BlockBirths:
-    """Return the births that lie within the run of a block, or of some that are drawn together."""
+    """Return the births that lie within the run of a block, or of several that are drawn at once."""
     births = births_per_block(model)
     counted = _counted.take(model, seed, (block, begin, blocks))
     birth, gaps = counted or birth_distances(model, seed, block, begin, blocks)
@@ -147,7 +183,7 @@ def births_by_block(model: Model, seed: int) -> Iterator[int]:
     births = births_per_block(model)
     block, begin = 0, first_birth(model, seed)
     while begin <= model.distance:
-        blocks = blocks_together(model, block)
+        blocks = blocks_drawn_at_once(model, block)
         place = (block, begin, blocks)
         counted = _counted.look(model, seed, place) or birth_distances(model, seed, *place)
         _counted.keep(model, seed, place, counted)
@@ -160,7 +196,7 @@ def births_by_block(model: Model, seed: int) -> Iterator[int]:
 
 
 def start(model: Model, seed: int) -> State:
-    """Return the state before the first block: whoever is alive in a stationary contact, or nobody in an empty one."""
+    """Return the state before the first block: those alive in a stationary contact, none in an empty one."""
     live = _stationary_rows(model, seed) if model.start == "stationary" else LiveRows.none()
     return State(
         slider_rows=0,
@@ -213,8 +249,8 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
     first, source = first_birth(model, seed), generator(seed, Stream.START_DIAMETERS)
     count = ceil(2.0 * _largest(model.sizes) / births.mean_spacing) + 1
     found = [(np.empty(0), np.empty(0))]
-    for begin in range(1, count + 1, _TOGETHER):
-        number = np.arange(begin, min(begin + _TOGETHER, count + 1))
+    for begin in range(1, count + 1, _LOOKED_AT_ONCE):
+        number = np.arange(begin, min(begin + _LOOKED_AT_ONCE, count + 1))
         birth, diameter = births.places(first, -number), model.sizes.draw(source.random(number.size))
         alive = birth + 2.0 * diameter > 0.0
         found.append((birth[alive], diameter[alive]))

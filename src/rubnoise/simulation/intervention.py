@@ -10,8 +10,8 @@ from simpy.events import ProcessGenerator
 
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
-from rubnoise.simulation.clock import DistanceClock
 from rubnoise.simulation.live_set import LiveSet
+from rubnoise.simulation.process import DistanceClock
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,14 +31,14 @@ class LiveJunctions:
     """
 
     def __init__(self, pulse: Pulse) -> None:
-        """See nobody yet; lives have the area of a pulse."""
+        """See no junction yet; lives have the area of a pulse."""
         self._pulse = pulse
         self._ended: set[int] = set()
 
     def look_at(self, env: Environment, live: LiveSet) -> None:
         """See the junctions of a block from now on."""
         self._env, self._live = env, live
-        for number in self._ended & live.processes.keys():  # ended by who was told of a death at a block's very end
+        for number in self._ended & live.processes.keys():  # ended by an observer of a death at a block's very end
             live.processes[number].interrupt()
         self._ended &= live.processes.keys()
 

@@ -1,7 +1,7 @@
 """The story of a contact, as processes: junctions are born, live through 2d of sliding, and die.
 
 Distance is the clock: ``env.now`` is the sliding distance in um. Only births and deaths are events; the aggregator and
-the slider wake for a panel of ticks at a time and see in it exactly the junctions that joined and left before.
+the slider wake for a range of ticks at a time and see in it exactly the junctions that joined and left before.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -12,14 +12,13 @@ from simpy import Environment, Interrupt, Process
 from simpy.events import Event, ProcessGenerator
 
 from rubnoise.simulation.area import Sample
-from rubnoise.simulation.clock import DistanceClock
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.intervention import Intervening
 from rubnoise.simulation.live_set import LiveSet
-from rubnoise.simulation.observer import Telling
-from rubnoise.simulation.panels import Panel
-from rubnoise.simulation.process import LifeProcess, PromptProcess, Wait
+from rubnoise.simulation.observer import Notifier
+from rubnoise.simulation.process import DistanceClock, LifeProcess, PromptProcess, Wait
 from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.ticks import TickRange
 
 Life = Callable[[Environment, LiveSet, int, float, float], ProcessGenerator]
 
@@ -39,31 +38,31 @@ def ended(env: Environment, live: LiveSet, row: int, death: float) -> float:
     return min(max(env.now, live.birth_and_diameter(row)[0]), death)
 
 
-def told_junction(
-    env: Environment, live: LiveSet, row: int, death: float, rest: float, telling: Telling
+def observed_junction(
+    env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
 ) -> ProcessGenerator:
-    """Live as a junction does, and have mid-life and death told."""
+    """Live as a junction does, and report mid-life and death to the observer."""
     number, (birth, diameter) = live.numbers[row], live.birth_and_diameter(row)
     try:
         rise = birth + diameter - env.now
-        if telling.is_rising(number) and rise > 0.0:
+        if notifier.is_rising(number) and rise > 0.0:
             yield Wait(env, rise)
-            telling.mid_life(number, birth + diameter)
+            notifier.mid_life(number, birth + diameter)
             rest = max(rest - rise, 0.0)
         yield Wait(env, rest)
     except Interrupt:
         death = ended(env, live, row, death)
     del live.processes[number]
     live.departure[row] = death
-    telling.death(number, death)
+    notifier.death(number, death)
 
 
-def told_newborn(
-    env: Environment, live: LiveSet, row: int, death: float, rest: float, telling: Telling
+def observed_newborn(
+    env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
 ) -> ProcessGenerator:
-    """Have a birth told, and the life after it."""
-    telling.birth(live.numbers[row], live.birth_and_diameter(row)[0])
-    yield from told_junction(env, live, row, death, rest, telling)
+    """Report a birth to the observer, then the life after it."""
+    notifier.birth(live.numbers[row], live.birth_and_diameter(row)[0])
+    yield from observed_junction(env, live, row, death, rest, notifier)
 
 
 def births(
@@ -85,47 +84,49 @@ def births(
     yield env.timeout(max(run_end - env.now, 0.0) if last else wait)
 
 
-class Desk:
-    """Where the aggregator lays what it has sampled: the event that the next panel will be."""
+class NextSample:
+    """The event at which the aggregator publishes what it has sampled of the next tick range."""
 
     def __init__(self, env: Environment) -> None:
-        """Wait for the first panel."""
+        """Wait for the first tick range."""
         self._env = env
         self.awaited: Event = env.event()
 
-    def lay(self, rows: LiveRows, found: Sample) -> None:
-        """Let the awaited panel happen; it is forgotten once it has been taken."""
+    def publish(self, rows: LiveRows, found: Sample) -> None:
+        """Let the awaited tick range happen; it is forgotten once it has been taken."""
         done, self.awaited = self.awaited, self._env.event()
         done.succeed((rows, found))
 
 
 def aggregate(
     env: Environment,
-    panels: Sequence[Panel],
-    desk: Desk,
+    tick_ranges: Sequence[TickRange],
+    next_sample: NextSample,
     block_end: Process,
-    sample: Callable[[Panel, LiveRows], Sample],
+    sample: Callable[[TickRange, LiveRows], Sample],
     live: LiveSet,
 ) -> ProcessGenerator:
-    """Wake once a panel, when all that happens up to its last tick has happened, and sample the live set at its ticks.
+    """Wake once a tick range, when all up to its last tick has happened, and sample the live set at its ticks.
 
-    Half a tick late, so that a birth or death at that very tick has been told, whatever the order of the queue.
+    Half a tick late, so that a birth or death at that very tick has happened, whatever the order of the queue.
     """
-    for panel in panels:
-        if panel is panels[-1]:
+    for tick_range in tick_ranges:
+        if tick_range is tick_ranges[-1]:
             yield block_end
         else:
-            yield env.timeout(panel.last_distance + 0.5 * panel.tick - env.now)
+            yield env.timeout(tick_range.last_distance + 0.5 * tick_range.tick - env.now)
         rows = live.rows()
-        desk.lay(rows, sample(panel, rows))
+        next_sample.publish(rows, sample(tick_range, rows))
     yield block_end
 
 
-def slide(panels: Sequence[Panel], desk: Desk, move: Callable[[Panel, LiveRows, Sample], None]) -> ProcessGenerator:
-    """Wait until a panel has been sampled, then move the slider through it."""
-    for panel in panels:
-        rows, found = yield desk.awaited
-        move(panel, rows, found)
+def slide(
+    tick_ranges: Sequence[TickRange], next_sample: NextSample, move: Callable[[TickRange, LiveRows, Sample], None]
+) -> ProcessGenerator:
+    """Wait until a tick range has been sampled, then move the slider through it."""
+    for tick_range in tick_ranges:
+        rows, found = yield next_sample.awaited
+        move(tick_range, rows, found)
 
 
 def play_block(
@@ -133,40 +134,40 @@ def play_block(
     state: State,
     births_of_block: BlockBirths,
     born: LiveRows,
-    panels: Sequence[Panel],
+    tick_ranges: Sequence[TickRange],
     run_end: float,
-    sample: Callable[[Panel, LiveRows], Sample],
-    move: Callable[[Panel, LiveRows, Sample], None] | None,
+    sample: Callable[[TickRange, LiveRows], Sample],
+    move: Callable[[TickRange, LiveRows, Sample], None] | None,
     intervening: Intervening | None,
-    telling: Telling | None,
+    notifier: Notifier | None,
 ) -> tuple[LiveRows, int]:
     """Let one block happen; return its rows at its end, carried ones first, and how many events it took."""
     env = DistanceClock(state.begin) if intervening is None else intervening.clock(state.begin)
     live = LiveSet(state.live, born, state.begin)
-    newborn, survivor = _lives(telling)
-    if telling is not None:
-        telling.begin(state.live, state.begin)
+    newborn, survivor = _lives(notifier)
+    if notifier is not None:
+        notifier.begin(state.live, state.begin)
     for row, death in _survivors(state.live, state.begin):
         live.processes[live.numbers[row]] = LifeProcess(env, survivor(env, live, row, death, death - state.begin))
     block_end = LifeProcess(env, births(env, live, state, births_of_block, run_end, newborn))
-    desk = Desk(env)
-    last: Process = PromptProcess(env, aggregate(env, panels, desk, block_end, sample, live))
+    next_sample = NextSample(env)
+    last: Process = PromptProcess(env, aggregate(env, tick_ranges, next_sample, block_end, sample, live))
     if move is not None:
-        last = PromptProcess(env, slide(panels, desk, move))
+        last = PromptProcess(env, slide(tick_ranges, next_sample, move))
     if intervening is not None:
         intervening.join(env, live)
     env.run_to(env.all_of([block_end, last]))
     rows = live.rows()
-    if telling is not None:
-        telling.settle(rows, min(births_of_block.next_birth, run_end))
+    if notifier is not None:
+        notifier.end_block(rows, min(births_of_block.next_birth, run_end))
     return rows, env.count()
 
 
-def _lives(telling: Telling | None) -> tuple[Life, Life]:
+def _lives(notifier: Notifier | None) -> tuple[Life, Life]:
     """Return how a junction lives that is born in this block, and one that was born before."""
-    if telling is None:
+    if notifier is None:
         return junction, junction
-    return partial(told_newborn, telling=telling), partial(told_junction, telling=telling)
+    return partial(observed_newborn, notifier=notifier), partial(observed_junction, notifier=notifier)
 
 
 def _survivors(live: LiveRows, begin: float) -> Iterator[tuple[int, float]]:

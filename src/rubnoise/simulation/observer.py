@@ -13,11 +13,11 @@ from rubnoise.errors import Refused
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.simulation.state import LiveRows
 
-Told = Callable[[int, float], None]
-"""Is told the row number of a junction and the distance in um at which something happens to it."""
+OnLife = Callable[[int, float], None]
+"""Called with the row number of a junction and the distance in um at which something happens to it."""
 
-ToldOfMotion = Callable[[float, float, float], None]
-"""Is told time (s), sliding distance (um) and velocity x' (um/s) of a landmark."""
+OnMotion = Callable[[float, float, float], None]
+"""Called with time (s), sliding distance (um) and velocity x' (um/s) of a landmark."""
 
 _MOTION: Final = {kind.name.lower(): kind for kind in LandmarkKind}
 
@@ -36,24 +36,24 @@ class Observer:
     or death when the slider first passes there. Raises Refused for what cannot be called.
     """
 
-    birth: Told | None = None
-    mid_life: Told | None = None
-    death: Told | None = None
-    stick: ToldOfMotion | None = None
-    slip: ToldOfMotion | None = None
-    reversal: ToldOfMotion | None = None
-    forward: ToldOfMotion | None = None
+    birth: OnLife | None = None
+    mid_life: OnLife | None = None
+    death: OnLife | None = None
+    stick: OnMotion | None = None
+    slip: OnMotion | None = None
+    reversal: OnMotion | None = None
+    forward: OnMotion | None = None
 
     def __post_init__(self) -> None:
         for event in fields(self):
-            told = getattr(self, event.name)
-            if told is not None and not callable(told):
+            function = getattr(self, event.name)
+            if function is not None and not callable(function):
                 of = (
                     "a time, a distance and a velocity"
                     if event.name in _MOTION
                     else "a junction's number and a distance"
                 )
-                raise Refused(f"Observer: {event.name}: {told!r} is no function of {of}")
+                raise Refused(f"Observer: {event.name}: {function!r} is no function of {of}")
 
     @property
     def of_motion(self) -> tuple[str, ...]:
@@ -63,20 +63,20 @@ class Observer:
     @property
     def of_lives(self) -> bool:
         """Whether births, mid-lives or deaths are asked for."""
-        return any(told is not None for told in (self.birth, self.mid_life, self.death))
+        return any(function is not None for function in (self.birth, self.mid_life, self.death))
 
 
-class Telling:
-    """Tells an observer everything once, wherever a run is cut into blocks.
+class Notifier:
+    """Calls an observer once for each thing that happens, wherever a run is cut into blocks.
 
     The contact of a two-way run is ahead of its slider: what happens there waits until the slider first passes it.
     """
 
     def __init__(self, observer: Observer, *, two_way: bool = False) -> None:
-        """Know of nobody yet."""
+        """Know no junction yet."""
         self._observer = observer
         self._two_way = two_way
-        self._waiting: list[tuple[float, int, Told, int]] = []
+        self._waiting: list[tuple[float, int, OnLife, int]] = []
         self._order = count()
         self._of_motion = {kind.value: getattr(observer, name) for name, kind in _MOTION.items()}
         self._rising: set[int] = set()
@@ -84,42 +84,42 @@ class Telling:
         self._begun = False
 
     def begin(self, carried: LiveRows, distance: float) -> None:
-        """Take note of who is alive where the first block begins (um)."""
+        """Take note of the junctions alive where the first block begins (um)."""
         if not self._begun:
             self._begun = True
             self._alive.update(carried.junction[carried.death > distance].tolist())
             self._rising.update(carried.junction[_middle(carried) > distance].tolist())
 
     def is_rising(self, junction: int) -> bool:
-        """Whether a mid-life is still to be told, and somebody asks for it."""
+        """Whether a mid-life is still to be reported, and the observer asks for it."""
         return self._observer.mid_life is not None and junction in self._rising
 
     def birth(self, junction: int, distance: float) -> None:
-        """Tell of a birth."""
+        """Report a birth."""
         self._alive.add(junction)
         self._rising.add(junction)
-        self._tell(self._observer.birth, junction, distance)
+        self._call(self._observer.birth, junction, distance)
 
     def mid_life(self, junction: int, distance: float) -> None:
-        """Tell of a mid-life, unless that has been done."""
+        """Report a mid-life, unless that has been done."""
         if junction in self._rising:
             self._rising.remove(junction)
-            self._tell(self._observer.mid_life, junction, distance)
+            self._call(self._observer.mid_life, junction, distance)
 
     def death(self, junction: int, distance: float) -> None:
-        """Tell of a death, unless that has been done."""
+        """Report a death, unless that has been done."""
         if junction in self._alive:
             self._alive.remove(junction)
             self._rising.discard(junction)
-            self._tell(self._observer.death, junction, distance)
+            self._call(self._observer.death, junction, distance)
 
-    def settle(self, rows: LiveRows, distance: float) -> None:
-        """Tell what happens at the very end of a block (um): rounding decides whether its clock came to it."""
+    def end_block(self, rows: LiveRows, distance: float) -> None:
+        """Report what happens at the very end of a block (um): rounding decides whether its clock came to it."""
         moments = [(_middle(rows), self._rising, self.mid_life), (rows.death, self._alive, self.death)]
-        for places, waiting, tell in moments:
+        for places, waiting, notify in moments:
             for row in np.flatnonzero(places <= distance).tolist():
                 if int(rows.junction[row]) in waiting:
-                    tell(int(rows.junction[row]), float(places[row]))
+                    notify(int(rows.junction[row]), float(places[row]))
 
     def resume_motion(self, rows: LiveRows, times: NDArray[np.float64], reached: float, distance: float) -> None:
         """Take note of what lies ahead of the slider where the first block begins (um).
@@ -131,33 +131,33 @@ class Telling:
             return
         places = (rows.birth, _middle(rows), rows.death)
         ahead = (np.isnan(times[0]) & ~np.signbit(rows.birth), places[1] > reached, np.isnan(times[1]))
-        tell = (self._observer.birth, self._observer.mid_life, self._observer.death)
-        for told, place, left in zip(tell, places, ahead, strict=True):
+        notify = (self._observer.birth, self._observer.mid_life, self._observer.death)
+        for function, place, left in zip(notify, places, ahead, strict=True):
             for row in np.flatnonzero(left & (place <= distance)).tolist():
-                self._tell(told, int(rows.junction[row]), float(place[row]))
+                self._call(function, int(rows.junction[row]), float(place[row]))
 
     def landmarks(self, columns: Mapping[str, NDArray[Any]]) -> None:
-        """Tell of landmarks in their order, each after what the slider has passed before it."""
+        """Report landmarks in their order, each after what the slider has passed before it."""
         names = ("kind", "time", "distance", "velocity")
         for kind, time, distance, velocity in zip(*(columns[name].tolist() for name in names), strict=True):
             self.reach(distance)
-            told = self._of_motion[kind]
-            if told is not None:
-                told(time, distance, velocity)
+            function = self._of_motion[kind]
+            if function is not None:
+                function(time, distance, velocity)
 
     def reach(self, distance: float) -> None:
-        """Tell what has waited until a two-way slider came to a distance (um)."""
+        """Report what has waited until a two-way slider came to a distance (um)."""
         while self._waiting and self._waiting[0][0] <= distance:
-            place, _, told, junction = heappop(self._waiting)
-            told(junction, place)
+            place, _, function, junction = heappop(self._waiting)
+            function(junction, place)
 
-    def _tell(self, told: Told | None, junction: int, distance: float) -> None:
-        if told is None:
+    def _call(self, function: OnLife | None, junction: int, distance: float) -> None:
+        if function is None:
             return
         if self._two_way:
-            heappush(self._waiting, (distance, next(self._order), told, junction))
+            heappush(self._waiting, (distance, next(self._order), function, junction))
         else:
-            told(junction, distance)
+            function(junction, distance)
 
 
 def _middle(rows: LiveRows) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

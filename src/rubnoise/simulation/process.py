@@ -1,12 +1,12 @@
-"""A SimPy process that costs two events less than the stock one, and a timeout made without a detour.
+"""SimPy with less work for each event: processes, timeouts and an environment whose clock is the sliding distance.
 
-The stock process is started by one event and announces its end by another, and for a junction, which nobody waits for,
-these two are nearly half of its cost. This one starts its generator where it is made, and makes its end an event only
-when somebody waits for it. Interrupts, waiting for the process before or after its end, and conditions work as ever.
+The stock process is started by one event and announces its end by another. No process waits for a junction, and for it
+these two are nearly half of its cost. `PromptProcess` starts its generator where it is made, and makes its end an event
+only when a process waits for it. Interrupts, waiting for a process and conditions work as ever.
 """
 
-from heapq import heappush
-from typing import Any
+from heapq import heapify, heappop, heappush
+from typing import Any, cast
 
 from simpy import Environment, Event, Process
 from simpy.events import NORMAL, ProcessGenerator, Timeout
@@ -38,7 +38,7 @@ class PromptProcess(Process):
             awaited = generator.send(None)
         except StopIteration as stop:
             self._end(True, stop.value)
-        except BaseException as error:  # noqa: BLE001  (the failure belongs to whoever waits for the process)
+        except BaseException as error:  # noqa: BLE001  (the failure belongs to what waits for the process)
             self._end(False, error)
         else:
             if awaited.callbacks is None:
@@ -63,7 +63,7 @@ class PromptProcess(Process):
             except StopIteration as stop:
                 self._end(True, stop.value)
                 break
-            except BaseException as error:  # noqa: BLE001  (the failure belongs to whoever waits for the process)
+            except BaseException as error:  # noqa: BLE001  (the failure belongs to what waits for the process)
                 self._end(False, error)
                 break
             if awaited.callbacks is not None:
@@ -95,7 +95,7 @@ class LifeProcess(PromptProcess):
         env._active_proc = self
         try:
             awaited = next(self._generator, None)
-        except BaseException as error:  # noqa: BLE001  (the failure belongs to whoever waits for the process)
+        except BaseException as error:  # noqa: BLE001  (the failure belongs to what waits for the process)
             self._end(False, error)
         else:
             if awaited is None:
@@ -106,3 +106,43 @@ class LifeProcess(PromptProcess):
                 awaited.callbacks.append(self._resume)
                 self._target = awaited
         env._active_proc = None
+
+
+class DistanceClock(Environment):
+    """An environment whose clock is the sliding distance in um; everything works in it as in any other."""
+
+    def __init__(self, begin: float) -> None:
+        """Begin at a distance in um, with an empty queue."""
+        super().__init__(begin)
+        self._counted = 0
+
+    def run_to(self, end: Event) -> None:
+        """Let happen what is in the queue until an event has happened, as ``run`` does step by step.
+
+        Raises the error of a process that failed with none waiting for it, and that of ``end`` itself.
+        """
+        queue = self._queue
+        while end.callbacks is not None:
+            try:
+                self._now, _, _, event = heappop(queue)
+            except IndexError:
+                raise RuntimeError("no event is left that could end the block") from None
+            callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]  # SimPy's mark of the past
+            for callback in callbacks:
+                callback(event)
+            if not event._ok and not hasattr(event, "_defused"):
+                raise cast(BaseException, event.value)
+        if not end.ok:
+            raise cast(BaseException, end.value)
+
+    def begin_again(self, begin: float) -> None:
+        """Stand at a distance (um) where other junctions take over; events that are not of junctions stay to come."""
+        self._queue[:] = [entry for entry in self._queue if not isinstance(entry[3], Wait)]
+        heapify(self._queue)
+        self._now = begin
+
+    def count(self) -> int:
+        """Return how many events have been made since they were counted last."""
+        number = next(self._eid)  # SimPy numbers its events, and keeps the number to itself
+        made, self._counted = number - self._counted, number + 1
+        return made

@@ -10,13 +10,12 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
 from rubnoise.simulation.batch import play_at_once
-from rubnoise.simulation.block import Play, Run, Watch, next_state
-from rubnoise.simulation.cells import cells_per_tick
+from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
 from rubnoise.simulation.draws import births_by_block, start
 from rubnoise.simulation.intervention import Intervening, Intervention
 from rubnoise.simulation.junctions import play_block
-from rubnoise.simulation.observer import Observer, Telling
-from rubnoise.simulation.propagator import Propagator, propagator
+from rubnoise.simulation.observer import Notifier, Observer
+from rubnoise.simulation.slider import Propagator, cells_per_tick, propagator
 from rubnoise.simulation.state import State
 
 Engine = Literal["events", "batch"]
@@ -65,24 +64,25 @@ def simulate(
     """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
 
     The same model and seed give the same rows, bit for bit, with either engine and also where the engine changes
-    between two blocks. ``state``: go on from here instead of from the start; ``intervene``: a SimPy process of the
-    caller's beside those of the contact, begun where the run begins or goes on; ``observe``: is told of births,
-    mid-lives, deaths and landmarks; ``watch``: is told after each panel; ``commit``: is handed the state after each
-    block, or after some that are played together, from which the run could go on; ``alone``: none are played together.
+    between two blocks. ``state``: continue from here instead of from the start; ``intervene``: a SimPy process of the
+    caller's beside those of the contact, begun where the run begins or continues; ``observe``: is called at
+    births, mid-lives, deaths and landmarks; ``watch``: is called after each tick range; ``commit``: is handed the state
+    after each block, or after several that are played at once, from which the run could continue; ``alone``: blocks are
+    played one by one.
     Raises Refused as `check_guests` does.
     """
     check_guests(model, engine, observe, intervene)
-    telling = None if observe is None else Telling(observe, two_way=model.is_two_way)
-    play = _play(model, engine, telling if observe is not None and observe.of_lives else None, intervene)
-    run = Run(
+    notifier = None if observe is None else Notifier(observe, two_way=model.is_two_way)
+    play = _play(model, engine, notifier if observe is not None and observe.of_lives else None, intervene)
+    run = RunSetup(
         model=model,
         seed=seed,
         constants=slider_constants(model),
         sink=sink,
         play=play,
-        together=not alone,
+        grouped=not alone,
         watch=watch,
-        telling=telling,
+        notifier=notifier,
     )
     state = start(model, seed) if state is None else state
     with _collecting_by_blocks() as collect:
@@ -112,7 +112,7 @@ def _collecting_by_blocks() -> Iterator[Callable[[], object]]:
 def check_guests(model: Model, engine: Engine, observe: Observer | None, intervene: Intervention | None) -> None:
     """Refuse an observer or an intervention that is none, and either of them where there are no events.
 
-    Landmarks, which only a two-way slider has, are told with either engine. An intervention is refused in a two-way
+    Landmarks, which only a two-way slider has, are reported by either engine. An intervention is refused in a two-way
     run, too: where a life is cut short the force jumps, and what a slider that stands there does next is not decided.
     """
     if observe is not None and not isinstance(observe, Observer):
@@ -139,11 +139,11 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
             raise Refused(f'{what}: it needs the engine "events", not "{engine}"')
 
 
-def _play(model: Model, engine: Engine, telling: Telling | None, intervene: Intervention | None) -> Play:
+def _play(model: Model, engine: Engine, notifier: Notifier | None, intervene: Intervention | None) -> Play:
     if engine == "batch":
         return play_at_once
     return partial(
         play_block,
         intervening=None if intervene is None else Intervening(intervene, model.pulse),
-        telling=telling,
+        notifier=notifier,
     )

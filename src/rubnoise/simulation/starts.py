@@ -1,4 +1,4 @@
-"""Where the blocks that are played together begin, and what the slider does there: the rows of /blocks."""
+"""Where the blocks that are played at once begin, and what the slider does there: the rows of /blocks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ from rubnoise.model import Model
 from rubnoise.record.rows import Phase
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import BlockBirths, births_per_block
-from rubnoise.simulation.panels import first_tick_at_or_after
 from rubnoise.simulation.state import State
+from rubnoise.simulation.ticks import first_tick_at_or_after
 
 TWO_WAY: Final = ("time", "distance", "phase", "displacement", "velocity")
-"""Columns that tell how a two-way slider moves before a block."""
+"""Columns that say how a two-way slider moves before a block."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

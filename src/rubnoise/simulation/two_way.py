@@ -1,6 +1,6 @@
-"""A two-way slider beside the contact that it rubs on: handed the field, panel by panel, and its rows written.
+"""A two-way slider beside the contact that it rubs on: handed the field range by range of ticks, and its rows written.
 
-A row of /junctions tells when the slider first passed its birth and its death, so it waits until it is known, and all
+A row of /junctions says when the slider first passed its birth and its death, so it waits until it is known, and all
 that come after it wait, too. Those that wait are carried from block to block.
 """
 
@@ -18,12 +18,12 @@ from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
-from rubnoise.simulation.coupled.fold import CoupledMotion, Told, constants
+from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
-from rubnoise.simulation.kernels import Room
-from rubnoise.simulation.observer import Telling
+from rubnoise.simulation.kernels import Scratch
+from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.starts import TWO_WAY, BlockStarts
 from rubnoise.simulation.state import LiveRows, State
 
@@ -38,22 +38,22 @@ class TwoWayMotion:
         model: Model,
         seed: int,
         sink: Sink,
-        room: Room,
+        scratch: Scratch,
         state: State,
         starts: BlockStarts,
-        telling: Telling | None = None,
+        notifier: Notifier | None = None,
     ) -> None:
-        """Go on from a state; room: for the moments of the field; starts: of the blocks to be played."""
-        self._model, self._sink, self._starts, self._telling = model, sink, starts, telling
+        """Go on from a state; scratch: for the moments of the field; starts: of the blocks to be played."""
+        self._model, self._sink, self._starts, self._notifier = model, sink, starts, notifier
         numbers = constants(model, model.slider.tolerance if model.slider is not None else 0.0)
         landmarks, self._written, self._last, self._waiting, self._times, motion = _unpacked(state.two_way)
         if motion is None:
             motion = CoupledState.start(model, numbers, start(model, seed).live)
             self._write_junctions(LiveRows.none(), self._times)
         self._constants = numbers
-        if telling is not None:
-            telling.resume_motion(self._waiting, self._times, motion.distance(numbers), state.begin)
-        self._motion = CoupledMotion(model, numbers, motion, room, partial(lived, model, seed))
+        if notifier is not None:
+            notifier.resume_motion(self._waiting, self._times, motion.distance(numbers), state.begin)
+        self._motion = CoupledMotion(model, numbers, motion, scratch, partial(lived, model, seed))
         self._slider = Appender(sink, "slider", state.slider_rows)
         self._landmarks = Appender(sink, "landmarks", landmarks)
 
@@ -73,13 +73,13 @@ class TwoWayMotion:
         self._waiting = self._waiting.then(born)
         self._times = np.concatenate([self._times, np.full((2, len(born)), np.nan)], axis=1)
         before = self._motion.finished
-        for told in self._moved(born, known):
-            self._write(told)
+        for moved in self._moved(born, known):
+            self._write(moved)
         if self._motion.finished and not before:
             self._sink.write("balance", 0, self._balance())
         self._write_known()
-        if self._telling is not None:
-            self._telling.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
+        if self._notifier is not None:
+            self._notifier.reach(inf if self._motion.finished else self._motion.state.distance(self._constants))
 
     def pack(self) -> bytes:
         """Return as bytes what the next block goes on from."""
@@ -88,24 +88,24 @@ class TwoWayMotion:
         header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting), *self._last)
         return header + waiting + self._motion.state.pack()
 
-    def _moved(self, born: LiveRows, known: float) -> Iterator[Told]:
+    def _moved(self, born: LiveRows, known: float) -> Iterator[MotionRows]:
         try:
             yield from self._motion.through(born, known)
         except ArithmeticError as problem:
             raise RubnoiseError(f"{problem}; a larger slider.tolerance may do") from problem
 
-    def _write(self, told: Told) -> None:
-        self._slider.append(told.slider)
-        count = told.landmarks["time"].size
+    def _write(self, moved: MotionRows) -> None:
+        self._slider.append(moved.slider)
+        count = moved.landmarks["time"].size
         number = np.arange(self._landmarks.rows, self._landmarks.rows + count, dtype=np.int64)
-        self._landmarks.append({"landmark": number, **told.landmarks})
-        for times, (junction, time) in zip(self._times, (told.births, told.deaths), strict=True):
+        self._landmarks.append({"landmark": number, **moved.landmarks})
+        for times, (junction, time) in zip(self._times, (moved.births, moved.deaths), strict=True):
             times[junction - self._written] = time
-        self._starts.pass_births(*told.births, told.slider, self._last)
-        if told.slider["time"].size:
-            self._last = tuple(float(told.slider[name][-1]) for name in TWO_WAY)
-        if self._telling is not None:
-            self._telling.landmarks(told.landmarks)
+        self._starts.pass_births(*moved.births, moved.slider, self._last)
+        if moved.slider["time"].size:
+            self._last = tuple(float(moved.slider[name][-1]) for name in TWO_WAY)
+        if self._notifier is not None:
+            self._notifier.landmarks(moved.landmarks)
 
     def _balance(self) -> dict[str, Doubles]:
         """Return the row of /balance: the end of the run, and what has been summed up from its start to there."""

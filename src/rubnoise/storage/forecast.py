@@ -15,10 +15,9 @@ from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, seconds, work, working_bytes
+from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, machine_speed, seconds, work, working_bytes
 from rubnoise.simulation.draws import births_per_block
 from rubnoise.simulation.run import Engine, extent
-from rubnoise.simulation.yardstick import pace
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.response import response
@@ -171,7 +170,7 @@ class Budget:
     @property
     def seconds(self) -> float:
         """Time of one process on this machine, about: with the program's start, without compiling."""
-        return PROGRAM_SECONDS * pace().processes + seconds(self.work, pace())
+        return PROGRAM_SECONDS * machine_speed().processes + seconds(self.work, machine_speed())
 
 
 def counted(scenario: Scenario) -> Budget:

@@ -14,8 +14,7 @@ from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import build
 from rubnoise.scenario.points import Case, Point, run_id
 from rubnoise.scenario.scenario import flattened
-from rubnoise.scenario.sweep import Sweep
-from rubnoise.scenario.sweep_problems import in_words
+from rubnoise.scenario.sweep import Sweep, in_words
 from rubnoise.storage import lock
 from rubnoise.storage.output import whole_file
 from rubnoise.streams import STREAM_VERSION

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import HashedReader
 from rubnoise.scenario.points import Point
-from rubnoise.scenario.precision import Precision
+from rubnoise.scenario.sweep_table import Precision
 from rubnoise.storage import disk
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.seal import INTERVENTION

@@ -6,8 +6,8 @@ from math import nan
 from typing import Any, Final
 
 from rubnoise.scenario.points import Case, Point, points_of
-from rubnoise.scenario.precision import Precision
 from rubnoise.scenario.sweep import Sweep
+from rubnoise.scenario.sweep_table import Precision
 
 Ended = Mapping[str, Mapping[str, float]]
 """Figures of the runs that have ended, by run id; of one that failed there are none."""

@@ -11,8 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged_mean, too_short
-from rubnoise.analysis.comparing.tails import tail_of
+from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged_mean, tail_of, too_short
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.quadrature import size_range

@@ -31,7 +31,7 @@ class Births:
         self.gaps = UniformSample()
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a panel of /junctions."""
+        """Take in a chunk of /junctions."""
         birth = columns["birth_distance"][~np.signbit(columns["birth_distance"])]
         if not birth.size:
             return

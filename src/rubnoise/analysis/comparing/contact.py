@@ -2,8 +2,7 @@
 
 from math import sqrt
 
-from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, too_short
-from rubnoise.analysis.comparing.tails import tail_of
+from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.moments import needed_for_mean, over_ticks
 from rubnoise.contact.laws import Fixed

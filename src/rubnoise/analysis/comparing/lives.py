@@ -34,7 +34,7 @@ class Lives:
         self.total_area, self.total_life, self.tick_variance, self.largest = 0.0, 0.0, 0.0, 0.0
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a panel of /junctions."""
+        """Take in a chunk of /junctions."""
         birth, death, diameter = (columns[name] for name in ("birth_distance", "death_distance", "diameter"))
         if not birth.size:
             return

@@ -1,18 +1,26 @@
-"""The slider's motion beside its exact response, or the law of weak coupling, from where its start is forgotten."""
+"""The slider's motion beside theory: the exact response one way; two ways, its balance and the law of weak coupling."""
 
 from dataclasses import replace
-from math import hypot, inf, log
+from math import hypot, inf, log, sqrt
+from typing import Any, Final
 
-from rubnoise.analysis.comparing.findings import Finding, LeftOut, judged, judged_mean, too_short
-from rubnoise.analysis.comparing.rows import panels, settled_tick
-from rubnoise.analysis.comparing.tails import tail_of
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.balance import Balance, FrictionIntegral
+from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.analysis.reading import checked_chunks, settled_tick
+from rubnoise.arrays import Doubles
+from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
-from rubnoise.record.tally import Moments
+from rubnoise.record.rows import LandmarkKind
+from rubnoise.record.tally import KEPT, Moments
+from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.coupling import weak_motion, weak_motion_errors
 from rubnoise.theory.drive import drive_of
-from rubnoise.theory.motion_errors import motion_errors
+from rubnoise.theory.motion_errors import mean_force_error, motion_errors
 from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import Response, response
 
@@ -69,7 +77,7 @@ def _forgetting(model: Model, exact: Response) -> float:
 def _read(rows: Rows, begin: float) -> tuple[Moments, Moments]:
     """Return the moments of displacement (um) and velocity (um/s) in the rows from a distance (um) on."""
     place, speed = Moments(powers=2), Moments(powers=2)
-    for columns in panels(rows, "slider", ("distance", "displacement", "velocity")):
+    for columns in checked_chunks(rows, "slider", ("distance", "displacement", "velocity")):
         settled = columns["distance"] >= begin
         place.add(columns["displacement"][settled])
         speed.add(columns["velocity"][settled])
@@ -96,3 +104,121 @@ def _figures(model: Model, exact: Response, place: Moments, speed: Moments) -> l
         ),
         judged("velocity_std", speed.std, exact.velocity_std, errors.velocity_std, length=length, tail=energy),
     ]
+
+
+FIELD: Final = 1e-11
+"""Relative: where a slider hardly moves, the force is a polynomial of a cell's eight nodes."""
+
+_ROUNDING: Final = 2.0**-49
+_STEPS: Final = 100.0  # in a diameter, about
+
+
+class Path:
+    """What the rows of a two-way run say of its path: turns and sticks, and int G ds between them."""
+
+    def __init__(self, model: Model, rows: Rows) -> None:
+        """Read /balance and /landmarks; raises RunFileRefused for rows of which there is no motion."""
+        row = {name: rows.column("balance", name) for name in KEPT["balance"]}
+        if any(each.size != 1 or not np.isfinite(each).all() for each in row.values()) or row["time"][0] <= 0.0:
+            raise RunFileRefused("/balance is damaged: it has one row of finite numbers, and a time above 0")
+        self.balance = Balance.of(model, {name: float(each[0]) for name, each in row.items()})
+        self.sticks, self.time_stuck = 0, 0.0
+        turns = [self._read(columns) for columns in _landmark_pairs(rows)]
+        self.turns: Doubles = np.concatenate([np.empty((2, 0)), *turns], axis=1)
+        self._work = FrictionIntegral(model.pulse, np.maximum([self.balance.distance, *self.turns.ravel()], 0.0))
+
+    def add(self, columns: dict[str, NDArray[Any]]) -> None:
+        """Take in a chunk of /junctions."""
+        self._work.add(columns)
+
+    @property
+    def friction_along(self) -> float:
+        """Signed int G ds in uN um from the start to the end."""
+        return float(self._work.at_places()[0])
+
+    @property
+    def reverse_work(self) -> float | None:
+        """Int G |ds| in uN um over reversals; None where one goes back behind the start, where no rows are."""
+        if (self.turns < -_ROUNDING * self.balance.distance).any():
+            return None
+        begin, end = self._work.at_places()[1:].reshape(2, -1)
+        return float((begin - end).sum())
+
+    def _read(self, columns: dict[str, NDArray[Any]]) -> Doubles:
+        """Count sticks among landmarks, each with the one after it, and return begins and ends of reversals in um."""
+        kind, time, distance = columns["kind"][:-1], columns["time"], columns["distance"]
+        stuck = np.diff(time)[kind == LandmarkKind.STICK]
+        self.sticks += stuck.size
+        self.time_stuck += float(stuck.sum())
+        back = np.flatnonzero(kind == LandmarkKind.REVERSAL)
+        return np.array([distance[back], distance[back + 1]])
+
+
+def two_way_identities(model: Model, path: Path) -> list[Finding]:
+    """Return what holds in every right two-way run but for rounding and the tolerance of its steps.
+
+    The distance that is travelled is V t - (x - x_0); sticks last as long as /landmarks has them; friction does the
+    work that the lives in /junctions do over the path; the energy is balanced, and so the mean force is int G ds/(V T)
+    plus its excess. Allowed is ``slider.tolerance`` of the largest work, and what sums over some 100 steps a diameter
+    may have rounded.
+    """
+    seen = path.balance
+    rounding = _ROUNDING * sqrt(max(_STEPS * model.distance / model.calibrated_diameter, 1.0))
+    step = seen.slider.tolerance + rounding
+    field = max(step, FIELD)
+    travelled = seen.speed * seen.time - (seen.displacement - seen.start)
+    away = max(abs(travelled - seen.distance), abs(model.distance - seen.distance))
+    size = seen.speed * seen.time + abs(seen.displacement) + abs(seen.start)
+    over = seen.speed * seen.time
+    force = seen.excess_over(path.friction_along) - seen.expected_excess()
+    found: list[Finding] = [
+        Identity(name="sliding_distance", deviation=away, allowed=rounding * size, units="um"),
+        Identity(
+            name="time_stuck",
+            deviation=abs(seen.time_stuck - path.time_stuck),
+            allowed=_ROUNDING * (path.sticks + 1) * seen.time,
+            units="s",
+        ),
+        _work("friction_work", seen.friction_along - path.friction_along, field * seen.scale),
+        _work("energy", seen.energy_residual * seen.scale, step * seen.scale),
+        Identity(name="mean_force_law", deviation=abs(force), allowed=(step + field) * seen.scale / over, units="uN"),
+    ]
+    if path.reverse_work is None:
+        return [
+            *found,
+            LeftOut(name="reverse_work", reason="a reversal ends behind the start, where there are no rows"),
+        ]
+    return [*found, _work("reverse_work", seen.reverse_work - path.reverse_work, field * seen.scale)]
+
+
+def mean_force_findings(model: Model, path: Path) -> list[Finding]:
+    """Return the mean force over time beside its law, int G ds being what Campbell's theorem expects of it.
+
+    <F> = (E[F] s + c int x'^2 dt + 2 int_(w < 0) G |ds| + [E])/(V T); int G ds has the standard error s sqrt(S_F(0)/s),
+    exact for every length. Raises Refused unless births are random.
+    """
+    if model.start != "stationary":
+        return []
+    need_random_births(model, "the standard error of a mean force")
+    needed, seen = needed_for_mean(model), path.balance
+    if model.distance < needed:
+        return [too_short("mean_force", needed)]
+    share = seen.distance / (seen.speed * seen.time)
+    expected = force_cumulants(model).mean * share + seen.expected_excess()
+    error, tail = mean_force_error(model, model.distance) * share, tail_of(model, model.distance, 3, 1)
+    return [judged_mean("mean_force", seen.mean_force, expected, error, length=model.distance, tail=tail)]
+
+
+def _work(name: str, missing: float, allowed: float) -> Identity:
+    return Identity(name=name, deviation=abs(missing), allowed=allowed, units="uN um")
+
+
+def _landmark_pairs(rows: Rows) -> Any:
+    """Yield kind, time (s) and distance (um) of landmarks, chunk by chunk, each chunk with the first of the next."""
+    before: dict[str, NDArray[Any]] | None = None
+    for columns in checked_chunks(rows, "landmarks", ("kind", "time", "distance")):
+        if before is not None:
+            yield {name: np.concatenate([before[name], columns[name][:1]]) for name in columns}
+        before = columns
+    if before is not None:
+        yield before

@@ -4,16 +4,23 @@ from math import inf
 
 import numpy as np
 
-from rubnoise.analysis.bands import band_powers
 from rubnoise.analysis.comparing.contact import settled_length
-from rubnoise.analysis.comparing.findings import LARGEST_ERROR, Finding, LeftOut, judged, judged_mean, too_short
-from rubnoise.analysis.comparing.tails import LARGEST_SKEWNESS, Tail, tail_of
+from rubnoise.analysis.comparing.findings import (
+    LARGEST_ERROR,
+    LARGEST_TAIL_SKEWNESS,
+    Finding,
+    LeftOut,
+    Tail,
+    judged,
+    judged_mean,
+    tail_of,
+    too_short,
+)
 from rubnoise.analysis.comparing.trace import TraceSums
-from rubnoise.analysis.covariance_errors import covariance_errors
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
-from rubnoise.analysis.moments import over_ticks
+from rubnoise.analysis.moments import covariance_errors, over_ticks
 from rubnoise.analysis.records import longer
-from rubnoise.analysis.spectra import half_of, hann
+from rubnoise.analysis.spectra import band_powers, half_of, hann
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import Distribution, distribution
@@ -98,7 +105,7 @@ def _zero_share(model: Model, trace: TraceSums) -> Finding:
     law = zero_share(over_ticks(model, trace.settled_ticks, model.tick))
     length, rarer = settled_length(model, trace), min(law.expected, 1.0 - law.expected)
     relative = law.standard_error / rarer if law.standard_error else inf
-    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(law.skewness), LARGEST_SKEWNESS))
+    needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(law.skewness), LARGEST_TAIL_SKEWNESS))
     return judged_mean(
         "junction_count_zero_share",
         trace.zero_ticks / trace.settled_ticks,

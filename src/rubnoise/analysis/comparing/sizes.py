@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.comparing.findings import (
     LARGEST_SKEWNESS,
+    Drawn,
     Finding,
     Identity,
     LeftOut,
     judged,
     poisson_figure,
+    tail_of_squares,
     too_short,
 )
-from rubnoise.analysis.comparing.tails import Drawn, tail_of_squares
 from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure, sample_distance
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
@@ -85,7 +86,7 @@ class Marks:
         self.sizes = UniformSample()
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a panel of /junctions."""
+        """Take in a chunk of /junctions."""
         born = ~np.signbit(columns["birth_distance"])
         if not born.any():
             return
@@ -161,7 +162,7 @@ class Start:
         self._diameters: list[Doubles] = []
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a panel of /junctions."""
+        """Take in a chunk of /junctions."""
         there = (columns["state"] & JunctionState.ALIVE_AT_START) != 0
         self._births.append(columns["birth_distance"][there])
         self._diameters.append(columns["diameter"][there])

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.comparing.rows import panels, settled_tick
 from rubnoise.analysis.covariance import LaggedProducts
+from rubnoise.analysis.reading import checked_chunks, settled_tick
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
@@ -91,7 +91,7 @@ class TraceSums:
         return np.concatenate(self.sampled.get(name, [np.empty(0)]))
 
     def add(self, columns: dict[str, NDArray[Any]], strength: float | None) -> None:
-        """Take in a panel of the trace."""
+        """Take in a chunk of the trace."""
         first = max(self.layout.settled - self.ticks, 0)
         area = columns["real_contact_area"]
         self.area.add(area[first:])
@@ -135,7 +135,7 @@ def read_trace(model: Model, rows: Rows) -> TraceSums:
         products=LaggedProducts(layout.lags, area_cumulants(model).mean),
         spectrum=WelchSum(layout.segment, layout.stride * model.tick),
     )
-    for columns in panels(rows, "trace", COLUMNS):
+    for columns in checked_chunks(rows, "trace", COLUMNS):
         sums.add(columns, _constant_strength(model))
     return sums
 

@@ -6,24 +6,138 @@ scenario has a rule in RULES.
 """
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from functools import partial
-from typing import Final
+from shlex import join, split
+from typing import Any, Final
 
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.forms import VERSION, command_form, digits_form, moment, moment_form, parsed
-from rubnoise.analysis.verifying.inventories import compare_attributes, compare_structure
 from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.scenario import flattened
 from rubnoise.simulation.run import slider_constants
-from rubnoise.storage.inventory import Inventory, expected_inventory
+from rubnoise.storage.inventory import DATASET, Inventory, expected_inventory, stored_texts
 from rubnoise.storage.layout import RunDescription, features_of
-from rubnoise.storage.provenance import Provenance, environment, software
+from rubnoise.storage.provenance import TIME, Provenance, environment, software
 from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.storage.seal import INTERVENTION
 from rubnoise.streams import STREAM_VERSION
+
+VERSION: Final = re.compile(r"[0-9][0-9A-Za-z.+!_-]*|not installed")
+_DIGEST: Final = re.compile(r"[0-9a-f]{32}")
+
+
+def digits_form(text: str) -> str | None:
+    """Return what a hash should be, or None where it is of that form."""
+    return None if _DIGEST.fullmatch(text) else "32 hexadecimal digits"
+
+
+def command_form(text: str) -> str | None:
+    """Return what a command line should be, or None where it is of that form."""
+    try:
+        right = bool(text) and join(split(text)) == text
+    except ValueError:
+        right = False
+    return None if right else "a command line as a shell reads it"
+
+
+def moment_form(text: str) -> str | None:
+    """Return what a time should be, or None where it is of that form."""
+    return None if moment(text) else "a time in UTC such as 2026-01-31T12:00:00Z"
+
+
+def source_form(text: str) -> str | None:
+    """Return what the program that wrote a file should be called, or None where it is of that form."""
+    name, _, version = text.partition(" ")
+    return None if name == "rubnoise" and VERSION.fullmatch(version) else "rubnoise and its version, as rubnoise 1.2.3"
+
+
+def moment(text: str) -> datetime | None:
+    """Return a time as results have it; None for another text."""
+    try:
+        found = datetime.strptime(text, TIME).replace(tzinfo=UTC)
+    except ValueError:
+        return None
+    return found if found.strftime(TIME) == text else None
+
+
+def parsed(text: object) -> Any:
+    """Return what a JSON text says; None for another text."""
+    try:
+        return json.loads(str(text))
+    except (ValueError, RecursionError):
+        return None
+
+
+Rule = Callable[[str], str | None]
+"""Returns what a text should be, in words or as it should stand there; None where it is right."""
+
+Rules = Mapping[tuple[str, str], Rule]
+"""Rules by the path of an object and the name of its attribute; other attributes are as they are expected."""
+
+OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
+"""Attributes that HDF5 writes itself, in types of its own choice."""
+
+LONGEST: Final = 160
+"""Characters of a value that are shown."""
+
+
+def compare_structure(notes: Notes, found: Inventory, expected: Inventory) -> None:
+    """Note where a file lacks a group or a column, has another one, or stores it otherwise."""
+    for path in dict.fromkeys([*expected, *found]):
+        there, right = found.get(path, {}), expected.get(path, {})
+        notes.say(path, found=there.get("kind", "missing"), expected=right.get("kind", "nothing of this name"))
+        if there.get("kind") == right.get("kind") == DATASET:
+            for about in ("type", "shape", "storage", "sources"):
+                notes.say(f"{path} {about}", found=there[about], expected=right[about])
+
+
+def compare_attributes(
+    notes: Notes, rules: Rules, found: Inventory, expected: Inventory, *, free: tuple[str, ...] = ()
+) -> None:
+    """Note where an attribute is missing, unknown or not what it should be; hashes of columns are asked their form.
+
+    Of ``free`` objects the numbers come and go: of those that are not expected the type is asked alone.
+    """
+    for path in (path for path in expected if path in found):
+        there, right = found[path]["attributes"], expected[path]["attributes"]
+        for name in dict.fromkeys([*right, *there]):
+            if path in free and name not in right:
+                form = (there[name]["type"], there[name]["shape"])
+                notes.say(f"{path} {name} type", found=form, expected=("<f8", []))
+            elif name in right and name in there:
+                rule = rules.get((path, name)) or (digits_form if name == HASH else None)
+                _compare(notes, f"{path} {name}", rule, there[name], right[name])
+            else:
+                notes.say(
+                    f"{path} {name}",
+                    found=shown(there[name]["value"]) if name in there else "missing",
+                    expected=shown(right[name]["value"]) if name in right else "no attribute of this name",
+                )
+
+
+def shown(value: Any) -> str:
+    """Return a value as text, cut where it is long."""
+    text = value if isinstance(value, str) else json.dumps(value)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
+
+
+def _compare(notes: Notes, place: str, rule: Rule | None, there: Mapping[str, Any], right: Mapping[str, Any]) -> None:
+    value, name = there["value"], place.rpartition(" ")[2]
+    if rule is not None and isinstance(value, str):
+        should = rule(value)
+        notes.say(place, found=shown(value), expected=shown(value) if should is None else should)
+        right = stored_texts({name: value})[name]
+    elif json.dumps(value) != json.dumps(right["value"]):
+        notes.say(place, found=shown(value), expected=shown(right["value"]))
+        return
+    form = ("type", "shape")
+    same = name in OF_HDF5 or all(there[about] == right[about] for about in form)
+    found, expected = ([each[about] for about in form] for each in (there, right))
+    notes.say(f"{place} type", found=expected if same else found, expected=expected)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,10 +10,9 @@ import numpy as np
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparing.findings import Identity
-from rubnoise.analysis.comparing.rows import panels as checked_panels
-from rubnoise.analysis.comparing.two_way import Path, two_way_identities
+from rubnoise.analysis.comparing.motion import Path, two_way_identities
+from rubnoise.analysis.reading import checked_chunks, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.reading import panels
 from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
@@ -37,7 +36,7 @@ def balance_check(model: Model, rows: Rows) -> Check:
     notes = Notes("balance")
     try:
         path = Path(model, rows)
-        for columns in checked_panels(rows, "junctions", NAMES):
+        for columns in checked_chunks(rows, "junctions", NAMES):
             path.add(columns)
         identities = [each for each in two_way_identities(model, path) if isinstance(each, Identity)]
     except RunFileRefused as refusal:
@@ -56,8 +55,8 @@ def balance_check(model: Model, rows: Rows) -> Check:
 def _by_rows(notes: Notes, seen: Balance, rows: Rows, step: float) -> None:
     """Compare integrals over time, and the end, with the rows of /slider, ``step`` s apart."""
     first = _Sums()
-    for panel in panels(rows, "slider"):
-        first.add(panel["displacement"], panel["velocity"], panel["friction_force"], step)
+    for chunk in chunks(rows, "slider"):
+        first.add(chunk["displacement"], chunk["velocity"], chunk["friction_force"], step)
     rest = seen.time - (rows.rows("slider") - 1) * step
     rounded = 4.0 * float(np.spacing(seen.time))
     inside = np.array([-rounded <= rest <= step + rounded])

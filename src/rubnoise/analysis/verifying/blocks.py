@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.reading import Ahead, Chunk, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.lives import born_before
-from rubnoise.analysis.verifying.reading import Ahead, Panel, panels
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
@@ -62,28 +62,28 @@ def block_check(model: Model, rows: Rows) -> Check:
     notes, table, ahead = Notes("blocks"), block_table(model, rows), Ahead(rows)
     notes.say("/blocks rows", found=rows.rows("blocks"), expected=len(table))
     if rows.rows("blocks") == len(table):
-        for panel in panels(rows, "blocks"):
-            _check_panel(notes, panel, model, ahead, table)
+        for chunk in chunks(rows, "blocks"):
+            _check_chunk(notes, chunk, model, ahead, table)
     return notes.check()
 
 
-def _check_panel(notes: Notes, panel: Panel, model: Model, rows: Rows, table: BlockTable) -> None:
-    part = slice(panel.first, panel.end)
+def _check_chunk(notes: Notes, chunk: Chunk, model: Model, rows: Rows, table: BlockTable) -> None:
+    part = slice(chunk.first, chunk.end)
     expected: dict[str, NDArray[Any]] = {
-        "block": np.arange(panel.first, panel.end),
+        "block": np.arange(chunk.first, chunk.end),
         "first_junction": table.first_junction[part],
         "first_tick": table.first_tick[part],
     }
     if model.is_two_way:
         expected |= _two_way_before(model, rows, table, part)
-    elif "displacement" in panel:
+    elif "displacement" in chunk:
         moved = [slider_before(model, rows, tick) for tick in table.first_tick[part].tolist()]
         expected["displacement"], expected["velocity"] = np.array(moved).T
     for name, values in expected.items():
-        notes.equal(f"/blocks/{name}", panel.first, panel[name], values)
-    birth, known = panel["birth_distance"], np.isfinite(table.birth[part])
-    notes.equal("/blocks/birth_distance", panel.first, birth, np.where(known, table.birth[part], birth))
-    notes.holds("/blocks/birth_distance", panel.first, birth, known | (birth > model.distance), "beyond the run")
+        notes.equal(f"/blocks/{name}", chunk.first, chunk[name], values)
+    birth, known = chunk["birth_distance"], np.isfinite(table.birth[part])
+    notes.equal("/blocks/birth_distance", chunk.first, birth, np.where(known, table.birth[part], birth))
+    notes.holds("/blocks/birth_distance", chunk.first, birth, known | (birth > model.distance), "beyond the run")
 
 
 def _two_way_before(model: Model, rows: Rows, table: BlockTable, part: slice) -> dict[str, NDArray[Any]]:

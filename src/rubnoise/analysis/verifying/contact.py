@@ -5,9 +5,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.verifying.areas import add_areas
+from rubnoise.analysis.reading import Chunk, Junctions, Window, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.reading import Junctions, Panel, Window, panels
+from rubnoise.analysis.verifying.sums import add_areas
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
@@ -66,25 +66,25 @@ def contact_checks(model: Model, rows: Rows) -> list[Check]:
     """Return whether every tick lies where it should and shows what the rows of /junctions sum up to."""
     ticks, counts, areas, forces = (Notes(name) for name in ("ticks", "counts", "areas", "forces"))
     window = Window(rows)
-    for panel in panels(rows, "trace"):
-        distance = np.arange(panel.first, panel.end, dtype=np.float64) * model.tick
+    for chunk in chunks(rows, "trace"):
+        distance = np.arange(chunk.first, chunk.end, dtype=np.float64) * model.tick
         rebuilt = Rebuilt(model, distance)
         for junctions in window.until(float(distance[-1]) if distance.size else 0.0):
             rebuilt.add(junctions)
-        ticks.equal("/trace/distance", panel.first, panel["distance"], distance)
-        counts.equal("/trace/junction_count", panel.first, panel["junction_count"], rebuilt.count)
+        ticks.equal("/trace/distance", chunk.first, chunk["distance"], distance)
+        counts.equal("/trace/junction_count", chunk.first, chunk["junction_count"], rebuilt.count)
         areas.near(
-            "/trace/real_contact_area", panel.first, panel["real_contact_area"], rebuilt.area, rebuilt.area_rounding
+            "/trace/real_contact_area", chunk.first, chunk["real_contact_area"], rebuilt.area, rebuilt.area_rounding
         )
-        if "friction_force" in panel:
-            _check_force(forces, model, panel, rebuilt)
+        if "friction_force" in chunk:
+            _check_force(forces, model, chunk, rebuilt)
     return [notes.check() for notes in (ticks, counts, areas, forces)][: 4 if model.strengths is not None else 3]
 
 
-def _check_force(notes: Notes, model: Model, panel: Panel, rebuilt: Rebuilt) -> None:
+def _check_force(notes: Notes, model: Model, chunk: Chunk, rebuilt: Rebuilt) -> None:
     """Compare with psi A_r bit for bit where strengths are equal, else with the sum over junctions."""
-    place: tuple[str, int, NDArray[Any]] = ("/trace/friction_force", panel.first, panel["friction_force"])
+    place: tuple[str, int, NDArray[Any]] = ("/trace/friction_force", chunk.first, chunk["friction_force"])
     if isinstance(model.strengths, Fixed):
-        notes.equal(*place, model.strengths.mean * panel["real_contact_area"])
+        notes.equal(*place, model.strengths.mean * chunk["real_contact_area"])
     else:
         notes.near(*place, rebuilt.force, rebuilt.force_rounding)

@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 
 from rubnoise.analysis.agreement import ERROR, EXACT, Agreement
+from rubnoise.analysis.reading import chunks
 from rubnoise.analysis.summary import summarise
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.reading import panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.record.tally import TALLIED, Moments, Tally
@@ -43,8 +43,8 @@ def summary_check(model: Model, run: Reader) -> Check:
     notes, tally, stored = Notes("summary"), Tally.of(model), run.summary
     for group in TALLIED:
         if group in run.columns:
-            for panel in panels(run, group):
-                tally.write(group, panel.first, panel.columns)
+            for chunk in chunks(run, group):
+                tally.write(group, chunk.first, chunk.columns)
     known: set[str] = set()
     for figure in summarise(model, tally):
         right = figure.as_attributes()

@@ -2,8 +2,8 @@
 
 from typing import Final
 
+from rubnoise.analysis.reading import CHUNK_ROWS
 from rubnoise.analysis.verifying.findings import Check, Difference
-from rubnoise.analysis.verifying.reading import PANEL_ROWS
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import HashedReader
 from rubnoise.storage.schema import HASH
@@ -28,8 +28,8 @@ def unreadable(run: HashedReader) -> list[str]:
     for group, names in run.columns.items():
         for name in names:
             try:
-                for first in range(0, run.rows(group), PANEL_ROWS):
-                    run.column(group, name, first, first + PANEL_ROWS)
+                for first in range(0, run.rows(group), CHUNK_ROWS):
+                    run.column(group, name, first, first + CHUNK_ROWS)
             except RunFileRefused:
                 found.append(f"/{group}/{name}")
     return found

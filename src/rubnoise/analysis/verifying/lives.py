@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.reading import Chunk, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.reading import Panel, panels
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed
 from rubnoise.contact.overlap import max_area
@@ -24,7 +24,7 @@ _CLOCK = 2.0**-36
 
 def life_checks(model: Model, rows: Rows) -> list[Check]:
     """Return whether the rows of /junctions are what they say of each other and what the scenario says of them."""
-    checks: dict[str, Callable[[Notes, Model, Panel], None]] = {
+    checks: dict[str, Callable[[Notes, Model, Chunk], None]] = {
         "ids": _check_ids,
         "births": _check_births,
         "lives": _check_lives,
@@ -37,26 +37,26 @@ def life_checks(model: Model, rows: Rows) -> list[Check]:
         checks["times"] = _check_times
     notes = {name: Notes(name) for name in checks}
     order = _Order(notes["births"], model, rows)
-    for panel in panels(rows, "junctions"):
+    for chunk in chunks(rows, "junctions"):
         with np.errstate(invalid="ignore", over="ignore"):
-            order.check(panel)
+            order.check(chunk)
             for name, check in checks.items():
-                check(notes[name], model, panel)
+                check(notes[name], model, chunk)
     return [each.check() for each in notes.values()]
 
 
 def born_before(rows: Rows) -> int:
     """Return how many rows, of the first ones, were alive before the run: their births have a minus sign, -0.0 too."""
-    for panel in panels(rows, "junctions"):
-        signs = np.signbit(panel["birth_distance"])
+    for chunk in chunks(rows, "junctions"):
+        signs = np.signbit(chunk["birth_distance"])
         if not signs.all():
-            return panel.first + int(np.argmin(signs))
+            return chunk.first + int(np.argmin(signs))
     return rows.rows("junctions")
 
 
-def ended_early(panel: Panel) -> Mask:
+def ended_early(chunk: Chunk) -> Mask:
     """Return which rows say that an interrupt ended their life."""
-    found: Mask = (panel["state"] & EARLY) != 0
+    found: Mask = (chunk["state"] & EARLY) != 0
     return found
 
 
@@ -71,74 +71,74 @@ class _Order:
         first = rows.column("junctions", "birth_distance", self._start, self._start + 1)
         self._first = float(first[0]) if first.size else None
 
-    def check(self, panel: Panel) -> None:
-        birth = panel["birth_distance"]
+    def check(self, chunk: Chunk) -> None:
+        birth = chunk["birth_distance"]
         right = birth >= np.concatenate([[self._before], birth[:-1]])
-        self._notes.holds("/junctions/birth_distance", panel.first, birth, right, "at or after the birth before it")
+        self._notes.holds("/junctions/birth_distance", chunk.first, birth, right, "at or after the birth before it")
         self._before = float(birth[-1]) if birth.size else self._before
         if self._regular is not None and self._first is not None:
-            number = np.arange(panel.first, panel.end) - self._start
+            number = np.arange(chunk.first, chunk.end) - self._start
             early = number < 0
             # Of those before the run only the survivors have rows, each a whole number of spacings away.
             away = np.nan_to_num((birth[early] - self._first) / self._regular.mean)
             number[early] = np.clip(np.rint(away), -(2.0**53), -1.0).astype(np.int64)
             places = self._regular.places(self._first, number)
-            self._notes.equal("/junctions/birth_distance", panel.first, birth, places)
+            self._notes.equal("/junctions/birth_distance", chunk.first, birth, places)
 
 
-def _check_ids(notes: Notes, _model: Model, panel: Panel) -> None:
-    notes.equal("/junctions/junction", panel.first, panel["junction"], np.arange(panel.first, panel.end))
+def _check_ids(notes: Notes, _model: Model, chunk: Chunk) -> None:
+    notes.equal("/junctions/junction", chunk.first, chunk["junction"], np.arange(chunk.first, chunk.end))
 
 
-def _check_births(notes: Notes, model: Model, panel: Panel) -> None:
-    birth = panel["birth_distance"]
+def _check_births(notes: Notes, model: Model, chunk: Chunk) -> None:
+    birth = chunk["birth_distance"]
     there = np.isfinite(birth) & (birth <= model.distance)
     if model.start == "empty":
         there &= ~np.signbit(birth)
     else:
-        there &= birth + 2.0 * panel["diameter"] >= 0.0
+        there &= birth + 2.0 * chunk["diameter"] >= 0.0
     within = "within the run" if model.start == "empty" else "within the run, or so far before it that it is alive"
-    notes.holds("/junctions/birth_distance", panel.first, birth, there, within)
+    notes.holds("/junctions/birth_distance", chunk.first, birth, there, within)
 
 
-def _check_lives(notes: Notes, _model: Model, panel: Panel) -> None:
+def _check_lives(notes: Notes, _model: Model, chunk: Chunk) -> None:
     """Compare deaths and lives with birth and diameter, bit for bit; a life ended early has the death that it had."""
-    birth, diameter, death = (panel[name] for name in ("birth_distance", "diameter", "death_distance"))
-    natural, early = birth + 2.0 * diameter, ended_early(panel)
-    notes.equal("/junctions/death_distance", panel.first, death, np.where(early, death, natural))
+    birth, diameter, death = (chunk[name] for name in ("birth_distance", "diameter", "death_distance"))
+    natural, early = birth + 2.0 * diameter, ended_early(chunk)
+    notes.equal("/junctions/death_distance", chunk.first, death, np.where(early, death, natural))
     within = ~early | ((death < natural) & (death >= birth - _CLOCK * np.abs(birth)))
-    notes.holds("/junctions/death_distance", panel.first, death, within, "between birth and birth + 2d")
+    notes.holds("/junctions/death_distance", chunk.first, death, within, "between birth and birth + 2d")
     life = np.where(early, death - birth, 2.0 * diameter)
-    notes.equal("/junctions/life_distance", panel.first, panel["life_distance"], life)
+    notes.equal("/junctions/life_distance", chunk.first, chunk["life_distance"], life)
 
 
-def _check_diameters(notes: Notes, model: Model, panel: Panel) -> None:
-    diameter = panel["diameter"]
+def _check_diameters(notes: Notes, model: Model, chunk: Chunk) -> None:
+    diameter = chunk["diameter"]
     if isinstance(model.sizes, Fixed):
-        notes.equal("/junctions/diameter", panel.first, diameter, model.sizes.value)
+        notes.equal("/junctions/diameter", chunk.first, diameter, model.sizes.value)
     else:
         right = np.isfinite(diameter) & (diameter > 0.0)
-        notes.holds("/junctions/diameter", panel.first, diameter, right, "positive and finite")
-    notes.equal("/junctions/max_area", panel.first, panel["max_area"], max_area(diameter))
+        notes.holds("/junctions/diameter", chunk.first, diameter, right, "positive and finite")
+    notes.equal("/junctions/max_area", chunk.first, chunk["max_area"], max_area(diameter))
 
 
-def _check_strengths(notes: Notes, model: Model, panel: Panel) -> None:
-    strength = panel["shear_strength"]
+def _check_strengths(notes: Notes, model: Model, chunk: Chunk) -> None:
+    strength = chunk["shear_strength"]
     if isinstance(model.strengths, Fixed):
-        notes.equal("/junctions/shear_strength", panel.first, strength, model.strengths.mean)
+        notes.equal("/junctions/shear_strength", chunk.first, strength, model.strengths.mean)
     else:
         right = np.isfinite(strength) & (strength > 0.0)
-        notes.holds("/junctions/shear_strength", panel.first, strength, right, "positive and finite")
+        notes.holds("/junctions/shear_strength", chunk.first, strength, right, "positive and finite")
 
 
-def _check_times(notes: Notes, model: Model, panel: Panel) -> None:
+def _check_times(notes: Notes, model: Model, chunk: Chunk) -> None:
     for event in ("birth", "death"):
-        time = panel[f"{event}_distance"] / (model.sliding_speed or 1.0)
-        notes.equal(f"/junctions/{event}_time", panel.first, panel[f"{event}_time"], time)
+        time = chunk[f"{event}_distance"] / (model.sliding_speed or 1.0)
+        notes.equal(f"/junctions/{event}_time", chunk.first, chunk[f"{event}_time"], time)
 
 
-def _check_states(notes: Notes, model: Model, panel: Panel) -> None:
-    birth, death, state = (panel[name] for name in ("birth_distance", "death_distance", "state"))
+def _check_states(notes: Notes, model: Model, chunk: Chunk) -> None:
+    birth, death, state = (chunk[name] for name in ("birth_distance", "death_distance", "state"))
     right = AT_START * np.signbit(birth) + AT_END * (death > model.distance)
-    right = right + EARLY * (death < birth + 2.0 * panel["diameter"])
-    notes.equal("/junctions/state", panel.first, state, right.astype(np.uint8))
+    right = right + EARLY * (death < birth + 2.0 * chunk["diameter"])
+    notes.equal("/junctions/state", chunk.first, state, right.astype(np.uint8))

@@ -1,4 +1,7 @@
-"""Some blocks of a run made again from its seed, and compared with what the file has of them, bit for bit."""
+"""Some blocks of a run made again from its seed, and compared with what the file has of them, bit for bit.
+
+Of all checks this one alone runs the simulation; it is loaded only where blocks are made again.
+"""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -7,11 +10,11 @@ from typing import Final
 
 import numpy as np
 
+from rubnoise.analysis.reading import Chunk, chunks
 from rubnoise.analysis.verifying.blocks import BlockTable, block_table, slider_before
 from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
 from rubnoise.analysis.verifying.lives import ended_early
 from rubnoise.analysis.verifying.origin import CONSTANTS, stored_constants
-from rubnoise.analysis.verifying.reading import Panel, panels
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.sink import Columns
@@ -146,11 +149,11 @@ def _alive_before(
     touched = dict.fromkeys(blocks, False)
     limits = (table.first_tick - 1) * model.tick
     ends = np.append(table.first_junction[1:], run.rows("junctions"))
-    for panel in panels(run, "junctions"):
-        row, early, death = np.arange(panel.first, panel.end), ended_early(panel), panel["death_distance"]
-        rows = _as_live(panel)
-        reached = (table.first_junction < panel.end) | (limits < death.max(initial=-np.inf))
-        for block in (block for block in blocks if reached[block] and ends[block] > panel.first):
+    for chunk in chunks(run, "junctions"):
+        row, early, death = np.arange(chunk.first, chunk.end), ended_early(chunk), chunk["death_distance"]
+        rows = _as_live(chunk)
+        reached = (table.first_junction < chunk.end) | (limits < death.max(initial=-np.inf))
+        for block in (block for block in blocks if reached[block] and ends[block] > chunk.first):
             before = row < table.first_junction[block]
             carried = before & (death > limits[block])
             live[block] = live[block].then(rows.at(np.flatnonzero(carried)))
@@ -159,14 +162,14 @@ def _alive_before(
     return live, touched
 
 
-def _as_live(panel: Panel) -> LiveRows:
+def _as_live(chunk: Chunk) -> LiveRows:
     """Return rows of a file as those of a state in which nobody has left yet."""
-    birth = panel["birth_distance"]
+    birth = chunk["birth_distance"]
     return LiveRows(
-        junction=np.arange(panel.first, panel.end),
+        junction=np.arange(chunk.first, chunk.end),
         birth=birth,
-        diameter=panel["diameter"],
-        strength=panel["shear_strength"] if "shear_strength" in panel else np.ones(birth.size),
+        diameter=chunk["diameter"],
+        strength=chunk["shear_strength"] if "shear_strength" in chunk else np.ones(birth.size),
         departure=np.full(birth.size, np.inf),
     )
 

@@ -1,18 +1,73 @@
-"""The slider of a run held against its force: every tick from the one before it."""
+"""The slider of a run compared with its force: its motion from each tick to the next, by formulas of its own."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, log2
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, Window, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.forces import force_moments
-from rubnoise.analysis.verifying.motion import CellMotion, cell_motion
-from rubnoise.analysis.verifying.reading import PANEL_ROWS, Ahead, Window, panels
+from rubnoise.analysis.verifying.sums import force_moments
 from rubnoise.arrays import Doubles
-from rubnoise.model import Model
+from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
+from rubnoise.theory.motion_cumulants import free_motion
+from rubnoise.theory.quadrature import panels
+
+_NODES = 20
+_HALVINGS = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellMotion:
+    """What becomes of displacement and velocity over a cell: free (2, 2) of them, gains (2, 3) of the force's moments.
+
+    ``fastest`` is the modulus of the faster exponent of the free motion in 1/s.
+    """
+
+    free: Doubles
+    gains: Doubles
+    fastest: float
+
+    def through(self, moments: Doubles, displacement: Doubles, velocity: Doubles) -> tuple[Doubles, Doubles]:
+        """Return displacement (um) and velocity (um/s) where ticks end that begin with those given.
+
+        moments (3, ticks, cells) of the force in each cell of each tick, in uN um.
+        """
+        for cell in range(moments.shape[2]):
+            pushed = self.gains @ moments[:, :, cell]
+            displacement, velocity = (
+                self.free[row, 0] * displacement + self.free[row, 1] * velocity + pushed[row] for row in (0, 1)
+            )
+        return displacement, velocity
+
+
+def cell_motion(slider: Slider, speed: float, width: float) -> CellMotion:
+    """Return the motion over a cell of a width in um at a sliding speed in um/s.
+
+    x(h) = (even + a odd) x + odd x' and its derivative, and the i-th gain is (2i + 1)/(m V) int_0^1 g(h (1 - y))
+    P_i(2y - 1) dy with g = odd for x and its derivative for x': see `rubnoise.theory.motion_cumulants`.
+    """
+    free, duration = free_motion(slider), width / speed
+    even, odd = (float(value[0]) for value in free(np.array([duration])))
+    moved = [
+        [even + free.rate * odd, odd],
+        [-(free.natural**2) * odd, even - free.rate * odd],
+    ]
+    # Finer and finer towards the end of the cell, where the answer of an over-damped slider is steep.
+    steps = max(_HALVINGS, ceil(log2(max(free.fastest * duration, 1.0))) + _HALVINGS)
+    edges = np.concatenate([[0.0], 2.0 ** np.arange(-steps, 1.0)])
+    rest, weights = panels(edges, _NODES)
+    even_then, odd_then = free(duration * rest)
+    answers = np.stack([odd_then, even_then - free.rate * odd_then])
+    place = 1.0 - 2.0 * rest
+    shapes = np.stack([np.ones_like(place), 3.0 * place, 5.0 * (1.5 * place * place - 0.5)])
+    gains = np.einsum("an,in,n->ai", answers, shapes, weights) / (slider.mass * speed)
+    return CellMotion(free=np.array(moved), gains=gains, fastest=free.fastest)
+
 
 SHARE: Final = 5e-10
 """Of the largest displacement or velocity: what a tick may be away from where the one before it leads."""
@@ -39,11 +94,11 @@ def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
 
 def _columns_check(model: Model, rows: Rows) -> Check:
     notes = Notes("slider_columns")
-    for panel in panels(rows, "slider"):
-        distance = np.arange(panel.first, panel.end, dtype=np.float64) * model.tick
-        notes.equal("/slider/distance", panel.first, panel["distance"], distance)
-        notes.equal("/slider/time", panel.first, panel["time"], distance / (model.sliding_speed or 1.0))
-        notes.equal("/slider/friction_force", panel.first, panel["friction_force"], _force_at(distance, model, rows))
+    for chunk in chunks(rows, "slider"):
+        distance = np.arange(chunk.first, chunk.end, dtype=np.float64) * model.tick
+        notes.equal("/slider/distance", chunk.first, chunk["distance"], distance)
+        notes.equal("/slider/time", chunk.first, chunk["time"], distance / (model.sliding_speed or 1.0))
+        notes.equal("/slider/friction_force", chunk.first, chunk["friction_force"], _force_at(distance, model, rows))
     return notes.check()
 
 
@@ -88,7 +143,7 @@ def _motion(model: Model, cells: int) -> CellMotion:
 
 def _moments(model: Model, rows: Rows, cells: int) -> Iterator[tuple[int, int, Doubles]]:
     """Yield first and last ticks with the moments (3, ticks, cells) of the force in the cells that end with them."""
-    window, total, size = Window(rows), rows.rows("slider"), max(PANEL_ROWS // cells, 1)
+    window, total, size = Window(rows), rows.rows("slider"), max(CHUNK_ROWS // cells, 1)
     width = model.tick / cells
     for first in range(1, total, size):
         end = min(first + size, total)
@@ -103,7 +158,7 @@ def _moments(model: Model, rows: Rows, cells: int) -> Iterator[tuple[int, int, D
 def _largest(rows: Rows, name: str) -> float:
     """Return the largest modulus of a column's finite numbers."""
     found = 0.0
-    for panel in panels(rows, "slider"):
-        finite = panel[name][np.isfinite(panel[name])]
+    for chunk in chunks(rows, "slider"):
+        finite = chunk[name][np.isfinite(chunk[name])]
         found = max(found, float(np.abs(finite).max(initial=0.0)))
     return found

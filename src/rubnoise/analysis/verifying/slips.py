@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rubnoise.analysis.verifying.areas import lens_fraction
+from rubnoise.analysis.verifying.sums import lens_fraction
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.contact.pulses import Shape

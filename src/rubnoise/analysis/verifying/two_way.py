@@ -4,10 +4,10 @@ from typing import Final
 
 import numpy as np
 
+from rubnoise.analysis.reading import Ahead, chunks
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.analysis.verifying.lives import AT_END
-from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind, Phase
@@ -38,22 +38,22 @@ def two_way_checks(model: Model, rows: Rows) -> list[Check]:
 
 def _rows_check(model: Model, slider: Slider, speed: float, rows: Rows) -> Check:
     notes, loose = Notes("slider_rows"), _loose(model, slider)
-    for panel in panels(rows, "slider"):
-        time, place, velocity, phase = (panel[name] for name in ("time", "displacement", "velocity", "phase"))
-        notes.equal("/slider/time", panel.first, time, np.arange(panel.first, panel.end) * model.tick / speed)
+    for chunk in chunks(rows, "slider"):
+        time, place, velocity, phase = (chunk[name] for name in ("time", "displacement", "velocity", "phase"))
+        notes.equal("/slider/time", chunk.first, time, np.arange(chunk.first, chunk.end) * model.tick / speed)
         travelled = speed * time - (place - model.equilibrium_displacement)
         allowed = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
-        notes.near("/slider/distance", panel.first, panel["distance"], travelled, allowed)
-        notes.holds("/slider/phase", panel.first, phase, phase <= Phase.REVERSAL, "0, 1 or 2")
+        notes.near("/slider/distance", chunk.first, chunk["distance"], travelled, allowed)
+        notes.holds("/slider/phase", chunk.first, phase, phase <= Phase.REVERSAL, "0, 1 or 2")
         stuck, off = phase == Phase.STICK, SHARE * max(_largest(velocity), speed) + loose
         of_phase = [velocity == speed, velocity <= speed + off]
         right = np.select([stuck, phase == Phase.SLIP], of_phase, velocity >= speed - off)
-        notes.holds("/slider/velocity", panel.first, velocity, right, "what the phase says beside the drive's speed")
-        force = panel["friction_force"]
+        notes.holds("/slider/velocity", chunk.first, velocity, right, "what the phase says beside the drive's speed")
+        force = chunk["friction_force"]
         held = np.where(stuck, slider.stiffness * place + slider.damping * speed, force)
-        notes.near("/slider/friction_force", panel.first, force, held, SHARE * _largest(force))
+        notes.near("/slider/friction_force", chunk.first, force, held, SHARE * _largest(force))
         signs = stuck | np.where(phase == Phase.REVERSAL, force <= 0.0, force >= 0.0)
-        notes.holds("/slider/friction_force", panel.first, force, signs, "against the motion over the surface")
+        notes.holds("/slider/friction_force", chunk.first, force, signs, "against the motion over the surface")
     return notes.check()
 
 
@@ -61,34 +61,34 @@ def _landmarks_check(model: Model, slider: Slider, speed: float, rows: Rows) -> 
     """Compare each landmark with the one before it: later, of a kind that may follow, and sticks in closed form."""
     notes, before = Notes("landmarks"), None
     last = rows.rows("slider") * model.tick / speed
-    for panel in panels(rows, "landmarks"):
+    for chunk in chunks(rows, "landmarks"):
         names = ("time", "distance", "kind", "displacement")
-        now = np.array([panel[name].astype(np.float64) for name in names])
+        now = np.array([chunk[name].astype(np.float64) for name in names])
         earlier = np.concatenate([now[:, :1] if before is None else before, now[:, :-1]], axis=1)
         time, distance, kind, place = now
         since, there, what, begin = earlier
-        notes.equal("/landmarks/landmark", panel.first, panel["landmark"], np.arange(panel.first, panel.end))
-        notes.equal("/landmarks/velocity", panel.first, panel["velocity"], speed)
-        notes.holds("/landmarks/time", panel.first, time, time >= since, "at or after the landmark before it")
-        notes.holds("/landmarks/time", panel.first, time, (time >= 0.0) & (time <= last), "within the time of /slider")
+        notes.equal("/landmarks/landmark", chunk.first, chunk["landmark"], np.arange(chunk.first, chunk.end))
+        notes.equal("/landmarks/velocity", chunk.first, chunk["velocity"], speed)
+        notes.holds("/landmarks/time", chunk.first, time, time >= since, "at or after the landmark before it")
+        notes.holds("/landmarks/time", chunk.first, time, (time >= 0.0) & (time <= last), "within the time of /slider")
         travelled = speed * time - (place - model.equilibrium_displacement)
         allowed = SHARE * _largest(place) + 8.0 * np.spacing(speed * np.abs(time))
-        notes.near("/landmarks/distance", panel.first, distance, travelled, allowed)
+        notes.near("/landmarks/distance", chunk.first, distance, travelled, allowed)
         turns = np.zeros(kind.size, dtype=bool)
         for each, after in FOLLOWS.items():
             turns |= (what == each) & np.isin(kind, after)
         if before is None:
             turns[:1] = np.isin(kind[:1], FOLLOWS[LandmarkKind.SLIP])
-        notes.holds("/landmarks/kind", panel.first, panel["kind"], turns, "a kind that may follow the one before it")
+        notes.holds("/landmarks/kind", chunk.first, chunk["kind"], turns, "a kind that may follow the one before it")
         ends = kind == LandmarkKind.SLIP
-        notes.near("/landmarks/distance", panel.first, distance, np.where(ends, there, distance), 0.0)
+        notes.near("/landmarks/distance", chunk.first, distance, np.where(ends, there, distance), 0.0)
         ridden = np.where(ends, begin + speed * (time - since), place)
-        notes.near("/landmarks/displacement", panel.first, place, ridden, allowed)
-        force = panel["force_after"]
+        notes.near("/landmarks/displacement", chunk.first, place, ridden, allowed)
+        force = chunk["force_after"]
         held = np.where((kind == LandmarkKind.STICK) | ends, slider.stiffness * place + slider.damping * speed, force)
         # Where w and w' are 0 at once, which of two equal forces acts is decided within the tolerance.
         allowed = max(SHARE, 10.0 * slider.tolerance) * _largest(force)
-        notes.near("/landmarks/force_after", panel.first, force, held, allowed)
+        notes.near("/landmarks/force_after", chunk.first, force, held, allowed)
         before = now[:, -1:]
     return notes.check()
 
@@ -96,8 +96,8 @@ def _landmarks_check(model: Model, slider: Slider, speed: float, rows: Rows) -> 
 def _phases_check(rows: Rows) -> Check:
     """Each row has the phase that the landmark before it began; at a landmark itself it may have either."""
     notes, ahead = Notes("phases"), Ahead(rows)
-    for panel in panels(rows, "slider"):
-        time = panel["time"]
+    for chunk in chunks(rows, "slider"):
+        time = chunk["time"]
         if not time.size:
             continue
         first = max(first_landmark(ahead, float(time[0])) - 1, 0)
@@ -106,25 +106,25 @@ def _phases_check(rows: Rows) -> Check:
         phases = np.concatenate([[Phase.SLIP], PHASES[np.minimum(kinds, len(PHASES) - 1)]])
         near, right = 8.0 * np.spacing(time), np.zeros(time.size, dtype=bool)
         for at in (time - near, time, time + near):
-            right |= phases[np.searchsorted(marks, at, side="right")] == panel["phase"]
-        notes.holds("/slider/phase", panel.first, panel["phase"], right, "what the landmark before it began")
+            right |= phases[np.searchsorted(marks, at, side="right")] == chunk["phase"]
+        notes.holds("/slider/phase", chunk.first, chunk["phase"], right, "what the landmark before it began")
     return notes.check()
 
 
 def _passages_check(rows: Rows) -> Check:
     """Births are passed in their order, deaths after births; what lies outside of the run is never passed."""
     notes, latest = Notes("passages"), 0.0
-    for panel in panels(rows, "junctions"):
-        birth, death = panel["birth_time"], panel["death_time"]
-        never, beyond = np.signbit(panel["birth_distance"]), (panel["state"] & AT_END) != 0
-        notes.holds("/junctions/birth_time", panel.first, birth, np.isnan(birth) == never, "nan before the start alone")
-        notes.holds("/junctions/death_time", panel.first, death, np.isnan(death) == beyond, "nan beyond the end alone")
+    for chunk in chunks(rows, "junctions"):
+        birth, death = chunk["birth_time"], chunk["death_time"]
+        never, beyond = np.signbit(chunk["birth_distance"]), (chunk["state"] & AT_END) != 0
+        notes.holds("/junctions/birth_time", chunk.first, birth, np.isnan(birth) == never, "nan before the start alone")
+        notes.holds("/junctions/death_time", chunk.first, death, np.isnan(death) == beyond, "nan beyond the end alone")
         passed = np.maximum.accumulate(np.concatenate([[latest], np.where(never, 0.0, np.nan_to_num(birth))]))
         notes.holds(
-            "/junctions/birth_time", panel.first, birth, never | (birth >= passed[:-1]), "at or after those before"
+            "/junctions/birth_time", chunk.first, birth, never | (birth >= passed[:-1]), "at or after those before"
         )
         after = beyond | (death >= np.where(never, 0.0, birth))
-        notes.holds("/junctions/death_time", panel.first, death, after, "at or after the birth")
+        notes.holds("/junctions/death_time", chunk.first, death, after, "at or after the birth")
         latest = float(passed[-1])
     return notes.check()
 

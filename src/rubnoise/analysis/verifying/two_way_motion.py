@@ -6,9 +6,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.reading import Ahead, chunks
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
-from rubnoise.analysis.verifying.reading import Ahead, panels
 from rubnoise.analysis.verifying.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
 from rubnoise.analysis.verifying.two_way import PHASES
 from rubnoise.arrays import Doubles, Integers
@@ -141,7 +141,7 @@ class Lives:
         self._model, self._rows, self._next = model, Ahead(rows), 0
         self._kept = np.empty((6, 0))
         # s = V t - (x - x_0) falls by no more than x rises.
-        extremes = [(float(x.min()), float(x.max())) for x in (each["displacement"] for each in panels(rows, "slider"))]
+        extremes = [(float(x.min()), float(x.max())) for x in (each["displacement"] for each in chunks(rows, "slider"))]
         lowest, highest = zip(*extremes, strict=True)
         self._back = max(highest) - min(lowest) + model.tick
 

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.deviates import exponential
-from rubnoise.contact.gamma_deviates import density_at_the_mean, gamma_deviates, likely_range
+from rubnoise.contact.deviates import density_at_the_mean, exponential, gamma_deviates, likely_range
 from rubnoise.contact.laws.law import LEAST, Entry, rounded_moment
 
 

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.deviates import antilogarithm, exponential, logarithm
-from rubnoise.contact.gamma_deviates import gamma_deviates
+from rubnoise.contact.deviates import antilogarithm, exponential, gamma_deviates, logarithm
 from rubnoise.contact.laws.law import Entry, rounded_moment
 
 

@@ -14,7 +14,7 @@ the drive's speed V, w = V - x' and s = s_0 + V t - (x - x_0), both signed,
 `motion`         slip, stick and reversal: which step comes next, compiled
 `rest`           what happens at w = 0: arrival, the stick in closed form, breakaway, reversal
 `steps`          the three steps in slip: uniform cells, event cells, and steps in time near w = 0
-`rows`           what is told of it: rows uniform in time, landmarks, first passages, integrals
+`rows`           what is written of it: rows uniform in time, landmarks, first passages, integrals
 `quadrature`     the nodes and matrices of collocation, from 36 digits and rounded once
 `layout`         where what lies in the flat arrays that compiled functions hand to each other
 ===============  =======================================================================================

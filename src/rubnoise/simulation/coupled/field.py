@@ -14,7 +14,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, inlined
 from rubnoise.contact.pulses import Shape
 from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES, POWERS
-from rubnoise.simulation.kernels import Grid, Room, deposit
+from rubnoise.simulation.kernels import Grid, Scratch, deposit
 from rubnoise.simulation.kernels.lanes import (
     fused,
     larger,
@@ -68,11 +68,11 @@ class Field:
     lives: Lives
 
     @classmethod
-    def over(cls, pulse: Shape, rows: LiveRows, first: int, end: int, spacing: float, room: Room) -> Self:
-        """Return the field of rows over a range of cells; its moments hold until ``room`` is used again."""
+    def over(cls, pulse: Shape, rows: LiveRows, first: int, end: int, spacing: float, scratch: Scratch) -> Self:
+        """Return the field of rows over a range of cells; its moments hold until ``scratch`` is used again."""
         weight = rows.strength * (rows.diameter * rows.diameter)
         grid = Grid.around(first + 1, end + 1, spacing)
-        moments = deposit(pulse, grid, rows, weight, room, areas=False).moments
+        moments = deposit(pulse, grid, rows, weight, scratch, areas=False).moments
         reach = np.maximum.accumulate(rows.birth + 2.0 * rows.diameter)
         none = np.zeros(NODES)
         return cls(

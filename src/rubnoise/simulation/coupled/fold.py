@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
-from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, Field
 from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
 from rubnoise.simulation.coupled.quadrature import NODES, TABLE
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.coupled.steps import WORK
-from rubnoise.simulation.kernels import Room
+from rubnoise.simulation.kernels import Scratch
+from rubnoise.simulation.slider import coupled_spacing
 from rubnoise.simulation.state import LiveRows
 
 Earlier = Callable[[float, float], LiveRows]
@@ -39,7 +39,7 @@ _ROOM_FOR_ROWS, _ROOM_FOR_LANDMARKS = 65_536, 4096
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Told:
+class MotionRows:
     """What came to be while the slider moved on: some ten thousand rows at most, where a step is not longer than that.
 
     slider: columns time, distance, friction_force, displacement, velocity, phase, a row every tick/V from the run's
@@ -58,12 +58,18 @@ class CoupledMotion:
     """A two-way slider on its way: ``state`` is where it is."""
 
     def __init__(
-        self, model: Model, constants: Doubles, state: CoupledState, room: Room, earlier: Earlier, cells: int = _CELLS
+        self,
+        model: Model,
+        constants: Doubles,
+        state: CoupledState,
+        scratch: Scratch,
+        earlier: Earlier,
+        cells: int = _CELLS,
     ) -> None:
         """Start from a state. ``earlier``: who knows the junctions behind those carried; ``cells``: of a range."""
         self._model = model
         self._constants = constants
-        self._room = room
+        self._scratch = scratch
         self._earlier = earlier
         self._cells = max(cells // GROUP * GROUP, 2 * _BEHIND)
         self.state = state
@@ -76,11 +82,11 @@ class CoupledMotion:
             self._last -= 1
         self._rest = model.distance - float(self._last) * width
 
-    def through(self, born: LiveRows, known: float) -> Iterator[Told]:
-        """Move until the field is wanted beyond a distance (um), or the run is over, and tell what comes to be.
+    def through(self, born: LiveRows, known: float) -> Iterator[MotionRows]:
+        """Move until the field is wanted beyond a distance (um), or the run is over, and yield what comes to be.
 
         born: junctions in order of birth, of which those that are new are taken; every birth before ``known`` must be
-        among them or have come before. The state is that of the end once everything has been told.
+        among them or have come before. The state is that of the end once everything has been yielded.
         """
         self._take(born)
         end = self._end_of(known)
@@ -130,12 +136,12 @@ class CoupledMotion:
         begin = min(max(wished, carried), needed) if carried <= needed else wished
         return begin, min(begin + self._cells, end)
 
-    def _move_in(self, begin: int, end: int) -> Generator[Told, None, int]:
-        """Move within a range of cells, tell what comes to be, and return why it ended."""
+    def _move_in(self, begin: int, end: int) -> Generator[MotionRows, None, int]:
+        """Move within a range of cells, yield what comes to be, and return why it ended."""
         state, constants = self.state, self._constants
         width = float(constants[layout.SPACING])
         living, births, deaths = self._living(float(begin) * width, float(end) * width)
-        field = Field.over(self._model.pulse.shape, living, begin, end, width, self._room)
+        field = Field.over(self._model.pulse.shape, living, begin, end, width, self._scratch)
         order = np.argsort(living.birth + 2.0 * living.diameter, kind="stable")
         whole, numbers = state.whole.copy(), state.numbers.copy()
         whole[layout.BORN] = len(living) - np.count_nonzero(np.isnan(births))
@@ -143,11 +149,13 @@ class CoupledMotion:
         met = (field.lives, field.shape, order, births, deaths)
         motion = layout.Motion(whole, numbers, constants)
         stretch = layout.Stretch(field.moments, begin, end, self._last, self._rest)
-        scratch = layout.Scratch(TABLE, np.zeros(WORK), np.zeros(10), np.empty(4 * (len(living) + 1)), np.empty(NODES))
+        workspace = layout.Workspace(
+            TABLE, np.zeros(WORK), np.zeros(10), np.empty(4 * (len(living) + 1)), np.empty(NODES)
+        )
         code = FULL
         while code == FULL:
             before = whole.copy()
-            code = advance(motion, stretch, met, layout.Output(self._out, self._marks), scratch)
+            code = advance(motion, stretch, met, layout.Output(self._out, self._marks), workspace)
             if code == LOST:
                 place = f"{state.distance(constants):g} um, {state.time(constants):g} s"
                 raise ArithmeticError(f"no step of the slider is right to its tolerance near {place}")
@@ -155,7 +163,7 @@ class CoupledMotion:
                 self._out = np.empty((layout.ROW_COLUMNS, 2 * self._out.shape[1]))
             passed = slice(before[layout.BORN], whole[layout.BORN])
             gone = order[before[layout.DIED] : whole[layout.DIED]]
-            yield Told(
+            yield MotionRows(
                 first_row=int(before[layout.ROW]) + 1,
                 slider=self._rows(int(before[layout.ROW]) + 1, int(whole[layout.ROWS])),
                 landmarks=self._landmarks(int(whole[layout.LANDMARKS])),

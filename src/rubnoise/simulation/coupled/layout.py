@@ -15,8 +15,8 @@ CONSTANTS: Final = 11
 
 # Whole numbers of a state.
 CELL, ROW, PHASE, REST_ROW, FRESH, BORN, DIED, ROWS, LANDMARKS = range(9)
-"""Cell; last row told; phase; the row at a stick's beginning; whether a breakaway has just been; within a call: births
-and deaths passed, rows and landmarks told."""
+"""Cell; last row written; phase; the row at a stick's beginning; whether a breakaway has just been; within a call:
+births and deaths passed, rows and landmarks written."""
 WHOLE: Final = 9
 
 # Numbers of a state.
@@ -65,14 +65,14 @@ class Stretch(NamedTuple):
 
 
 class Output(NamedTuple):
-    """Room for rows and for landmarks, a column each."""
+    """Space for rows and for landmarks, a column each."""
 
     rows: Doubles
     marks: Doubles
 
 
-class Scratch(NamedTuple):
-    """The matrices of collocation, and room: of steps, of powers of a speed, of the near and far lives of a cell."""
+class Workspace(NamedTuple):
+    """The matrices of collocation, and space: of steps, of powers of a speed, of the near and far lives of a cell."""
 
     table: Doubles
     work: Doubles

@@ -2,7 +2,7 @@
 
 A stick ends after exactly (G - f)/(k V), always forward, with w = w' = 0 and w'' = k V/m. The step that leaves w = 0 is
 made so short that w is above 0 at its end, so that nothing is looked for in it. Where w' turns upwards inside a step,
-the step is made to end there, and its minimum tells whether the slider has arrived.
+the step is made to end there, and its minimum decides whether the slider has arrived.
 """
 
 from typing import Final
@@ -38,10 +38,10 @@ from rubnoise.simulation.coupled.layout import (
     TOUCH,
     Motion,
     Output,
-    Scratch,
     Start,
     Step,
     Stretch,
+    Workspace,
 )
 from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, PLAIN, RIGHT
 from rubnoise.simulation.coupled.rest import MOVING, STOPPED, TOUCHING, arrive, first_standstill, land, leave_stick
@@ -52,8 +52,8 @@ from rubnoise.simulation.coupled.rows import (
     pass_time,
     sum_part,
     sum_uniform,
-    tell_cells,
-    tell_part,
+    write_cells,
+    write_part,
 )
 from rubnoise.simulation.coupled.steps import (
     PACE,
@@ -68,7 +68,7 @@ from rubnoise.simulation.coupled.steps import (
 )
 
 MOVED, DONE, AHEAD, BACK, FULL, LOST, UNFIT = range(7)
-"""What comes of a step or a call: moved on; the run is over; cells ahead, or behind, are wanted; no room for rows; no
+"""What comes of a step or a call: moved on; the run is over; cells ahead, or behind, are wanted; no space for rows; no
 step is found that is right; not for steps of this kind."""
 
 _MOST_TRIES: Final = 200
@@ -150,7 +150,7 @@ def drag_fades(constants: Doubles, u: float, width: float, force: float) -> bool
 
 
 @compiled_within
-def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch: Scratch) -> int:
+def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, workspace: Workspace) -> int:
     """Pass uniform cells from an edge of the grid: MOVED, FULL or UNFIT."""
     whole, numbers, constants = motion
     way = -1.0 if whole[PHASE] == REVERSED else 1.0
@@ -174,17 +174,17 @@ def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch
         kinks = float(cells * cells * cells) <= 2.0 * lowest * constants[KINK_LIMIT]
         if even and kinks and fades and couples(constants, width, u, WEAK_DRAG) <= 0.02:
             start = Start(way, x, u, 0.0, 0.0, 0.0)
-            after, duration = uniform_cell(constants, start, width, (mean, way * slope, bend), scratch.work)
+            after, duration = uniform_cell(constants, start, width, (mean, way * slope, bend), workspace.work)
             if after > 0.0:
                 if numbers[OVER] + duration > float(out.shape[1] - whole[ROWS] - 2) * constants[ROW_TIME]:
                     return FULL
-                sum_uniform(motion, way, width, mean, scratch.work)
-                through_cell(u, after, -1.0, scratch.work, scratch.powers)
+                sum_uniform(motion, way, width, mean, workspace.work)
+                through_cell(u, after, -1.0, workspace.work, workspace.powers)
                 if way > 0.0:
-                    meet_in_cells(motion, met, begin, width, scratch.powers)
+                    meet_in_cells(motion, met, begin, width, workspace.powers)
                 if numbers[OVER] + duration >= constants[ROW_TIME]:
                     step = Step(way, width, duration, PLAIN, IN_DISTANCE)
-                    tell_cells(motion, met, out, step, begin, after, scratch)
+                    write_cells(motion, met, out, step, begin, after, workspace)
                 numbers[DISPLACEMENT] = x + (drive * duration - way * width)
                 numbers[RELATIVE] = way * after
                 whole[CELL] = cell + (cells if way > 0.0 else -cells)
@@ -196,13 +196,13 @@ def take_cells(motion: Motion, stretch: Stretch, met: Met, out: Doubles, scratch
 
 @compiled_into
 def try_event_cell(
-    constants: Doubles, start: Start, length: float, clock: int, part: Part, scratch: Scratch
+    constants: Doubles, start: Start, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, int]:
     """Return speed, size, time and clock of an event cell to a border, or of a half, a quarter ...; speed 0: none."""
     size, u = length, start.speed
     for _ in range(_HALVINGS):
         if size * abs(start.growth) <= 0.3 * u * u and couples(constants, size, u, WEAK_DRAG_OF_NODES) <= 0.3:
-            after, duration, error = event_cell(constants, start, size, clock, part, scratch)
+            after, duration, error = event_cell(constants, start, size, clock, part, workspace)
             if after > 0.0 and error <= constants[LIMIT]:
                 return after, size, duration, clock
         size *= 0.5
@@ -212,7 +212,7 @@ def try_event_cell(
 
 @compiled_into
 def find_time_step(
-    constants: Doubles, start: Start, step: float, length: float, clock: int, part: Part, scratch: Scratch
+    constants: Doubles, start: Start, step: float, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, float, int, bool]:
     """Find a step in time that is right to its tolerance, ends before the border, and at w = 0 if it comes to that.
 
@@ -220,25 +220,25 @@ def find_time_step(
     """
     keep = duration = min(step, constants[LONGEST])
     for attempt in range(_MOST_TRIES):
-        after, passed, error, settled = time_step(constants, start, duration, clock, part, scratch)
-        if not settled or error > constants[LIMIT]:
+        after, passed, error, converged = time_step(constants, start, duration, clock, part, workspace)
+        if not converged or error > constants[LIMIT]:
             duration *= 0.5
             keep = duration
             continue
         if attempt == 0 and error * 500.0 < constants[LIMIT]:
             keep = 1.5 * duration
-        q = first_standstill(start, after, constants[TOUCH], scratch) if start.speed > 0.0 else 2.0
+        q = first_standstill(start, after, constants[TOUCH], workspace) if start.speed > 0.0 else 2.0
         stop = abs(q)
         if stop > 1.0:
             if passed <= length and after > 0.0:
                 return after, passed, duration, keep, MOVING, True
             duration *= max(0.7 * length / passed, 0.25) if passed > length else 0.5
-        elif integral_to(stop, scratch.work, PACE) > length:
+        elif integral_to(stop, workspace.work, PACE) > length:
             duration *= 0.7 * clock_at(stop, clock)
         else:
             until = duration * clock_at(stop, clock)
             wanted = TOUCHING if q < 0.0 else STOPPED
-            after, passed, duration, ending, found = land(constants, start, until, clock, part, scratch, wanted)
+            after, passed, duration, ending, found = land(constants, start, until, clock, part, workspace, wanted)
             if found and passed <= length:
                 return after, passed, duration, keep, ending, True
             duration *= 0.5
@@ -247,7 +247,7 @@ def find_time_step(
 
 @compiled_into
 def take_part(
-    motion: Motion, cell: int, offset: float, limit: float, met: Met, output: Output, part: Part, scratch: Scratch
+    motion: Motion, cell: int, offset: float, limit: float, met: Met, output: Output, part: Part, workspace: Workspace
 ) -> int:
     """Pass a part of a gathered cell, or the whole of it, but not beyond ``limit`` um in it: MOVED, FULL or LOST."""
     whole, numbers, constants = motion
@@ -264,11 +264,11 @@ def take_part(
     kind, ending, keep = IN_DISTANCE, MOVING, numbers[STEP]
     after, size, duration, clock = 0.0, 0.0, 0.0, border_clock
     if u > 0.0:
-        after, size, duration, clock = try_event_cell(constants, start, length, border_clock, part, scratch)
+        after, size, duration, clock = try_event_cell(constants, start, length, border_clock, part, workspace)
     if after == 0.0:
         kind, clock = IN_TIME, LEFT if border_clock in (LEFT, BOTH) and u > 0.0 else PLAIN
         after, size, duration, keep, ending, found = find_time_step(
-            constants, start, numbers[STEP], length, clock, part, scratch
+            constants, start, numbers[STEP], length, clock, part, workspace
         )
         if not found:
             return LOST
@@ -276,10 +276,10 @@ def take_part(
         return FULL
     numbers[STEP] = keep
     step = Step(way, size, duration, clock, kind)
-    sum_part(motion, step, scratch)
+    sum_part(motion, step, workspace)
     if way > 0.0:
         meet_in_part(motion, met, cell, offset, step)
-    tell_part(motion, out, cell, offset, step, part, scratch.work)
+    write_part(motion, out, cell, offset, step, part, workspace.work)
     numbers[DISPLACEMENT] = x + (drive * duration - way * size)
     numbers[RELATIVE] = way * after
     offset = border if size == length else offset + way * size
@@ -313,13 +313,13 @@ def wanting(motion: Motion, stretch: Stretch) -> int:
 
 
 @compiled_bare
-def advance(motion: Motion, stretch: Stretch, met: Met, output: Output, scratch: Scratch) -> int:
+def advance(motion: Motion, stretch: Stretch, met: Met, output: Output, workspace: Workspace) -> int:
     """Move until something is wanting, and return what: DONE, AHEAD, BACK, FULL or LOST.
 
     met: the lives in the stretch, and their first passages.
     """
     whole, numbers, constants = motion
-    near, far = scratch.near, scratch.far
+    near, far = workspace.near, workspace.far
     h = constants[SPACING]
     lives, shape = met[0], met[1]
     gathered, count = _NOWHERE, 0
@@ -332,7 +332,7 @@ def advance(motion: Motion, stretch: Stretch, met: Met, output: Output, scratch:
             return outcome
         outcome = UNFIT
         if numbers[OFFSET] == 0.0 and numbers[RELATIVE] != 0.0:
-            outcome = take_cells(motion, stretch, met, output.rows, scratch)
+            outcome = take_cells(motion, stretch, met, output.rows, workspace)
         if outcome == MOVED:
             continue
         if outcome == FULL:
@@ -341,10 +341,10 @@ def advance(motion: Motion, stretch: Stretch, met: Met, output: Output, scratch:
         if whole[PHASE] == REVERSED and offset == 0.0:
             cell, offset = cell - 1, h
         if cell != gathered:
-            count = gather(lives, shape, float(cell) * h, h, scratch.table, near, far, scratch.work)
+            count = gather(lives, shape, float(cell) * h, h, workspace.table, near, far, workspace.work)
             gathered = cell
         part = (2.0 / h, far, near, count, shape)
         limit = stretch.rest if cell == stretch.last else h
-        outcome = take_part(motion, cell, offset, limit, met, output, part, scratch)
+        outcome = take_part(motion, cell, offset, limit, met, output, part, workspace)
         if outcome != MOVED:
             return outcome

@@ -12,7 +12,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.model import Model
-from rubnoise.simulation.draws import births_per_block, blocks_together, draw_blocks, first_birth, start
+from rubnoise.simulation.draws import births_per_block, blocks_drawn_at_once, draw_blocks, first_birth, start
 from rubnoise.simulation.state import LiveRows
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
 
@@ -26,7 +26,7 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
     found = [_between(first.live, begin, end)]
     block, place, number = first.block, first.next_birth, first.junctions
     while place < end and place <= model.distance:
-        births = draw_blocks(model, seed, block, place, blocks_together(model, block))
+        births = draw_blocks(model, seed, block, place, blocks_drawn_at_once(model, block))
         count = len(births)
         rows = LiveRows(
             junction=np.arange(number, number + count, dtype=np.int64),

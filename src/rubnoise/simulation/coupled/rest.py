@@ -42,11 +42,11 @@ from rubnoise.simulation.coupled.layout import (
     XX_TIME,
     Motion,
     Output,
-    Scratch,
     Start,
+    Workspace,
 )
 from rubnoise.simulation.coupled.quadrature import CLOCKS, NODES
-from rubnoise.simulation.coupled.rows import tell_landmark, tell_row
+from rubnoise.simulation.coupled.rows import write_landmark, write_row
 from rubnoise.simulation.coupled.steps import GROWTH, PUSH, SPEED, clock_at, integral_to, time_step, value_at
 
 MOVING, STOPPED, TOUCHING = range(3)
@@ -58,7 +58,7 @@ _LANDINGS: Final = 12
 
 @compiled_within
 def leave_stick(motion: Motion, output: Output) -> bool:
-    """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was room."""
+    """Let the slider ride with the drive, x = x_1 + V (t - t_1), until f = G; return whether there was space."""
     whole, numbers, constants = motion
     step, drive, damping = constants[ROW_TIME], constants[DRIVE], constants[DAMPING]
     stiffness, begin, duration = constants[STIFFNESS], numbers[REST_PLACE], numbers[REST]
@@ -70,7 +70,7 @@ def leave_stick(motion: Motion, output: Output) -> bool:
         if whole[ROWS] == output.rows.shape[1]:
             return False
         x = begin + drive * time
-        tell_row(whole, output.rows, distance, stiffness * x + damping * drive, x, drive, STUCK)
+        write_row(whole, output.rows, distance, stiffness * x + damping * drive, x, drive, STUCK)
         whole[ROW] += 1
     numbers[OVER] = max(numbers[REST_OVER] + duration - float(whole[ROW] - whole[REST_ROW]) * step, 0.0)
     end = begin + drive * duration
@@ -80,7 +80,7 @@ def leave_stick(motion: Motion, output: Output) -> bool:
     numbers[XX_TIME] += duration * (begin * begin + begin * end + end * end) / 3.0
     numbers[VV_TIME] += duration * drive * drive
     f = stiffness * end + damping * drive
-    tell_landmark(motion, output.marks, BREAKAWAY, f, f)
+    write_landmark(motion, output.marks, BREAKAWAY, f, f)
     whole[PHASE], whole[FRESH] = SLIP, 1
     return True
 
@@ -103,7 +103,7 @@ def arrive(motion: Motion, marks: Doubles, force: float, ending: int) -> None:
     elif f < -force:
         phase, kind, after = REVERSED, REVERSAL, -force
     if phase != whole[PHASE]:
-        tell_landmark(motion, marks, kind, before, after)
+        write_landmark(motion, marks, kind, before, after)
     whole[PHASE] = phase
     if phase == STUCK:
         whole[REST_ROW] = whole[ROW]
@@ -137,12 +137,12 @@ def lowest_between(low: float, high: float, work: Doubles) -> float:
 
 
 @compiled_within
-def first_standstill(start: Start, end: float, touch: float, scratch: Scratch) -> float:
+def first_standstill(start: Start, end: float, touch: float, workspace: Workspace) -> float:
     """Return q where u falls to 0 first in a step in time that begins with u > 0, or touches it; 2 if nowhere.
 
-    A minimum below a thousandth of the largest speed is told with a minus sign: the step is to end there, and tell.
+    A minimum below a thousandth of the largest speed has a minus sign: the step is to end there.
     """
-    table, work, u = scratch.table, scratch.work, start.speed
+    table, work, u = workspace.table, workspace.work, start.speed
     before, slope_before, fastest = 0.0, start.growth, u
     for n in range(NODES + 1):
         q = table[CLOCKS + n] if n < NODES else 1.0
@@ -164,19 +164,19 @@ def first_standstill(start: Start, end: float, touch: float, scratch: Scratch) -
 
 @compiled_within
 def land(
-    constants: Doubles, start: Start, duration: float, clock: int, part: Part, scratch: Scratch, ending: int
+    constants: Doubles, start: Start, duration: float, clock: int, part: Part, workspace: Workspace, ending: int
 ) -> tuple[float, float, float, int, bool]:
     """Make a step in time end where w = 0 (STOPPED), or where w' = 0 (TOUCHING), by Newton's method in its duration.
 
     Return the speed, the distance passed, the duration, how it ends, and whether such an end has been found.
     """
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
-    way, table, work = start.way, scratch.table, scratch.work
+    way, table, work = start.way, workspace.table, workspace.work
     longest, after, passed, final = 1.5 * duration, 0.0, 0.0, 0.0
     for _ in range(_LANDINGS):
-        after, passed, _, settled = time_step(constants, start, duration, clock, part, scratch)
+        after, passed, _, converged = time_step(constants, start, duration, clock, part, workspace)
         final = duration
-        if not settled:
+        if not converged:
             return 0.0, 0.0, final, MOVING, False
         force = force_in_cell(start.offset + way * passed, part)
         place = start.displacement + drive * duration - way * passed

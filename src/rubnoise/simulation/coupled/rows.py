@@ -1,4 +1,4 @@
-"""What is told of the motion: rows uniform in time, landmarks, and when each birth and death is first passed.
+"""What is written of the motion: rows uniform in time, landmarks, and when each birth and death is first passed.
 
 Inside a step everything comes from the step's own polynomials; in uniform cells, whose moments leave out how G runs
 inside, speed and force come from the lives themselves: u^2 = u_0^2 + (2/m) int (d (k x + c V) - c u - G) dl.
@@ -48,8 +48,8 @@ from rubnoise.simulation.coupled.layout import (
     X_TIME,
     XX_TIME,
     Motion,
-    Scratch,
     Step,
+    Workspace,
 )
 from rubnoise.simulation.coupled.quadrature import LEFT, NODES, RATES, THREE_NODES, THREE_WEIGHTS, WEIGHTS
 from rubnoise.simulation.coupled.steps import (
@@ -72,7 +72,7 @@ _NEWTON: Final = 40
 
 
 @compiled_within
-def tell_row(
+def write_row(
     whole: Integers, out: Doubles, distance: float, force: float, displacement: float, velocity: float, phase: int
 ) -> None:
     """Put down one row."""
@@ -86,7 +86,7 @@ def tell_row(
 
 
 @compiled_within
-def tell_landmark(motion: Motion, marks: Doubles, kind: int, before: float, after: float) -> None:
+def write_landmark(motion: Motion, marks: Doubles, kind: int, before: float, after: float) -> None:
     """Put down a landmark at the state's time and place, where w = 0; before and after: the friction force in uN."""
     whole, numbers, constants = motion
     n = whole[LANDMARKS]
@@ -154,17 +154,19 @@ def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Do
 
 
 @compiled_within
-def tell_cells(motion: Motion, met: Met, out: Doubles, step: Step, first: int, after: float, scratch: Scratch) -> None:
+def write_cells(
+    motion: Motion, met: Met, out: Doubles, step: Step, first: int, after: float, workspace: Workspace
+) -> None:
     """Tell the rows inside uniform cells that have just been worked out, from the state before them."""
     whole, numbers, constants = motion
-    way, width, duration, powers = step.way, step.size, step.duration, scratch.powers
+    way, width, duration, powers = step.way, step.size, step.duration, workspace.powers
     lives, shape = met[0], met[1]
     row_time, over, u, x = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE]), numbers[DISPLACEMENT]
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     origin, begin = float(first) * constants[SPACING], 0.0 if way > 0.0 else width
     steady = way * (stiffness * x + damping * drive)
     speeds = powers[5:]
-    through_cell(u, after, 1.0, scratch.work, speeds)
+    through_cell(u, after, 1.0, workspace.work, speeds)
     n = 1
     while over + duration >= float(n) * row_time:
         time = min(float(n) * row_time - over, duration)
@@ -176,14 +178,14 @@ def tell_cells(motion: Motion, met: Met, out: Doubles, step: Step, first: int, a
                 break
         length = width * y
         force, integral = force_and_integral(
-            lives, shape, origin, begin, begin + way * length, whole[BORN], scratch.work
+            lives, shape, origin, begin, begin + way * length, whole[BORN], workspace.work
         )
         energy = steady * length - 0.5 * stiffness * length * length - way * integral
         energy += way * stiffness * drive * width * width * _power_double_integral(powers, y)
         energy -= damping * width * _power_integral(speeds, y)
         speed = np.sqrt(max(u * u + 2.0 / mass * energy, 0.0))
         place = x + drive * time - way * length
-        tell_row(whole, out, origin + (begin + way * length), way * force, place, drive - way * speed, whole[PHASE])
+        write_row(whole, out, origin + (begin + way * length), way * force, place, drive - way * speed, whole[PHASE])
         n += 1
 
 
@@ -253,7 +255,7 @@ def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step)
 
 
 @compiled_within
-def tell_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles) -> None:
+def write_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles) -> None:
     """Tell the rows of an event cell, or of a step in time, from the state before it."""
     whole, numbers, constants = motion
     way, size, duration, clock, kind = step
@@ -272,16 +274,16 @@ def tell_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step
         place = offset + way * passed
         displacement = x + drive * time - way * passed
         force = way * force_in_cell(place, part)
-        tell_row(whole, out, origin + place, force, displacement, drive - way * speed, whole[PHASE])
+        write_row(whole, out, origin + place, force, displacement, drive - way * speed, whole[PHASE])
         n += 1
 
 
 @compiled_within
-def sum_part(motion: Motion, step: Step, scratch: Scratch) -> None:
+def sum_part(motion: Motion, step: Step, workspace: Workspace) -> None:
     """Add what an event cell or a step in time brings to the integrals over time and over the path."""
     _, numbers, constants = motion
     way, size, duration, clock, kind = step
-    table, work = scratch.table, scratch.work
+    table, work = workspace.table, workspace.work
     drive, x, work_done = constants[DRIVE], numbers[DISPLACEMENT], 0.0
     for n in range(NODES):
         u, rate = work[SPEED + n], table[WEIGHTS + n] * table[RATES + NODES * clock + n]

@@ -49,7 +49,7 @@ class CoupledState:
 
     whole and numbers: what `motion.advance` changes, as `layout` names it; rows: junctions that the slider may still
     meet, forward or back, in order of birth; birth_time, death_time (s): when it first passed there, nan before, and
-    -inf for the birth of one that was alive at the start; covered (um): whoever lives beyond it is among the rows.
+    -inf for the birth of one that was alive at the start; covered (um): all that live beyond it are among the rows.
     """
 
     whole: Integers
@@ -63,7 +63,7 @@ class CoupledState:
     def start(cls, model: Model, constants: Doubles, alive: LiveRows) -> Self:
         """Return the state at t = 0: s = 0, at rest at the model's displacement, among those alive at the start.
 
-        The row of t = 0 is still to be told: it is one row after the last.
+        The row of t = 0 is still to be written: it is one row after the last.
         """
         whole, numbers = np.zeros(WHOLE, np.int64), np.zeros(NUMBERS)
         whole[ROW] = -1

@@ -19,7 +19,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, compiled_within, inlined
 from rubnoise.simulation.coupled.field import Part, force_in_lanes
-from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, Scratch, Start
+from rubnoise.simulation.coupled.layout import DAMPING, DRIVE, MASS, STIFFNESS, Start, Workspace
 from rubnoise.simulation.coupled.quadrature import (
     BOTH,
     CLOCKS,
@@ -44,13 +44,13 @@ _SCRATCH: Final = 72
 _DRAG: Final = 80
 _MATRIX: Final = 88
 WORK: Final = 152
-"""Numbers of room that steps need."""
+"""Numbers of space that steps need."""
 
 _MOST_PASSES: Final = 24
 _PASSES: Final = 8
 _LEAST: Final = 1e-300
-_SETTLED: Final = 1e-15
-_SETTLED_IN_DRAG: Final = 4e-15
+_CONVERGED: Final = 1e-15
+_CONVERGED_IN_DRAG: Final = 4e-15
 
 WEAK_DRAG: Final = 0.02
 """Size of a uniform cell over the length m u/c in which drag stops the slider: up to here passes need no Newton."""
@@ -249,7 +249,7 @@ def through_cell(before: float, after: float, power: float, work: Doubles, power
 
 @compiled_bare
 def event_cell(
-    constants: Doubles, start: Start, length: float, clock: int, part: Part, scratch: Scratch
+    constants: Doubles, start: Start, length: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float]:
     """Pass a length (um) of a gathered cell from an offset in it; return the speed behind it, the time, and an error.
 
@@ -257,7 +257,7 @@ def event_cell(
     length is not for this step.
     """
     way, x, u, offset = start.way, start.displacement, start.speed, start.offset
-    table, work = scratch.table, scratch.work
+    table, work = workspace.table, workspace.work
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     energy, per_mass = 0.5 * u * u, length / mass
     passed = spread(length) * load(table, CLOCKS + NODES * clock)
@@ -271,7 +271,7 @@ def event_cell(
     back, drag, least = spread(way * stiffness * drive), spread(-damping), spread(_LEAST)
     total, old = length / u, 0.0
     weak = per_mass * damping <= WEAK_DRAG_OF_NODES * u
-    settled = _SETTLED if weak else _SETTLED_IN_DRAG
+    converged = _CONVERGED if weak else _CONVERGED_IN_DRAG
     for _ in range(_MOST_PASSES):
         store(work, PUSH, fused(drag, speed, fused(back, time, known)) * rate)
         square = fused(spread(2.0 * per_mass), _times(table, INTEGRAL, work, PUSH), spread(2.0 * energy))
@@ -284,7 +284,7 @@ def event_cell(
         store(work, PACE, rate / speed)
         time = spread(length) * _times(table, INTEGRAL, work, PACE)
         old, total = total, length * total_of(table, work, PACE)
-        if abs(total - old) <= settled * total:
+        if abs(total - old) <= converged * total:
             break
     else:
         return 0.0, 0.0, 0.0
@@ -308,22 +308,22 @@ def event_cell(
 
 @compiled_within
 def time_step(
-    constants: Doubles, start: Start, duration: float, clock: int, part: Part, scratch: Scratch
+    constants: Doubles, start: Start, duration: float, clock: int, part: Part, workspace: Workspace
 ) -> tuple[float, float, float, bool]:
     """Go on for a duration (s) in a gathered cell: return speed, distance passed, error, and whether.
 
     The passes begin from u' and u'' at the start. The error is as for an event cell.
     """
     way, x, u, offset = start.way, start.displacement, start.speed, start.offset
-    table, work = scratch.table, scratch.work
+    table, work = workspace.table, workspace.work
     mass, stiffness, damping, drive = constants[MASS], constants[STIFFNESS], constants[DAMPING], constants[DRIVE]
     time = spread(duration) * load(table, CLOCKS + NODES * clock)
     rate = spread(duration) * load(table, RATES + NODES * clock)
     per_mass, place, toward = spread(1.0 / mass), spread(offset), spread(way)
     known = fused(spread(way * stiffness * drive), time, spread(way * (stiffness * x + damping * drive)))
-    least = _SETTLED * 4.0 * (abs(stiffness * x) + abs(damping * drive)) / mass
+    least = _CONVERGED * 4.0 * (abs(stiffness * x) + abs(damping * drive)) / mass
     gain = fused(spread(start.jerk), time, spread(start.growth))
-    weak, settled = damping * duration <= WEAK_DRAG_OF_NODES * mass, False
+    weak, converged = damping * duration <= WEAK_DRAG_OF_NODES * mass, False
     for _ in range(_MOST_PASSES):
         store(work, GROWTH, gain)
         store(work, PUSH, gain * rate)
@@ -337,7 +337,7 @@ def time_step(
         for n in range(NODES):
             change = max(change, abs(work[_SCRATCH + n] - work[GROWTH + n]))
         if change <= least:
-            settled = True
+            converged = True
             break
         if not change < 1e290:
             break
@@ -357,4 +357,4 @@ def time_step(
     store(work, _SCRATCH, _times(table, LEGENDRE, work, PACE))
     store(work, PACE, load(work, _SCRATCH))
     error = 0.03 * (abs(work[PACE + NODES - 1]) + duration * abs(work[PUSH + NODES - 1]))
-    return end, distance, error, settled
+    return end, distance, error, converged

@@ -31,7 +31,7 @@ triangle           `triangle`: chords and kinks            1e-15 d^2            
 =================  ======================================  ====================================  ==========
 
 A life of few positions is not worth a series: its ends would meet. Where no life is fine, the passes of that way are
-left out; where few are coarse, only the cells are looked at in which they live. Areas that nobody wants, as over the
+left out; where few are coarse, only the cells are looked at in which they live. Areas that are not wanted, as over the
 cells of divided ticks, are not computed. The series of `fine` take most of the time of ordinary runs, and `coarse` that
 of coarse ticks: there the slider's step divides a tick, so that a life has some hundred cells however few ticks it has.
 
@@ -39,10 +39,10 @@ What must stay
 ==============
 
 - Bits. Sums go in order of birth, products are fused where the source says ``fused`` and nowhere else, no fastmath.
-  What is stored must not depend on where a run is cut into panels: chunks of series begin at whole multiples from the
+  What is stored must not depend on where a run is cut into ranges: chunks of series begin at whole multiples from the
   run's start, and how many terms a panel has depends on its place in its life alone. tests/golden has their hashes.
-- Room. Vectors of eight read and write beyond what is wanted: a `Grid` has a whole block of positions before and after
-  it, and what lands there is thrown away. ``gathered`` is zero before and after each call.
+- Space around. Vectors read and write beyond what is wanted: a `Grid` has a whole block of positions before and
+  after it, and what lands there is thrown away. ``gathered`` is zero before and after each call.
 - The polynomials come from tools/kernel_coefficients.py, fitted at 45 digits; a test holds the files against the tool.
 
 What is easily got wrong
@@ -57,8 +57,7 @@ What is easily got wrong
 - The compiler cannot know that two arrays are apart. What a loop needs of one is read before it writes to another.
 """
 
-from rubnoise.simulation.kernels.choice import Deposited, Room, deposit
-from rubnoise.simulation.kernels.grid import Grid
-from rubnoise.simulation.kernels.ticks import count_live
+from rubnoise.simulation.kernels.choice import Deposited, Scratch, deposit
+from rubnoise.simulation.kernels.grid import Grid, count_live
 
-__all__ = ["Deposited", "Grid", "Room", "count_live", "deposit"]
+__all__ = ["Deposited", "Grid", "Scratch", "count_live", "deposit"]

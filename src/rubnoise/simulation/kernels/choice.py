@@ -25,7 +25,7 @@ _LONG: Final = 1024
 """Cells that cost as much as to look at two stretches of lives, and not at one."""
 
 
-class Room:
+class Scratch:
     """Memory that is used again from panel to panel: new memory would cost more than what is done in it."""
 
     def __init__(self, at_once: int) -> None:
@@ -60,27 +60,31 @@ class Deposited:
 
 
 def deposit(
-    shape: Shape, grid: Grid, rows: LiveRows, weight: Doubles, room: Room | None, *, areas: bool = True
+    shape: Shape, grid: Grid, rows: LiveRows, weight: Doubles, scratch: Scratch | None, *, areas: bool = True
 ) -> Deposited:
     """Add up lives of a shape, each with its weight, in order of birth.
 
     With the weight d^2 the total is the real contact area (um^2), with psi d^2 (MPa um^2) the friction force (uN). A
-    life counts while birth <= s < departure. ``room``: where moments are wanted; they hold until it is used again.
+    life counts while birth <= s < departure. ``scratch``: where moments are wanted; they hold until it is used again.
     ``areas``: whether the total is wanted.
     """
     size = grid.position.size
     total = np.empty(size if areas else 0)
-    flat = _NOTHING if room is None else room.numbers(3 * size)
-    _WAYS[shape](grid, rows, weight, total, flat, room or Room(0))
+    flat = _NOTHING if scratch is None else scratch.numbers(3 * size)
+    _WAYS[shape](grid, rows, weight, total, flat, scratch or Scratch(0))
     wanted = grid.wanted
-    return Deposited(total=total[wanted] if areas else total, moments=flat.reshape(3, -1)[:, wanted] if room else flat)
+    return Deposited(
+        total=total[wanted] if areas else total, moments=flat.reshape(3, -1)[:, wanted] if scratch else flat
+    )
 
 
-def _deposit_lenses(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, room: Room) -> None:
+def _deposit_lenses(
+    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
+) -> None:
     """Lives of many positions that take their course are summed as series, all others position by position."""
     if not np.any(rows.diameter >= FINEST * grid.spacing):
         total[:] = 0.0
-        _deposit_coarse(grid, grid.cells(), rows, weight, total, moments, room, added=0)
+        _deposit_coarse(grid, grid.cells(), rows, weight, total, moments, scratch, added=0)
         return
     rest = _deposit_fine(grid, rows, weight, total, moments)
     if rest.size:
@@ -88,11 +92,11 @@ def _deposit_lenses(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles,
         # What would end a series early has no place in this way: its area is summed as that of the others.
         narrow = others.diameter >= FINEST * grid.spacing
         if narrow.any():
-            _deposit_with_narrow(grid, others, other_weight, narrow, total, moments, room)
+            _deposit_with_narrow(grid, others, other_weight, narrow, total, moments, scratch)
             return
         for some in _apart(grid, others):
             crowd = others.part(some.start, some.stop)
-            _deposit_coarse(grid, _edges_in_reach(grid, crowd), crowd, other_weight[some], total, moments, room)
+            _deposit_coarse(grid, _edges_in_reach(grid, crowd), crowd, other_weight[some], total, moments, scratch)
 
 
 def _deposit_fine(grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles) -> NDArray[np.int64]:
@@ -120,7 +124,7 @@ def _deposit_coarse(
     weight: Doubles,
     total: Doubles,
     moments: Doubles,
-    room: Room,
+    scratch: Scratch,
     *,
     unit: float | None = None,
     added: int = 1,
@@ -135,7 +139,7 @@ def _deposit_coarse(
         rows.diameter,
         rows.departure,
         weight,
-        room.zeros(6 * grid.position.size) if moments.size else _NOTHING,
+        scratch.zeros(6 * grid.position.size) if moments.size else _NOTHING,
         total,
         moments,
         added,
@@ -149,18 +153,18 @@ def _deposit_with_narrow(
     narrow: NDArray[np.bool_],
     total: Doubles,
     moments: Doubles,
-    room: Room,
+    scratch: Scratch,
 ) -> None:
     """Add lives of which some have many positions and ended early: their moments come from quadrature.
 
     Over a small part of a life differences of its integrals would lose what the cell is to gain.
     """
     if total.size:
-        _deposit_coarse(grid, grid.cells(), rows, weight, total, _NOTHING, room)
+        _deposit_coarse(grid, grid.cells(), rows, weight, total, _NOTHING, scratch)
     if moments.size:
         found, edges = np.zeros_like(moments), grid.cells()
         wide, few = np.flatnonzero(~narrow), rows.at(np.flatnonzero(narrow))
-        _deposit_coarse(grid, edges, rows.at(wide), weight[wide], _NOTHING, found, room, unit=1.0)
+        _deposit_coarse(grid, edges, rows.at(wide), weight[wide], _NOTHING, found, scratch, unit=1.0)
         cells = np.ascontiguousarray(found.reshape(3, -1)[:, edges])
         strength = weight[narrow] / (few.diameter * few.diameter)
         deposit_fine_moments(grid.position[edges], few.birth, few.diameter, few.departure, strength, cells)
@@ -168,10 +172,10 @@ def _deposit_with_narrow(
 
 
 def _deposit_triangles(
-    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, room: Room
+    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
     """Triangles are straight but for their kinks, at any position and in any cell."""
-    del room
+    del scratch
     if total.size:
         at = grid.wanted
         total[at] = 0.0

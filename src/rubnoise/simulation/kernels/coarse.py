@@ -9,6 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, inlined
+from rubnoise.simulation.kernels.grid import first_near, per_um_of
 from rubnoise.simulation.kernels.lanes import (
     WIDTH,
     fused,
@@ -29,7 +30,6 @@ from rubnoise.simulation.kernels.lens import (
     THIRD_INTEGRAL_PEAK,
     horner,
 )
-from rubnoise.simulation.kernels.ticks import first_near, per_um_of
 
 AT_ONCE = 1024
 """Cells that are worked out at a time: so many integrals stay in the processor's cache."""

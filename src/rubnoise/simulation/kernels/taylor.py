@@ -9,6 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import inlined
+from rubnoise.simulation.kernels.grid import BLOCK
 from rubnoise.simulation.kernels.lanes import (
     WIDTH,
     fused,
@@ -31,9 +32,6 @@ factors before it is 3e-16 of the squared diameter."""
 
 _SOME, _FEW = 10, 8
 """Terms that do as well six and fourteen panels further from both ends: there they fall by 1/17 and 1/33."""
-
-BLOCK = 8 * PANEL
-"""Positions in a block: grids begin and end at multiples of it."""
 
 CHUNK = 64 * BLOCK
 """Positions whose series are held at a time."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, compiled_bare
-from rubnoise.simulation.kernels.ticks import first_at_or_after
+from rubnoise.simulation.kernels.grid import first_at_or_after
 
 _SLOPE = 0.25 * np.pi
 

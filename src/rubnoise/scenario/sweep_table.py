@@ -1,17 +1,175 @@
-"""The `[sweep]` table: which keys take which values, and what is wrong with it before any point is looked at."""
+"""The `[sweep]` table: which keys take which values, how many runs each point has, and how precise they shall be."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from math import prod
-from typing import Any
+from math import ceil, fsum, inf, isfinite, prod, sqrt
+from typing import Annotated, Any, Final, Literal, cast
+
+from pydantic import Field as About
 
 from rubnoise.scenario import limits
-from rubnoise.scenario.fields import did_you_mean
+from rubnoise.scenario.document import Section
+from rubnoise.scenario.fields import Choice, Field, Number, Range, Unfit, did_you_mean
 from rubnoise.scenario.keys import SECTIONS, SWEEP
 from rubnoise.scenario.layers import Layers, Setting
 from rubnoise.scenario.problems import Path, Place, Problem
-from rubnoise.scenario.sweep_settings import Settings, Sweeping, read_settings
+
+QUANTITIES: Final[dict[str, str]] = {
+    "real_contact_area_mean": "",
+    "real_contact_area_std": "",
+    "real_contact_area_skewness": "",
+    "real_contact_area_excess_kurtosis": "",
+    "junction_count_mean": "",
+    "junction_count_std": "",
+    "friction_force_mean": "strength",
+    "friction_force_std": "strength",
+    "displacement_mean": "slider",
+    "displacement_std": "slider",
+    "velocity_std": "slider",
+    "one_way_validity": "slider",
+}
+"""The figures of a run, and the table that a scenario needs for each."""
+
+ONE_WAY_ONLY: Final = "one_way_validity"
+"""The figure that a run with two-way coupling does not have."""
+
+FEWEST: Final = 8
+"""Runs from which their scatter says how precise their mean is: to some 27 %, 1/sqrt(2 (n - 1))."""
+
+_SPARE: Final = 1.1
+_AT_LEAST: Final = 0.125
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Precision:
+    """The relative standard error to which the mean of a quantity over replicates shall be known, and the most runs."""
+
+    relative: float
+    quantity: str
+    most_replicates: int
+
+    def reached(self, values: Sequence[float]) -> float:
+        """Return s / (sqrt(n) |mean|) of replicates, s their standard deviation; nan among them is left out.
+
+        Of fewer than two it is inf, of values that are all the same 0.
+        """
+        finite = [value for value in values if isfinite(value)]
+        if len(finite) < 2:
+            return inf
+        mean = fsum(finite) / len(finite)
+        error = sqrt(fsum((value - mean) ** 2 for value in finite) / (len(finite) * (len(finite) - 1)))
+        if error == 0.0:
+            return 0.0
+        return error / abs(mean) if mean else inf
+
+    def wanted(self, values: Sequence[float]) -> int:
+        """Return how many replicates a point should have, from what those show that it has: as many when it is met.
+
+        At most twice as many at a time, since few of them know little of their scatter.
+        """
+        have, reached = len(values), self.reached(values)
+        if reached <= self.relative or have >= self.most_replicates:
+            return have
+        needed = min(2.0, _SPARE * (reached / self.relative) ** 2)
+        return min(self.most_replicates, ceil(have * max(needed, 1.0 + _AT_LEAST)))
+
+
+Keep = Literal["runs", "summary"]
+
+
+class Sweeping(Section):
+    """Many runs from one file; `[sweep.grid]` and `[sweep.zip]` list the values that vary."""
+
+    replicates: Annotated[
+        int,
+        Number(Range(1, limits.SWEEP_RUNS), whole=True),
+        About(
+            description=f"Runs of each point, each with its own seed; with a precision, the first runs, {FEWEST} or "
+            "more."
+        ),
+    ] = 1
+    keep: Annotated[
+        str,
+        Choice(("runs", "summary")),
+        About(description="runs: a result file for each run; summary: only its figures and curves, without traces."),
+    ] = "runs"
+    precision: Annotated[
+        float | None,
+        Number(Range(1e-6, 1.0)),
+        About(description="Target for the relative standard error of the quantity's mean; runs are added to meet it."),
+    ] = None
+    quantity: Annotated[
+        str, Choice(tuple(QUANTITIES)), About(description="The figure of a run that must reach this precision.")
+    ] = "real_contact_area_std"
+    most_replicates: Annotated[
+        int,
+        Number(Range(FEWEST, limits.SWEEP_RUNS), whole=True),
+        About(description="Most runs of a point, even if it does not reach the precision."),
+    ] = 1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """What `[sweep]` says of all its points; without a precision there are so many replicates, and no more."""
+
+    replicates: int = 1
+    keep: Keep = "runs"
+    precision: Precision | None = None
+
+    @property
+    def most_replicates(self) -> int:
+        """How many runs a point may come to have."""
+        return self.replicates if self.precision is None else self.precision.most_replicates
+
+
+_ONLY_WITH_PRECISION: Final = ("quantity", "most_replicates")
+
+
+def read_settings(layers: Layers, table: Mapping[str, Any]) -> tuple[Settings, list[Problem]]:
+    """Return the settings of a `[sweep]` table, defaults in place of what is wrong, and everything that is."""
+    values: dict[str, Any] = {}
+    problems = []
+    for key, about in Sweeping.model_fields.items():
+        field = next(each for each in about.metadata if isinstance(each, Field))
+        values[key] = about.default
+        try:
+            values[key] = field.read(table[key]) if key in table else about.default
+        except Unfit as unfit:
+            problems.append(_problem(layers, key, str(unfit), unfit.hint))
+    problems += [] if problems else list(_at_odds(layers, table, values))
+    return _settings(values, counted="replicates" in table), problems
+
+
+def _settings(values: Mapping[str, Any], *, counted: bool) -> Settings:
+    keep, replicates = cast(Keep, values["keep"]), int(values["replicates"])
+    if values["precision"] is None:
+        return Settings(replicates=replicates, keep=keep)
+    precision = Precision(
+        relative=values["precision"], quantity=values["quantity"], most_replicates=values["most_replicates"]
+    )
+    return Settings(replicates=replicates if counted else FEWEST, keep=keep, precision=precision)
+
+
+def _at_odds(layers: Layers, table: Mapping[str, Any], values: Mapping[str, Any]) -> Iterator[Problem]:
+    """Yield what keys ask of one another."""
+    if values["precision"] is None:
+        for key in _ONLY_WITH_PRECISION:
+            if key in table:
+                yield _problem(layers, key, "needs a precision", "add precision = 0.01")
+        return
+    if "replicates" in table and values["replicates"] < FEWEST:
+        hint = f"replicates = {FEWEST}, or leave it out"
+        yield _problem(layers, "replicates", "too few to estimate the precision", hint)
+    if values["replicates"] > values["most_replicates"]:
+        hint = f"most_replicates = {values['replicates']} or more"
+        yield _problem(layers, "most_replicates", "fewer than the replicates to begin with", hint)
+
+
+def _problem(layers: Layers, key: str, message: str, hint: str) -> Problem:
+    path = (SWEEP, key)
+    return Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+
 
 GRID, ZIP = "grid", "zip"
 TOP_KEYS = (*Sweeping.model_fields, GRID, ZIP)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from rubnoise.model import Model
-from rubnoise.simulation import panels as module
+from rubnoise.simulation import ticks as module
 from rubnoise.simulation.draws import BlockBirths, start
-from rubnoise.simulation.panels import LARGEST_PANEL, panels
 from rubnoise.simulation.state import State
+from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, tick_ranges
 from tests.models import bare
 
 
@@ -20,7 +20,9 @@ def block_up_to(next_birth: float) -> BlockBirths:
 
 def covered(run: Model, begin: State, next_birth: float, cells: int = 1) -> list[int]:
     return [
-        tick for panel in panels(run, begin, block_up_to(next_birth), cells) for tick in range(panel.first, panel.end)
+        tick
+        for tick_range in tick_ranges(run, begin, block_up_to(next_birth), cells)
+        for tick in range(tick_range.first, tick_range.end)
     ]
 
 
@@ -58,13 +60,13 @@ def test_ticks_and_births_are_told_apart_to_the_last_bit(tick: float) -> None:
     for i in (1, 3, 7, 999, 123_457):
         at = float(i) * tick
         for birth, last in ((np.nextafter(at, 0.0), i - 1), (at, i - 1), (np.nextafter(at, np.inf), i)):
-            found = list(panels(run, BEGIN, block_up_to(float(birth)), 1))
+            found = list(tick_ranges(run, BEGIN, block_up_to(float(birth)), 1))
             assert found[-1].end - 1 == last
 
 
-@pytest.mark.parametrize("cells", [1, 4, 64, 2 * LARGEST_PANEL])
+@pytest.mark.parametrize("cells", [1, 4, 64, 2 * LARGEST_TICK_RANGE])
 def test_panels_are_no_larger_than_allowed_and_cover_all(monkeypatch: pytest.MonkeyPatch, cells: int) -> None:
-    monkeypatch.setattr(module, "LARGEST_PANEL", 128)
+    monkeypatch.setattr(module, "LARGEST_TICK_RANGE", 128)
     assert covered(RUN, BEGIN, 11.0, cells) == list(range(101))
-    sizes = [panel.end - panel.first for panel in panels(RUN, BEGIN, block_up_to(11.0), cells)]
+    sizes = [tick_range.end - tick_range.first for tick_range in tick_ranges(RUN, BEGIN, block_up_to(11.0), cells)]
     assert max(sizes) == min(max(128 // cells, 1), 101)

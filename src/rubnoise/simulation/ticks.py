@@ -1,4 +1,4 @@
-"""Panels: the stretches of output ticks that are computed and written at one go."""
+"""Ranges of output ticks, which are computed and written at one go."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from rubnoise.model import Model
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.state import State
 
-LARGEST_PANEL = 294_912
-"""Positions in a panel at most, so that a thin contact, whose blocks are long, needs no more memory than others."""
+LARGEST_TICK_RANGE = 294_912
+"""Positions in a range at most, so that a thin contact, whose blocks are long, needs no more memory than others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Panel:
+class TickRange:
     """Ticks ``first`` ... ``end`` - 1, ``tick`` um apart."""
 
     first: int
@@ -26,12 +26,12 @@ class Panel:
         return float(self.end - 1) * self.tick
 
 
-def panels(model: Model, state: State, births: BlockBirths, cells_per_tick: int) -> Iterator[Panel]:
-    """Yield the panels of blocks: its ticks lie before the next block's first birth, those of the last end the run."""
+def tick_ranges(model: Model, state: State, births: BlockBirths, cells_per_tick: int) -> Iterator[TickRange]:
+    """Yield the tick ranges of blocks, up to the next block's first birth or the end of the run."""
     end = first_tick_at_or_after(model, births.next_birth)
-    size = max(LARGEST_PANEL // cells_per_tick, 1)
+    size = max(LARGEST_TICK_RANGE // cells_per_tick, 1)
     for first in range(state.ticks, end, size):
-        yield Panel(first=first, end=min(first + size, end), tick=model.tick)
+        yield TickRange(first=first, end=min(first + size, end), tick=model.tick)
 
 
 def first_tick_at_or_after(model: Model, distance: float) -> int:

@@ -5,42 +5,42 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from rubnoise.errors import ScenarioRefused
-from rubnoise.scenario.axes import Axis, Table, read_table
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
-from rubnoise.scenario.load import examined
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
+from rubnoise.scenario.reading import examined
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Choice
+from rubnoise.scenario.sweep_table import Axis, Table, read_table
 
 NAME: Final = "scenario_toml"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Retold:
+class Reread:
     """The resolved scenario of a text, and for a point of a sweep the seeds that its replicates have.
 
-    ``whole`` is False where the text extends a file that is not at hand: what that one says is taken from the run.
+    ``self_contained`` is False where the text extends a file that is not at hand: its keys are those of the run.
     """
 
     resolved: Mapping[str, Any]
     seeds: frozenset[int] = frozenset()
-    whole: bool = True
+    self_contained: bool = True
 
 
-def retold(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> Retold:
+def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> Reread:
     """Return the scenario of a text with overrides; of a sweep the point that has the swept values of the run.
 
     ``run`` is the resolved scenario of the run. Raises ScenarioRefused where the text is no scenario, or where its
     sweep has no such point.
     """
-    whole = "extends" not in Source(NAME, text).data
-    given = from_text(text, NAME, overrides) if whole else from_text_over(run, text, NAME, overrides)
+    self_contained = "extends" not in Source(NAME, text).data
+    given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
     if SWEEP in given.data:
-        return _point(given, run, whole=whole)
-    return Retold(resolved=_scenario(given).resolved(), whole=whole)
+        return _point(given, run, self_contained=self_contained)
+    return Reread(resolved=_scenario(given).resolved(), self_contained=self_contained)
 
 
 def _scenario(given: Layers) -> Scenario:
@@ -50,7 +50,7 @@ def _scenario(given: Layers) -> Scenario:
     return scenario
 
 
-def _point(given: Layers, run: Mapping[str, Any], *, whole: bool) -> Retold:
+def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Reread:
     table, wrong = read_table(given)
     if given.problems or wrong:
         raise ScenarioRefused(report([*given.problems, *wrong]))
@@ -58,7 +58,9 @@ def _point(given: Layers, run: Mapping[str, Any], *, whole: bool) -> Retold:
     scenario = _scenario(given.topped(choice, without=SWEEP))
     replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
     seeds = frozenset(point.seed for point in replicates)
-    return Retold(resolved=scenario.resolved(), seeds=seeds if whole else frozenset(), whole=whole)
+    return Reread(
+        resolved=scenario.resolved(), seeds=seeds if self_contained else frozenset(), self_contained=self_contained
+    )
 
 
 def _indices(table: Table, run: Mapping[str, Any]) -> tuple[int, ...]:

@@ -1,16 +1,20 @@
-"""The columns of a file read from front to back, so that a longer run needs no more memory."""
+"""The columns of a file read from front to back in chunks, so that a longer run needs no more memory."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
+from math import ceil
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
+from rubnoise.errors import RunFileRefused
+from rubnoise.model import Model
 from rubnoise.record.reader import Rows
+from rubnoise.theory.lags import longest_life
 
-PANEL_ROWS: Final = 65_536
+CHUNK_ROWS: Final = 65_536
 
 
 class Columns(Mapping[str, NDArray[Any]]):
@@ -41,7 +45,7 @@ class Columns(Mapping[str, NDArray[Any]]):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Panel:
+class Chunk:
     """Rows ``first`` ... ``end`` - 1 of a group, by the names of its columns."""
 
     first: int
@@ -57,20 +61,20 @@ class Panel:
         return name in self.columns
 
 
-def panels(rows: Rows, group: str, size: int = PANEL_ROWS) -> Iterator[Panel]:
-    """Yield all columns of a group from its first row to its last, so many rows at a time; of no rows one panel."""
+def chunks(rows: Rows, group: str, size: int = CHUNK_ROWS) -> Iterator[Chunk]:
+    """Yield all columns of a group from its first row to its last, so many rows at a time; of no rows one chunk."""
     total = rows.rows(group)
     for first in range(0, max(total, 1), size):
-        yield panel(rows, group, first, min(first + size, total))
+        yield chunk(rows, group, first, min(first + size, total))
 
 
-def panel(rows: Rows, group: str, first: int, end: int) -> Panel:
+def chunk(rows: Rows, group: str, first: int, end: int) -> Chunk:
     """Return rows ``first`` ... ``end`` - 1 of a group, whose columns are read when they are asked for."""
-    return Panel(first=first, end=end, columns=Columns(rows, group, first, end))
+    return Chunk(first=first, end=end, columns=Columns(rows, group, first, end))
 
 
 class Ahead:
-    """Rows that are read a whole panel at a time, for those who go through them in small steps."""
+    """Rows that are read a whole chunk at a time, for those who go through them in small steps."""
 
     def __init__(self, rows: Rows) -> None:
         """Read from rows, which are as before."""
@@ -89,12 +93,12 @@ class Ahead:
     def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Return rows ``start`` to ``stop`` (to the end when None) of a column."""
         end = self.rows(group) if stop is None else stop
-        first = start // PANEL_ROWS * PANEL_ROWS
-        if end > first + PANEL_ROWS:
+        first = start // CHUNK_ROWS * CHUNK_ROWS
+        if end > first + CHUNK_ROWS:
             return self._rows.column(group, name, start, end)
         read, values = self._read.get((group, name), (-1, np.empty(0)))
         if read != first:
-            values = self._rows.column(group, name, first, first + PANEL_ROWS)
+            values = self._rows.column(group, name, first, first + CHUNK_ROWS)
             self._read[group, name] = first, values
         return values[start - first : end - first]
 
@@ -135,7 +139,7 @@ class Window:
     def _born(self, distance: float) -> Iterator[Junctions]:
         total = self._rows.rows("junctions")
         while self._next < total:
-            end = min((self._next // PANEL_ROWS + 1) * PANEL_ROWS, total)
+            end = min((self._next // CHUNK_ROWS + 1) * CHUNK_ROWS, total)
             birth = self._rows.column("junctions", "birth_distance", self._next, end)
             count = int(np.searchsorted(birth, distance, side="right"))
             yield self._junctions(self._next, self._next + count)
@@ -146,8 +150,8 @@ class Window:
     def _junctions(self, first: int, end: int) -> Junctions:
         names = ("birth_distance", "diameter", "death_distance")
         birth, diameter, death = (self._rows.column("junctions", name, first, end) for name in names)
-        told = "shear_strength" in self._rows.columns["junctions"]
-        strength = self._rows.column("junctions", "shear_strength", first, end) if told else np.ones(birth.size)
+        has_strength = "shear_strength" in self._rows.columns["junctions"]
+        strength = self._rows.column("junctions", "shear_strength", first, end) if has_strength else np.ones(birth.size)
         return Junctions(birth=birth, diameter=diameter, death=death, strength=strength)
 
 
@@ -155,3 +159,33 @@ def _together(parts: Sequence[Junctions]) -> Junctions:
     return Junctions(
         **{each.name: np.concatenate([getattr(part, each.name) for part in parts]) for each in fields(Junctions)}
     )
+
+
+CHECKED_ROWS: Final = 1 << 18
+
+
+def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
+    """Yield the named columns of a group from its first row to its last, a chunk at a time; those that it has.
+
+    Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
+    """
+    there = [name for name in names if name in rows.columns[group]]
+    total = rows.rows(group)
+    for first in range(0, total, CHECKED_ROWS):
+        last = min(first + CHECKED_ROWS, total)
+        chunk = {name: rows.column(group, name, first, last) for name in there}
+        for name, values in chunk.items():
+            _check(group, name, first, values)
+        yield chunk
+
+
+def _check(group: str, name: str, first: int, values: NDArray[Any]) -> None:
+    right = np.isfinite(values) if name != "diameter" else np.isfinite(values) & (values > 0.0)
+    if not right.all():
+        row = int(np.argmin(right))
+        raise RunFileRefused(f"/{group} is damaged: row {first + row} has the {name} {values[row]:g}")
+
+
+def settled_tick(model: Model) -> int:
+    """Return the first tick from which the contact is stationary: after a longest life where the start was empty."""
+    return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)

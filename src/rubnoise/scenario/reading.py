@@ -7,13 +7,12 @@ from typing import Any
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
-from rubnoise.scenario.build import TOLERANCE
 from rubnoise.scenario.checks import modelled, plausibility
 from rubnoise.scenario.document import Document, SampledOutput, Slider
 from rubnoise.scenario.fields import FROM_PYTHON
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Problem, in_order, report
-from rubnoise.scenario.scenario import Scenario
+from rubnoise.scenario.scenario import TOLERANCE, Scenario
 from rubnoise.units import Quantity
 
 
