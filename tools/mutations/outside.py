@@ -110,6 +110,30 @@ CLAIMS = (
         "return verdict if all(quantity.agrees for quantity in quantities) else",
         "return verdict if any(quantity.agrees for quantity in (*quantities, *quantities)) or quantities else",
     ),
+    one(
+        "a verdict on what was not read",
+        "test_what_was_not_read_has_no_verdict_and_says_what_is_missing",
+        "_CARRIES_A_VERDICT = (Known.PROOF, Known.ORIGINAL)",
+        "_CARRIES_A_VERDICT = tuple(Known)",
+    ),
+    one(
+        "runs that no verdict looks at",
+        "test_an_original_that_was_read_is_reproduced_or_contradicted_by_both_numbers",
+        "and simulated[0] <= high and low <= simulated[1]",
+        "and simulated[0] <= simulated[1]",
+    ),
+    one(
+        "an exponent without its factor's logarithm",
+        "test_an_exponent_has_the_error_of_both_its_points",
+        "standard_error=found.standard_error / found.value / abs(log(factor)),",
+        "standard_error=found.standard_error / found.value,",
+    ),
+    one(
+        "a page of disagreeing numbers",
+        "test_no_ledger_is_written_where_simulation_and_theory_disagree",
+        "if claim.quantity is not None and not claim.quantity.agrees]",
+        "if claim.quantity is None and claim.published is not None]",
+    ),
 )
 PAGES = (
     one(
