@@ -123,7 +123,7 @@ def test_a_small_score_is_no_kill() -> None:
         ("simulation/recurrence.py", True),
         ("compiling.py", True),
         ("simulation/run.py", False),
-        ("contact/laws.py", False),
+        ("contact/pulses.py", False),
     ],
 )
 def test_only_what_is_compiled_is_compiled_again(file: str, *, feeds: bool) -> None:
