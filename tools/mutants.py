@@ -4,7 +4,7 @@ Each fault of tools/mutations is put into a copy of the program, and the test th
 to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
 has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
 it is. With `--resume FILE` each verdict is kept in the file as it is reached, and the same command, stopped and called
-again, tries only what is left; a change of the program or its tests makes all verdicts void. Prints a table; exit code 1
+again, tries only what is left; a change of program or tests makes all verdicts void. Prints a table; exit code 1
 where a fault survives. dev.py has to have set up before.
 """
 
@@ -47,7 +47,7 @@ ASSERTED = (" - assert", " - AssertionError", " - Failed: ", " - rubnoise.")
 
 COPIED = ("src", "tests", "pyproject.toml")
 LEFT = shutil.ignore_patterns("*.nbi", "*.nbc")
-"""Compiled kernels, of which each copy has its own. Compiled modules may come: Python tells a changed one by its time."""
+"""Compiled kernels: each copy has its own. Compiled modules may come, since Python tells a changed one by its time."""
 PYTHON = WORK.python if WORK.python.exists() else Path(sys.executable)
 
 

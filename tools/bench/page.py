@@ -258,10 +258,10 @@ def _growth_of_errors(found: Results, growth: Growth) -> Iterator[str]:
 
 
 def _in_memory(found: Results) -> Iterator[str]:
-    yield "The same in memory, without file, theory or hashes: births and area, and these with the motion, whose errors"
-    yield "are those above. Our motion takes three moments of the force over every cell, and by 10 ticks in a life a tick"
-    yield "has eight cells. The loops take the force at the ticks alone. Their error falls with the square of a tick: for"
-    yield f"{OUR_MOTION_BOUND:.0e} they would need some 20 000 ticks in a life."
+    yield "The same in memory, without file, theory or hashes: births and area, and these with the motion, whose"
+    yield "errors are those above. Our motion takes three moments of the force over every cell, and by 10 ticks in a"
+    yield "life a tick has eight cells. The loops take the force at the ticks alone. Their error falls with the square"
+    yield f"of a tick: for {OUR_MOTION_BOUND:.0e} they would need some 20 000 ticks in a life."
     yield ""
     yield from _growth_table("ticks in a mean life, in memory", found.in_memory)
 
