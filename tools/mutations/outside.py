@@ -64,18 +64,32 @@ CLI = (
     ),
 )
 
+PAGES = (
+    one(
+        "cells of a page without their peaks",
+        "test_cells_of_a_longer_run_hold_its_extremes",
+        "high.append(np.maximum.reduceat(chunk, starts))",
+        "high.append(np.minimum.reduceat(chunk, starts))",
+    ),
+    one(
+        "rows of a page a row too late",
+        "test_a_page_of_a_stretch_holds_its_rows_and_the_extremes_of_all",
+        "file.column(group, column.name, first, last))",
+        "file.column(group, column.name, first + 1, last))",
+    ),
+)
 FIGURES = (
     one(
         "a thinned curve without its peaks",
         "test_a_thinned_curve_keeps_its_extremes",
-        "np.maximum.reduceat(value, starts)",
-        "np.minimum.reduceat(value, starts)",
+        "np.maximum.reduceat(value, starts)], axis=-1)",
+        "np.minimum.reduceat(value, starts)], axis=-1)",
     ),
     one(
         "a thinned column without its peaks",
         "test_of_many_rows_the_extremes_are_kept",
-        "np.maximum.reduceat(chunk, starts)",
-        "np.minimum.reduceat(chunk, starts)",
+        "np.maximum.reduceat(chunk, starts)], axis=-1)",
+        "np.minimum.reduceat(chunk, starts)], axis=-1)",
     ),
     one(
         "lenses drawn too narrow",
