@@ -19,7 +19,6 @@ ROOMS = {
     "api": outside.API,
     "cli": outside.CLI,
     "figures": outside.FIGURES,
-    "pages": outside.PAGES,
     "claims": outside.CLAIMS,
     "lesson": lesson.MUTANTS,
     "pages": outside.PAGES,

@@ -64,20 +64,6 @@ CLI = (
     ),
 )
 
-PAGES = (
-    one(
-        "cells of a page without their peaks",
-        "test_cells_of_a_longer_run_hold_its_extremes",
-        "high.append(np.maximum.reduceat(chunk, starts))",
-        "high.append(np.minimum.reduceat(chunk, starts))",
-    ),
-    one(
-        "rows of a page a row too late",
-        "test_a_page_of_a_stretch_holds_its_rows_and_the_extremes_of_all",
-        "file.column(group, column.name, first, last))",
-        "file.column(group, column.name, first + 1, last))",
-    ),
-)
 FIGURES = (
     one(
         "a thinned curve without its peaks",
@@ -167,5 +153,11 @@ PAGES = (
         "test_cells_of_a_longer_run_hold_its_extremes",
         "high.append(np.maximum.reduceat(values, starts))",
         "high.append(np.minimum.reduceat(values, starts))",
+    ),
+    one(
+        "rows of a page a row too late",
+        "test_a_page_of_a_stretch_holds_its_rows_and_the_extremes_of_all",
+        "file.column(group, column.name, first, last))",
+        "file.column(group, column.name, first + 1, last))",
     ),
 )
