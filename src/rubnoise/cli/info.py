@@ -43,7 +43,7 @@ def command(
 ) -> None:
     """Show a result file, with measured and exact figures, or the progress of a run or a sweep.
 
-    Of a sweep, --figures tells numbers with their 95 % intervals, and --over ratios with theirs.
+    Of a sweep, --figures shows values with their 95 % intervals, and --over shows ratios with theirs.
 
     Example: rubnoise info fig5.h5
     """
@@ -244,8 +244,8 @@ def _interval(estimate: "Pooled") -> dict[str, float | int | None]:
         "low": estimate.value - estimate.reach,
         "high": estimate.value + estimate.reach,
     }
-    told: dict[str, float | int | None] = {name: each if isfinite(each) else None for name, each in numbers.items()}
-    return {**told, "runs": estimate.runs}
+    finite: dict[str, float | int | None] = {name: each if isfinite(each) else None for name, each in numbers.items()}
+    return {**finite, "runs": estimate.runs}
 
 
 def format_sweep(answer: Mapping[str, Any]) -> list[str]:
@@ -270,22 +270,22 @@ def _estimate_lines(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield a line for each figure of each point, below the swept values."""
     for point in points:
         yield sentence(printable(", ".join(f"{key} = {value}" for key, value in point["values"].items())))
-        for name, told in point["figures"].items():
+        for name, estimate in point["figures"].items():
             over = point.get("over", {}).get(name, {"runs": 0})
             # A point over itself is 1, which needs no telling.
             ratio = f"; ratio {_with_interval(over)}" if over["runs"] and over["standard_error"] != 0.0 else ""
-            runs = f" ({told['runs']} runs)" if told["runs"] else ""
-            yield line(name.replace("_", " "), f"{_with_interval(told)}{runs}{ratio}")
+            runs = f" ({estimate['runs']} runs)" if estimate["runs"] else ""
+            yield line(name.replace("_", " "), f"{_with_interval(estimate)}{runs}{ratio}")
 
 
-def _with_interval(told: Mapping[str, Any]) -> str:
+def _with_interval(estimate: Mapping[str, Any]) -> str:
     """Return a value to two digits of the 95 % interval about it."""
-    if told["value"] is None:
+    if estimate["value"] is None:
         return "not known"
-    if told["low"] is None:
-        return f"{told['value']:.5g}"
-    reach = 0.5 * (told["high"] - told["low"])
+    if estimate["low"] is None:
+        return f"{estimate['value']:.5g}"
+    reach = 0.5 * (estimate["high"] - estimate["low"])
     if reach == 0.0:
-        return f"{told['value']:g}"
+        return f"{estimate['value']:g}"
     places = max(1 - floor(log10(reach)), 0)
-    return f"{told['value']:.{places}f} +- {reach:.{places}f}"
+    return f"{estimate['value']:.{places}f} +- {reach:.{places}f}"
