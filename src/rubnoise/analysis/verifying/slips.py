@@ -210,7 +210,10 @@ def _extrapolated(
             table[back, 0], table[back, 1] = path, u
             path, u = path + away, u + away_u
         table[column, 0], table[column, 1] = path, u
-        near, near_u = oscillator.limit + _ROUNDED * abs(path), oscillator.limit / oscillator.longest + _ROUNDED * abs(u)
+        near, near_u = (
+            oscillator.limit + _ROUNDED * abs(path),
+            oscillator.limit / oscillator.longest + _ROUNDED * abs(u),
+        )
         if column > 1 and abs(away) <= near and abs(away_u) <= near_u:
             return path, u, True
     return path, u, False
