@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.replicates import Pooled
     from rubnoise.api import Run
     from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.storage.layout import RunDescription
 
 
 def command(
@@ -145,16 +146,32 @@ def part_as_json(file: Path) -> dict[str, Any]:
         "share": found.share,
         "done": {"junctions": found.junctions, "ticks": found.ticks, **found.grown},
         "whole": {"junctions": about.extent.junctions, "ticks": about.extent.ticks},
+        **({"slider_rows_at_most": most} if (most := _slider_rows_at_most(about)) is not None else {}),
         "committed": found.committed or None,
         "being_written": found.being_written,
     }
 
 
+def _slider_rows_at_most(about: "RunDescription") -> int | None:
+    """Return the bound that `check` prints too; None if the rows are known or the scenario in the file is damaged."""
+    from rubnoise.scenario import build
+    from rubnoise.storage.forecast import rows_at_most
+
+    if about.extent.slider is not None:
+        return None
+    try:
+        model = build(about.scenario_resolved).model()
+    except (ValueError, RecursionError, AttributeError, TypeError, Refused):
+        return None
+    return rows_at_most(model, about.extent).slider
+
+
 def format_part(answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     done, whole = answer["done"], answer["whole"]
+    most = {"slider": answer["slider_rows_at_most"]} if "slider_rows_at_most" in answer else {}
     rows = ", ".join(
-        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else f"{grouped(count)} rows of /{name}"
+        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else _growing(name, count, most.get(name))
         for name, count in done.items()
     )
     hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
@@ -169,6 +186,11 @@ def format_part(answer: dict[str, Any]) -> list[str]:
         line("last commit", answer["committed"] or "none yet"),
         line("now", hint, whole=True),
     ]
+
+
+def _growing(name: str, count: int, most: int | None) -> str:
+    bound = "" if most is None else f" (at most {grouped(most)} expected)"
+    return f"{grouped(count)} rows of /{name}{bound}"
 
 
 def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
