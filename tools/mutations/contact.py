@@ -92,7 +92,7 @@ SIZES = (
     ),
     one(
         "ends of a range in any order",
-        "test_the_ends_of_a_range_have_an_order",
+        "test_the_ends_of_a_range_have_an_order[0.2]",
         "and most <= least:",
         "and most < 0.0 * least:",
     ),
