@@ -86,14 +86,14 @@ class _Best:
         self._keys.append(signed)
         self._held += rows.size
         if self._head is not None and self._held > self._head:
-            self._settle()
+            self._keep_first()
 
     def rows(self) -> RowNumbers:
         """Return the rows in order."""
-        self._settle()
+        self._keep_first()
         return self._rows[0]
 
-    def _settle(self) -> None:
+    def _keep_first(self) -> None:
         rows = np.concatenate([np.zeros(0, dtype=np.int64), *self._rows])
         keys = np.concatenate([np.zeros(0), *self._keys])
         order = np.argsort(keys, kind="stable")[: self._head]

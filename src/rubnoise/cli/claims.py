@@ -26,11 +26,11 @@ def command(
 
     Example: rubnoise claims
     """
-    from rubnoise.claims.catalogue import settle
+    from rubnoise.claims.catalogue import evaluate_claims
     from rubnoise.claims.claim import Verdict
 
     with StatusLine(shown=on_terminal() and not quiet) as status:
-        claims = settle(status.show)
+        claims = evaluate_claims(status.show)
     print(
         json.dumps({"claims": [claim_as_json(claim) for claim in claims]})
         if as_json
