@@ -1,6 +1,7 @@
 """What holds for every test, and which wait for `--all`."""
 
 import gc
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,18 @@ def pytest_configure_node(node: Any) -> None:
     node.workerinput["tortures"] = node.config.option.tortures
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Start a worker more than there are cores: some tests wait, for a browser or another process."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return cores + 1
+
+
+def pytest_collection() -> None:
+    """Let no garbage be looked for among tests and libraries while they are loaded."""
+    gc.disable()
+
+
 def pytest_sessionfinish(session: pytest.Session) -> None:
     del session
     if Wishes.freeze:
@@ -61,6 +74,7 @@ def pytest_collection_finish() -> None:
     """Leave tests and libraries out of garbage collection; it would also copy their memory in forked processes."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def pytest_report_header(config: pytest.Config) -> str:

@@ -70,7 +70,7 @@ def run(arguments: list[str]) -> NoReturn:
 
 
 def test(arguments: list[str]) -> NoReturn:
-    """Become pytest in the project's folder, with one worker process for each core."""
+    """Become pytest in the project's folder, with as many worker processes as tests/conftest.py says."""
     os.chdir(ROOT)
     # To compile every module in every process again takes longer than most tests.
     variables = {name: text for name, text in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}

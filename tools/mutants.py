@@ -1,14 +1,19 @@
-"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N]`.
+"""Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N] [--resume FILE]`.
 
 Each fault of tools/mutations is put into a copy of the program, and the test that is named beside it runs there. It has
 to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
 has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
-it is. Prints a table; exit code 1 where a fault survives. dev.py has to have set up before.
+it is. With `--resume FILE` each verdict is kept in the file as it is reached, and the same command, stopped and called
+again, tries only what is left; a change of program or tests makes all verdicts void. Prints a table; exit code 1
+where a fault survives. dev.py has to have set up before.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
+import hashlib
+import json
 import os
 import re
 import shutil
@@ -41,7 +46,8 @@ ASSERTED = (" - assert", " - AssertionError", " - Failed: ", " - rubnoise.")
 """How pytest reports a test that failed by what it asserts or by an exception of ours, not by an error of its own."""
 
 COPIED = ("src", "tests", "pyproject.toml")
-LEFT = shutil.ignore_patterns("__pycache__", "*.pyc")
+LEFT = shutil.ignore_patterns("*.nbi", "*.nbc")
+"""Compiled kernels: each copy has its own. Compiled modules may come, since Python tells a changed one by its time."""
 PYTHON = WORK.python if WORK.python.exists() else Path(sys.executable)
 
 
@@ -131,19 +137,22 @@ def copy_into(folder: Path) -> Path:
     return folder
 
 
-def tried(folder: Path, tests: Sequence[str], compiled: str = "as it is") -> Trial:
-    """Run tests in a copy; ``compiled`` names the machine code that may be used again."""
+def tried(folder: Path, tests: Sequence[str], compiled: str = "as it is", *, enough: bool = False) -> Trial:
+    """Run tests in a copy, up to the first failure if one is ``enough``.
+
+    ``compiled`` names the machine code that may be used again.
+    """
     scores = folder / "scores.txt"
     scores.unlink(missing_ok=True)
     environment = os.environ | {
         "PYTHONPATH": str(folder / "src"),
-        # Python and the compiler tell a changed file by its time and size, which one fault after another may share.
+        # Python tells a changed file by its time in seconds and its size, which one fault after another may share.
         "PYTHONDONTWRITEBYTECODE": "1",
         "NUMBA_CACHE_DIR": str(folder / "machine code" / compiled),
         "RUBNOISE_SCORES": str(scores),
         "COLUMNS": "1000",
     }
-    command = [str(PYTHON), "-m", "pytest", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", *tests]
+    command = [str(PYTHON), "-m", "pytest", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", *["-x"] * enough, *tests]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     lines = scores.read_text(encoding="utf-8").splitlines() if scores.exists() else []
     return Trial(
@@ -157,25 +166,31 @@ def tried(folder: Path, tests: Sequence[str], compiled: str = "as it is") -> Tri
 def judged(mutant: Mutant, folder: Path) -> Verdict:
     """Put a fault into a copy, run its test there, take it out again, and say whether it was noticed."""
     begun = time.monotonic()
-    before = sources(folder / "src" / "rubnoise")
+    package = folder / "src" / "rubnoise"
+    before = sources(package)
     texts = applied(mutant, before)
+    compiled = mutant.name.replace("/", " ") if feeds_the_compiler(texts, package) else "as it is"
+    times = {path: path.stat() for path in texts}
     for path, text in texts.items():
         path.write_text(text, encoding="utf-8")
     try:
-        # The compiler's cache does not see that a file has changed whose functions another one calls.
-        compiled = mutant.name.replace("/", " ") if _feeds_the_compiler(texts) else "as it is"
-        trial = tried(folder, [test_of(mutant, folder)], compiled)
+        # Where faults are a matter of chance all cases are scored, and the largest score counts.
+        trial = tried(folder, [test_of(mutant, folder)], compiled, enough=not mutant.chance)
     finally:
-        for path in texts:
+        for path, status in times.items():
             path.write_text(before[path], encoding="utf-8")
+            # What was compiled of it before holds again.
+            os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
     killed, evidence = _evidence(mutant, trial)
     return Verdict(killed, evidence, time.monotonic() - begun)
 
 
-def _feeds_the_compiler(paths: Iterable[Path]) -> bool:
-    """Whether compiled code may have any of these files in it: one that is compiled or lies beside such."""
-    beside = {each for path in paths for each in path.parent.glob("*.py")}
-    return any("rubnoise.compiling" in each.read_text(encoding="utf-8") for each in beside)
+def feeds_the_compiler(paths: Iterable[Path], package: Path) -> bool:
+    """Whether compiled code has any of these files in it: one that is compiled, or of `rubnoise.compiling.SOURCES`."""
+    text = (package / "compiling.py").read_text(encoding="utf-8")
+    patterns = ast.literal_eval(text.partition("\nSOURCES = ")[2].partition("\n)\n")[0] + ")")
+    into_others = {path for pattern in patterns for path in package.glob(pattern)}
+    return any(path in into_others or "rubnoise.compiling" in path.read_text(encoding="utf-8") for path in paths)
 
 
 def _evidence(mutant: Mutant, trial: Trial) -> tuple[bool, str]:
@@ -189,18 +204,57 @@ def _evidence(mutant: Mutant, trial: Trial) -> tuple[bool, str]:
     return abs(z) >= SEEN, f"z = {z:+.1f}, {figure}"
 
 
-def verdicts(mutants: Iterable[Mutant], folders: Sequence[Path]) -> Iterable[tuple[Mutant, Verdict]]:
-    """Try faults in turn, as many at a time as there are copies."""
+class Kept:
+    """Verdicts in a file, one line each, that hold while program and tests are what they were; none without a file."""
+
+    def __init__(self, path: Path | None, folder: Path) -> None:
+        """Read the verdicts that were reached with the same program and tests as in a copy."""
+        self._path, self._state = path, _state_of(folder)
+        self.found: dict[str, Verdict] = {}
+        if path is not None and path.exists():
+            for line in path.read_text(encoding="utf-8").splitlines():
+                state, name, killed, evidence, seconds = json.loads(line)
+                if state == self._state:
+                    self.found[name] = Verdict(killed, evidence, seconds)
+
+    def keep(self, mutant: Mutant, verdict: Verdict) -> None:
+        """Add a verdict."""
+        self.found[mutant.name] = verdict
+        if self._path is not None:
+            line = json.dumps([self._state, mutant.name, verdict.killed, verdict.evidence, verdict.seconds])
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(line + "\n")
+
+
+def _state_of(folder: Path) -> str:
+    """Return a hash of the files that a copy was made with, and of the faults."""
+    found = hashlib.sha256(repr(MUTANTS).encode())
+    for path in sorted(path for name in COPIED[:2] for path in (folder / name).rglob("*")):
+        if path.is_file() and path.suffix != ".pyc":
+            found.update(repr(path.relative_to(folder)).encode())
+            found.update(path.read_bytes())
+    return found.hexdigest()
+
+
+def verdicts(
+    mutants: Iterable[Mutant], folders: Sequence[Path], kept: Kept | None = None
+) -> Iterable[tuple[Mutant, Verdict]]:
+    """Try faults in turn, as many at a time as there are copies; those of which a verdict is kept are not tried."""
     free: SimpleQueue[Path] = SimpleQueue()
     for folder in folders:
         free.put(folder)
 
     def attempt(mutant: Mutant) -> tuple[Mutant, Verdict]:
+        if kept is not None and mutant.name in kept.found:
+            return mutant, kept.found[mutant.name]
         folder = free.get()
         try:
-            return mutant, judged(mutant, folder)
+            verdict = judged(mutant, folder)
         finally:
             free.put(folder)
+        if kept is not None:
+            kept.keep(mutant, verdict)
+        return mutant, verdict
 
     with ThreadPoolExecutor(len(folders)) as pool:
         yield from pool.map(attempt, mutants)
@@ -230,6 +284,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults by name; all where none is given")
     parser.add_argument("--tenth", metavar="K", help="only each tenth fault from the K-th on; or today")
     parser.add_argument("--jobs", type=int, default=1, help="how many at a time")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="keep verdicts there, and go on from those")
     parser.add_argument("--list", action="store_true", help="only print the names, with file and test")
     asked = parser.parse_args()
     mutants = chosen(asked.names)
@@ -242,18 +297,20 @@ def main() -> int:
         return 0
     with tempfile.TemporaryDirectory(prefix="rubnoise-mutants-") as place:
         folders = [copy_into(Path(tempfile.mkdtemp(dir=place))) for _ in range(max(asked.jobs, 1))]
-        return _report(mutants, folders)
+        return _report(mutants, folders, Kept(asked.resume, folders[0]))
 
 
-def _report(mutants: Sequence[Mutant], folders: Sequence[Path]) -> int:
-    sound = tried(folders[0], sorted({test_of(mutant, folders[0]) for mutant in mutants}))
-    if not sound.passed:
-        print(sound.report, "without any fault these tests have to pass", sep="\n", file=sys.stderr)
-        return 1
-    z, figure = sound.largest
-    print(f"{'no fault':44} passed     largest z = {z:+.1f}, {figure}", flush=True)
+def _report(mutants: Sequence[Mutant], folders: Sequence[Path], kept: Kept) -> int:
+    left = [mutant for mutant in mutants if mutant.name not in kept.found]
+    if left:
+        sound = tried(folders[0], sorted({test_of(mutant, folders[0]) for mutant in left}))
+        if not sound.passed:
+            print(sound.report, "without any fault these tests have to pass", sep="\n", file=sys.stderr)
+            return 1
+        z, figure = sound.largest
+        print(f"{'no fault':44} passed     largest z = {z:+.1f}, {figure}", flush=True)
     survived = 0
-    for mutant, verdict in verdicts(mutants, folders):
+    for mutant, verdict in verdicts(mutants, folders, kept):
         survived += not verdict.killed
         word = "killed" if verdict.killed else "SURVIVED"
         print(f"{mutant.name:44} {word:9}  {verdict.evidence:48} {mutant.test}  {verdict.seconds:.0f} s", flush=True)

@@ -12,7 +12,7 @@ from bench import results as results_module
 from bench.case import Case
 from bench.checks import Verdict, Wrong
 from bench.clock import Task, Timing, interleaved
-from bench.entrants import CIW, areas, births, runs
+from bench.entrants import CIW, areas, births, in_memory, runs
 from bench.goals import goals
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
@@ -46,6 +46,8 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
     verdicts += [Verdict("areas", name, 1e-15, life=0.0) for name in bare]
     pulses = {kernel.OURS: timing(1.0), "C, the same polynomial": timing(0.95), kernel.ROOTS: timing(0.6)}
     loops = {kernel.OURS: timing(1.0), kernel.NUMBA: timing(3.0)}
+    kept = [each.name for each in in_memory(ENGINES)]
+    verdicts += [Verdict("in memory", name, 1e-15, life=0.0) for name in kept]
     points = {"count": FULL.counts, "ticks": FULL.ticks, "length": FULL.lengths}
     return Results(
         plan=FULL,
@@ -60,6 +62,7 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
         motion=MotionTimings({"lsim": timing(5.0), motion.OURS: timing(0.1)}, {"lsim": 1e-5, motion.OURS: 1e-14}),
         two_way={count: coupled(2.5) for count in two_way.GOALS},
         growth={what: {name: dict.fromkeys(p, each) for name, each in whole.items()} for what, p in points.items()},
+        in_memory={name: dict.fromkeys(FULL.ticks, timing(0.5)) for name in kept},
         memory={name: dict.fromkeys(FULL.memory, 150.0) for name in whole},
         startup=dict.fromkeys((startup.HELP, startup.RUN, startup.FIRST), startup.Wait(0.1, 0.1)),
     )

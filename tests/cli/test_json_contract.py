@@ -4,7 +4,8 @@ import json
 import re
 from collections.abc import Iterator
 from contextlib import chdir
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import Any, NoReturn
 from unittest.mock import patch
@@ -13,7 +14,9 @@ import pytest
 
 from rubnoise.api.describing import describe
 from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
+from rubnoise.claims.field import FieldClaim, Known, Source
 from rubnoise.cli.claims import claim_as_json
+from rubnoise.cli.ledger import row_as_json
 from rubnoise.model import Model
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
@@ -52,6 +55,17 @@ A_CLAIM = Claim(
     ),
     verdict=Verdict.HOLDS,
     because="It is.",
+    scenario="claims/mean.toml",
+)
+
+A_ROW = FieldClaim(
+    id="someone1956",
+    source=Source(name="Someone 1956", doi=None, known=Known.ABSTRACT),
+    statement="It is 1.",
+    conditions="dry",
+    because="It is.",
+    quantity=A_CLAIM.quantities[0],
+    published=(0.5, inf),
     scenario="claims/mean.toml",
 )
 
@@ -188,7 +202,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     tell(here / "bare.h5", "provenance", "intervention", "__main__.largest_goes")
     told.append(("info", call("info", "bare.h5", "--json").json()))
     told.append(("verify", call("verify", "long.h5", "--json").json()))
-    return [*told, ("claim", claim_as_json(A_CLAIM)), ("claims", {"claims": [claim_as_json(A_CLAIM)]})]
+    told += [("claim", claim_as_json(A_CLAIM)), ("claims", {"claims": [claim_as_json(A_CLAIM)]})]
+    rows = [row_as_json(row) for row in (A_ROW, replace(A_ROW, quantity=None, published=None, scenario=None))]
+    return [*told, *(("row", row) for row in rows), ("ledger", {"claims": rows})]
 
 
 def test_answers_are_as_promised_and_every_promise_is_met(answers: list[tuple[str, Any]]) -> None:

@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 
 import rubnoise
-from rubnoise.claims import catalogue
+from rubnoise.claims import catalogue, ledger
 from rubnoise.figures.animation import Film
 from tests.architecture.sources import ROOT
-from tests.cli.test_json_contract import A_CLAIM
+from tests.cli.test_json_contract import A_CLAIM, A_ROW
 from tests.wishes import Wishes
 
 sys.path.append(str(ROOT / "tools"))  # tools import each other by name
@@ -47,6 +47,7 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(here)
     if not Wishes.everything:
         monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
+        monkeypatch.setattr(ledger, "evaluate_field", lambda _: (A_ROW,))
         monkeypatch.setattr(Film, "frames", _first_frames)
     return here
 

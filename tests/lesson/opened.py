@@ -7,8 +7,8 @@ from typing import Any
 
 CALM = {"reduced_motion": "reduce"}
 """A visitor who wants nothing to move: the page does not begin to play by itself."""
-UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 300);"
-"""Draw three frames per second. Where a test only reads text, sixty take more time than everything else."""
+UNHURRIED = "window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 100);"
+"""Draw ten frames per second. Where a test only reads text, sixty take more time than everything else."""
 
 LONGEST_WAIT = 30.0  # s
 

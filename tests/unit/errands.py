@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rubnoise.errors import Refused
 from rubnoise.scenario.points import Point
+from rubnoise.sweep.pool import CANCELLATION
 
 
 def name_and_process(point: Point) -> tuple[str, int]:
@@ -70,6 +71,14 @@ def sleep(point: Point, folder: Path) -> str:
     time.sleep(60.0)
     (folder / f"{point.run_id} awake").touch()
     return point.run_id
+
+
+def run_until_stopped(folder: Path) -> None:
+    """Tell that the work began, and go on with it as a run does that is told to stop."""
+    (folder / "begun").touch()
+    while True:
+        CANCELLATION.check(0.0, 0, 0)
+        time.sleep(0.005)
 
 
 def threads(_point: Point) -> dict[str, str | None]:

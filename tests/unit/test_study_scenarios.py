@@ -1,5 +1,6 @@
 """The studies that come along ask what their comments say, and theory answers it."""
 
+from itertools import pairwise
 from math import sqrt
 
 import numpy as np
@@ -32,7 +33,7 @@ def _exact(sweep: Sweep, quantity: str, key: str = "", value: object = None) -> 
 
 
 def test_these_are_all() -> None:
-    assert sorted(path.stem for path in STUDIES.iterdir()) == sorted((*NAMES, *BOTH_WAYS))
+    assert sorted(path.stem for path in STUDIES.iterdir()) == sorted((*NAMES, *BOTH_WAYS, "exponents"))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -81,6 +82,27 @@ def test_the_reference_has_a_thousand_seconds_of_figure_5_and_other_seeds_than_t
     assert {m.sliding_speed for m in models} == {100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5, 3e5, 1e6}
     seeds = [{p.seed for p in points_of(study.cases, 8)} for study in (reference, _study("coupling"))]
     assert not seeds[0] & seeds[1]
+
+
+def test_exponents_come_from_points_that_share_speed_over_diameter_and_seeds() -> None:
+    study = _study("exponents")
+    assert study.warnings == ()
+    models = {
+        (model.mean_junction_count, model.sliding_speed, model.is_two_way): model
+        for model in (case.scenario.model() for case in study.cases)
+    }
+    speeds = sorted({speed for _, speed, _ in models})
+    assert [fast / slow for slow, fast in pairwise(speeds)] == [2.0] * 6
+    for few, many in ((5.0, 20.0), (20.0, 80.0)):
+        ratio_of_sizes = (
+            models[few, speeds[0], True].calibrated_diameter / models[many, speeds[0], True].calibrated_diameter
+        )
+        assert ratio_of_sizes == pytest.approx(2.0, rel=1e-12)
+    for slow, fast in pairwise(speeds):
+        small, large = (
+            expected_figure(models[key], "velocity_std") for key in ((20.0, slow, False), (5.0, fast, False))
+        )
+        assert large / small == pytest.approx(2.0, rel=1e-6)
 
 
 def test_vibration_rises_and_falls_with_the_speed() -> None:

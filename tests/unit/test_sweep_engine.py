@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Future
 from functools import partial
@@ -157,6 +158,22 @@ def test_who_watches_may_stop_it_and_no_process_stays(
     for process in processes:
         with pytest.raises(ProcessLookupError):
             os.kill(process, 0)
+
+
+def test_a_worker_that_is_stopped_in_its_first_call_leaves_by_itself(tmp_path: Path) -> None:
+    worker = Worker.begin()
+    worker.line.send((errands.run_until_stopped, (tmp_path,)))
+    while not (tmp_path / "begun").exists():
+        assert worker.process.poll() is None
+        time.sleep(0.01)
+    worker.process.terminate()
+    for _ in range(1500):
+        if worker.process.poll() is not None:
+            break
+        time.sleep(0.01)
+    code = worker.process.poll()
+    worker.end(seconds=0.0)
+    assert code == 0
 
 
 class Deserted(Here):

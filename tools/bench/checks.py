@@ -10,7 +10,7 @@ import numpy as np
 
 from bench import oracle, ours
 from bench.case import Case, Doubles, Given, Output, doubles
-from bench.entrants import OURS, Entrant, areas, births, runs
+from bench.entrants import OURS, Entrant, areas, births, in_memory, runs
 
 SMALL = Case(junctions=150)
 MOST_TICKS = 3000
@@ -47,7 +47,7 @@ class Wrong(Exception):  # noqa: N818  (a message for a person, printed as it is
 class Verdict:
     """Relative errors of one entrant on one case, as far as it answers.
 
-    ``part`` is "runs", "areas" or "births", and says which answers there have to be.
+    ``part`` is "runs", "in memory", "areas" or "births", and says which answers there have to be.
     """
 
     part: str
@@ -72,7 +72,12 @@ class Verdict:
         return not any(self.faults())
 
 
-NEEDED = {"runs": ("area", "motion", "life"), "areas": ("area", "life"), "births": ("life",)}
+NEEDED = {
+    "runs": ("area", "motion", "life"),
+    "in memory": ("area", "life"),
+    "areas": ("area", "life"),
+    "births": ("life",),
+}
 
 
 def beyond(who: str, what: str, error: float | None, bound: float) -> Iterator[str]:
@@ -111,11 +116,14 @@ def _small(mean_count: float, ticks_per_life: float) -> Case:
 
 
 def verdicts(engines: tuple[str, ...], folder: Path, wanted: tuple[Case, ...] = (SMALL,)) -> Iterator[Verdict]:
-    """Yield a verdict on each entrant: whole runs in every case, then areas and births in the first one."""
+    """Yield a verdict on each entrant: runs into files and in memory in every case, areas and births in the first."""
     for case in wanted:
         known = truth(case)
         for entrant in runs(engines):
             yield judged("runs", entrant.name, whole_run(entrant, known, folder), known)
+        for entrant in in_memory(engines):
+            made = entrant.call(known.case, Given(known.birth, known.diameter))
+            yield judged("in memory", entrant.name, made or Output(), known)
     known = truth(wanted[0])
     for part, entrants in (("areas", areas(engines)), ("births", births())):
         for entrant in entrants:

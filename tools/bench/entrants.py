@@ -57,6 +57,17 @@ def areas(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
     )
 
 
+def in_memory(engines: tuple[str, ...]) -> tuple[Entrant, ...]:
+    """Return our fastest engine and the loops that come closest, in memory: the area alone, and with the slider."""
+    fastest = engines[-1:]
+    return (
+        *_ours(fastest, "area_alone", ", area"),
+        Entrant("numba loops, area", "peers.numba_loops", "area_alone", 100_000, 20_000),
+        *_ours(fastest, "area_and_slider", ", area and slider"),
+        Entrant("numba loops, area and slider", "peers.numba_loops", "area_and_slider", 100_000, 20_000),
+    )
+
+
 def births() -> tuple[Entrant, ...]:
     """Return those who only tell births and deaths: discrete-event libraries that know no area."""
     return (
@@ -65,5 +76,5 @@ def births() -> tuple[Entrant, ...]:
     )
 
 
-def _ours(engines: tuple[str, ...], function: str) -> tuple[Entrant, ...]:
-    return tuple(Entrant(f"{OURS}{name}", "ours", function, 100_000, 100_000, name) for name in reversed(engines))
+def _ours(engines: tuple[str, ...], function: str, of: str = "") -> tuple[Entrant, ...]:
+    return tuple(Entrant(f"{OURS}{name}{of}", "ours", function, 100_000, 100_000, name) for name in reversed(engines))

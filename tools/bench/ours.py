@@ -57,6 +57,11 @@ def area_alone(case: Case, draws: Draws, engine: str) -> Output:
     return output(rubnoise.simulate(scenario(case, engine, slider=False, seed=draws.seed)), slider=False)
 
 
+def area_and_slider(case: Case, draws: Draws, engine: str) -> Output:
+    """Return births, the trace of the area and the motion, kept in memory."""
+    return output(rubnoise.simulate(scenario(case, engine, seed=draws.seed)), slider=True)
+
+
 def run(case: Case, draws: Draws, path: Path, engine: str) -> None:
     """Make a whole run: every table, the summary beside theory and the hashes, on disk."""
     rubnoise.run(scenario(case, engine, seed=draws.seed), path, force=True, command=["bench"]).close()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from bench import checks, kernel, machine, memory, motion, ours, speed, startup, two_way
 from bench.checks import Verdict, Wrong
-from bench.entrants import areas, births, runs
+from bench.entrants import areas, births, in_memory, runs
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
 from bench.peers import c_kernel
@@ -34,6 +34,7 @@ class Results:
     motion: MotionTimings
     two_way: dict[float, CoupledTimings]
     growth: dict[str, Growth]
+    in_memory: Growth
     memory: dict[str, dict[int, float]]
     startup: dict[str, Wait]
 
@@ -42,7 +43,12 @@ class Results:
         for verdict in self.verdicts:
             yield from verdict.faults()
         checked = {(verdict.part, verdict.name) for verdict in self.verdicts}
-        for part, timings in (("runs", self.runs), ("areas", self.areas), ("births", self.births)):
+        for part, timings in (
+            ("runs", self.runs),
+            ("in memory", self.in_memory),
+            ("areas", self.areas),
+            ("births", self.births),
+        ):
             yield from (f"{part}, {name}: never checked" for name in timings if (part, name) not in checked)
         for pulses in (self.kernel, *self.kernel_over_ticks.values()):
             yield from pulses.faults()
@@ -74,6 +80,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     coupled = two_way.measured(plan.two_way, plan.two_way_repeats, folder)
     tell("growth")
     growth = speed.growths(runs(engines), plan, path)
+    kept = speed.over_ticks(in_memory(engines), plan, plan.ticks)
     path.unlink()
     tell("memory and start-up")
     return Results(
@@ -89,6 +96,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
         motion=motions,
         two_way=coupled,
         growth=growth,
+        in_memory=kept,
         memory=memory.measured(runs(engines), plan.memory, folder),
         startup=startup.measured(fastest, folder, repeats=plan.repeats),
     )

@@ -52,6 +52,12 @@ def growths(entrants: Sequence[Entrant], plan: Plan, path: Path) -> dict[str, Gr
     }
 
 
+def over_ticks(entrants: Sequence[Entrant], plan: Plan, points: Sequence[float]) -> Growth:
+    """Return the timings of what is kept in memory, over ticks in a life."""
+    warm(entrants, None)
+    return _growth(entrants, plan, None, points, lambda each, ticks: plan.case(each, ticks_per_life=ticks))
+
+
 def _of_length(plan: Plan, entrant: Entrant, junctions: int) -> Case | None:
     return Case(junctions=junctions) if plan.reaches(entrant.name, junctions) else None
 
@@ -59,7 +65,7 @@ def _of_length(plan: Plan, entrant: Entrant, junctions: int) -> Case | None:
 def _growth(
     entrants: Sequence[Entrant],
     plan: Plan,
-    path: Path,
+    path: Path | None,
     points: Sequence[float],
     case_of: Callable[[Entrant, float], Case | None],
 ) -> Growth:

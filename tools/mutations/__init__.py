@@ -21,5 +21,6 @@ ROOMS = {
     "figures": outside.FIGURES,
     "claims": outside.CLAIMS,
     "lesson": lesson.MUTANTS,
+    "pages": outside.PAGES,
 }
 MUTANTS = tuple(mutant for room in ROOMS.values() for mutant in room)

@@ -1,4 +1,4 @@
-"""Faults of what people meet: the Python interface, the command line, the figures, the paper's claims."""
+"""Faults of what people meet: the Python interface, the command line, the figures, the pages, the paper's claims."""
 
 from __future__ import annotations
 
@@ -109,5 +109,55 @@ CLAIMS = (
         "test_a_verdict_needs_simulation_and_theory_to_agree",
         "return verdict if all(quantity.agrees for quantity in quantities) else",
         "return verdict if any(quantity.agrees for quantity in (*quantities, *quantities)) or quantities else",
+    ),
+    one(
+        "a verdict on what was not read",
+        "test_what_was_not_read_has_no_verdict_and_says_what_is_missing",
+        "_CARRIES_A_VERDICT = (Known.PROOF, Known.ORIGINAL)",
+        "_CARRIES_A_VERDICT = tuple(Known)",
+    ),
+    one(
+        "runs that no verdict looks at",
+        "test_an_original_that_was_read_is_reproduced_or_contradicted_by_both_numbers",
+        "and simulated[0] <= high and low <= simulated[1]",
+        "and simulated[0] <= simulated[1]",
+    ),
+    one(
+        "an exponent without its factor's logarithm",
+        "test_an_exponent_has_the_error_of_both_its_points",
+        "standard_error=found.standard_error / found.value / abs(log(factor)),",
+        "standard_error=found.standard_error / found.value,",
+    ),
+    one(
+        "a page of disagreeing numbers",
+        "test_no_ledger_is_written_where_simulation_and_theory_disagree",
+        "if claim.quantity is not None and not claim.quantity.agrees]",
+        "if claim.quantity is None and claim.published is not None]",
+    ),
+)
+PAGES = (
+    one(
+        "a bar that never ends",
+        "test_lives_have_the_numbers_of_the_command",
+        "birth[row] < s && s <= death[row] : birth[row] <= s && s < death[row]",
+        "birth[row] < s && s <= death[row] : birth[row] <= s",
+    ),
+    one(
+        "or read as and",
+        "test_conditions_choose_the_rows_that_the_command_chooses",
+        "(i) => parts.some((part) => part(i))",
+        "(i) => parts.every((part) => part(i))",
+    ),
+    one(
+        "the lowest of a cell told as its highest",
+        "test_cells_of_a_longer_run_hold_its_extremes",
+        "high.append(np.maximum.reduceat(values, starts))",
+        "high.append(np.minimum.reduceat(values, starts))",
+    ),
+    one(
+        "rows of a page a row too late",
+        "test_a_page_of_a_stretch_holds_its_rows_and_the_extremes_of_all",
+        "file.column(group, column.name, first, last))",
+        "file.column(group, column.name, first + 1, last))",
     ),
 )

@@ -53,4 +53,10 @@ MUTANTS = (
         "nan if precision is None else figures.get(precision.quantity, nan)",
         "nan if precision is None else figures.get(precision.quantity, 0.0)",
     ),
+    one(
+        "a worker stopped in its first call waits for another",
+        "test_a_worker_that_is_stopped_in_its_first_call_leaves_by_itself",
+        "gc.enable() while go_on:",
+        "gc.enable()\ngo_on = True\nwhile go_on:",
+    ),
 )

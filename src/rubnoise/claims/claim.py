@@ -45,6 +45,10 @@ class Estimate:
         """Return the estimate times an exact number."""
         return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
 
+    def plus(self, number: float) -> "Estimate":
+        """Return the estimate plus an exact number."""
+        return replace(self, value=self.value + number)
+
     def _reach(self, tail: float) -> float:
         from scipy.special import stdtrit
 

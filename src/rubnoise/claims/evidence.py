@@ -40,11 +40,13 @@ class Evidence:
         count: float | None = None,
         shape: str | None = None,
         spread: str | None = None,
+        speed: float | None = None,
+        damping: float | None = None,
         coupling: str = "one-way",
     ) -> Found:
         """Return the one point of a mean real contact area (um^2), mean junction count, pulse shape, written spread.
 
-        Of a sweep over both couplings it is the point of one.
+        Speeds are in um/s, damping is in N s/m. Of a sweep over both couplings it is the point of one.
         """
         wanted = [
             point
@@ -53,7 +55,11 @@ class Evidence:
             and count in (None, point.model.mean_junction_count)
             and shape in (None, point.model.pulse.shape)
             and spread in (None, point.values.get("diameter.spread"))
-            and (point.model.slider is None or point.model.slider.coupling == coupling)
+            and speed in (None, point.model.sliding_speed)
+            and (
+                point.model.slider is None
+                or (point.model.slider.coupling == coupling and damping in (None, point.model.slider.damping))
+            )
         ]
         [found] = wanted
         return found

@@ -2,6 +2,7 @@
 
 import json
 from math import isnan
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -17,15 +18,39 @@ _LABEL = 38
 
 def command(
     *,
+    field: Annotated[
+        bool, typer.Option("--field", help="Show the published laws of the field instead of the paper's claims.")
+    ] = False,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            help="With --field: folder for field.md and field.json.",
+            metavar="DIR",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace field.md and field.json.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Show no progress.")] = False,
 ) -> None:
     """Test every claim of the paper: its words, the numbers simulated and exact, and the verdict.
 
-    All runs use fixed seeds, and take less than a minute. Exit code 3 if simulation and theory disagree.
+    With --field, compare published laws of rubbing with the model. All runs use fixed seeds, and take less than a
+    minute. Exit code 3 if simulation and theory disagree.
 
     Example: rubnoise claims
     """
+    if field:
+        _field(folder, force=force, as_json=as_json, quiet=quiet)
+    elif folder is not None or force:
+        raise typer.BadParameter("-o and --force need --field")
+    else:
+        _paper(as_json=as_json, quiet=quiet)
+
+
+def _paper(*, as_json: bool, quiet: bool) -> None:
     from rubnoise.claims.catalogue import evaluate_claims
     from rubnoise.claims.claim import Verdict
 
@@ -38,6 +63,29 @@ def command(
     )
     if any(claim.verdict is Verdict.UNSETTLED for claim in claims):
         raise typer.Exit(3)
+
+
+def _field(folder: Path | None, *, force: bool, as_json: bool, quiet: bool) -> None:
+    import sys
+
+    from rubnoise.claims import ledger
+    from rubnoise.cli.ledger import check_places, format_ledger, row_as_json, write_ledger
+
+    if folder is not None:
+        check_places(folder, force=force)
+    with StatusLine(shown=on_terminal() and not quiet) as status:
+        claims = ledger.evaluate_field(status.show)
+    if as_json:
+        print(json.dumps({"claims": [row_as_json(claim) for claim in claims]}))
+    elif folder is None:
+        print("\n".join(format_ledger(claims)))
+    if wrong := ledger.disagreeing(claims):
+        print(f"rubnoise: simulation and theory disagree: {', '.join(wrong)}", file=sys.stderr)
+        raise typer.Exit(3)
+    if folder is not None:
+        for path in write_ledger(folder, claims, force=force):
+            if not (as_json or quiet):
+                print(path)
 
 
 def claim_as_json(claim: "Claim") -> dict[str, Any]:
@@ -77,7 +125,6 @@ def format_claims(claims: tuple["Claim", ...]) -> list[str]:
 
 
 def _lines(quantity: "Quantity") -> list[str]:
-
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.4g}"

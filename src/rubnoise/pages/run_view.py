@@ -197,9 +197,9 @@ def _levels(file: Any, group: str, names: tuple[str, ...]) -> dict[str, Any]:
     for name in kept:
         low, high = [], []
         for begin in range(0, rows, chunk_rows):
-            chunk = file.column(group, name, begin, min(begin + chunk_rows, rows)).astype(np.float64)
-            starts = np.arange(0, chunk.size, step)
-            low.append(np.minimum.reduceat(chunk, starts))
-            high.append(np.maximum.reduceat(chunk, starts))
+            values = file.column(group, name, begin, min(begin + chunk_rows, rows)).astype(np.float64)
+            starts = np.arange(0, values.size, step)
+            low.append(np.minimum.reduceat(values, starts))
+            high.append(np.maximum.reduceat(values, starts))
         found[name] = {"low": packed(np.concatenate(low)), "high": packed(np.concatenate(high))}
     return found

@@ -85,9 +85,9 @@ def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
 def _thinned(columns: Any, names: tuple[str, str]) -> list[list[float]]:
     """Return places and values of the beginning of a run, the lowest and highest of each cell."""
     rows = min(len(columns), ROWS)
-    place, value = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
+    places, values = (np.asarray(columns[name][:rows], dtype=np.float64) for name in names)
     step = max(1, ceil(rows / CELLS))
     starts = np.arange(0, rows, step)
-    low, high = np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)
-    both = np.stack([low, high], axis=-1).ravel() if step > 1 else value
-    return [np.repeat(place[starts], 2 if step > 1 else 1).tolist(), both.tolist()]
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    both = np.stack([low, high], axis=-1).ravel() if step > 1 else values
+    return [np.repeat(places[starts], 2 if step > 1 else 1).tolist(), both.tolist()]

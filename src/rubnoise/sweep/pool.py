@@ -60,11 +60,11 @@ def serve(descriptor: int) -> NoReturn:
     """
     CANCELLATION.follow_signals()
     with Connection(descriptor) as line:
-        if _answer(line):
-            gc.freeze()
-            gc.enable()
-        while _answer(line):
-            pass
+        go_on = _answer(line)
+        gc.freeze()
+        gc.enable()
+        while go_on:
+            go_on = _answer(line)
     os._exit(0)  # nothing is open any more, and taking all modules apart would take a third of a second
 
 

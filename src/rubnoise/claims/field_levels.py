@@ -1,0 +1,404 @@
+"""Published laws of level against roughness, speed, area and damping, and the identity that the model obeys instead."""
+
+from collections.abc import Sequence
+from math import inf, log10, nan
+
+from rubnoise.claims import sources
+from rubnoise.claims.claim import Estimate, Quantity, ratio
+from rubnoise.claims.evidence import Evidence, Found, Report, gather
+from rubnoise.claims.exponents import exponent_of
+from rubnoise.claims.field import FieldClaim
+from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.theory.response import response
+
+FAST = "claims/field_fast.toml"
+DAMPING = "claims/field_damping.toml"
+SLOW = "claims/field_slow.toml"
+STUCK = 1
+"""The phase of a slider that sticks."""
+
+_HALF = 0.5
+"""Exponent with which the spacing of asperities, and so d, grows with roughness: as Ra^0.5."""
+_NORMAL = "Normal motion is measured at 20 to 700 mm/s; the model moves along the surface"
+_SIZES = "Roughness becomes a diameter: spacings, and with them d, grow as Ra^0.5, so that the exponent of Ra is m_d/2"
+_WHITE = "At these speeds the force is white for the slider, and its vibration goes as d^1.5 V^-0.5."
+
+
+def measured(model: Model, record: MemoryRecord) -> dict[str, float]:
+    """Return how far and how fast the slider of a run swings, and what its births and its phases come to."""
+    slider = record["slider"]
+    displacement, velocity = float(slider["displacement"].std()), float(slider["velocity"].std())
+    born = record["junctions"]["birth_distance"]
+    return {
+        "displacement_std": displacement,
+        "velocity_std": velocity,
+        "frequency": velocity / displacement,
+        "births_per_s": float((born >= 0.0).sum()) * (model.sliding_speed or nan) / model.distance,
+        **({"stuck": float((slider["phase"] == STUCK).mean())} if model.is_two_way else {}),
+    }
+
+
+def claims(report: Report) -> Sequence[FieldClaim]:
+    """Run the points and return the rows."""
+    fast, slow = gather(FAST, measured, report), gather(SLOW, measured, report)
+    damping = gather(DAMPING, measured, report)
+    return [
+        *_identity(slow),
+        *_against_speed(fast, slow),
+        *_against_roughness(fast),
+        *_sums(slow),
+        _shocks(fast),
+        _damping(damping),
+        _fretting(slow),
+        *_frequencies(fast),
+        _jerks(slow),
+    ]
+
+
+def _amplitude(point: Found, of: str = "velocity") -> tuple[Estimate, float]:
+    """Return an amplitude of the slider as simulated and, one-way, as exact."""
+    exact = nan if point.model.is_two_way else getattr(response(point.model), f"{of}_std")
+    return point.numbers[f"{of}_std"], exact
+
+
+def _of_speed(found: Evidence, name: str, coupling: str = "one-way") -> Quantity:
+    points = [point for point in found.points if _is(point, 20, coupling)]
+    near, far = sorted(points, key=_speed)
+    return exponent_of(name, _amplitude(near), _amplitude(far), _speed(far) / _speed(near))
+
+
+def _of_diameter(found: Evidence, name: str, times: float = 1.0) -> Quantity:
+    slowest = min(map(_speed, found.points))
+    small, large = found.at(count=20, speed=slowest), found.at(count=5, speed=slowest)
+    factor = large.model.calibrated_diameter / small.model.calibrated_diameter
+    return exponent_of(name, _amplitude(small), _amplitude(large), factor, times=times)
+
+
+def _sum_of_exponents(found: Evidence, coupling: str) -> Quantity:
+    """Return the sum of both exponents, from two points that differ in V and d by one factor."""
+    speeds = sorted({_speed(point) for point in found.points})
+    small = found.at(count=20, speed=speeds[0], coupling=coupling)
+    large = found.at(count=5, speed=speeds[1], coupling=coupling)
+    return exponent_of(
+        "exponent of d plus exponent of V, displacement",
+        _amplitude(small, "displacement"),
+        _amplitude(large, "displacement"),
+        speeds[1] / speeds[0],
+    )
+
+
+def _is(point: Found, count: int, coupling: str) -> bool:
+    slider = point.model.slider
+    return point.model.mean_junction_count == count and slider is not None and slider.coupling == coupling
+
+
+def _speed(point: Found) -> float:
+    return point.model.sliding_speed or nan
+
+
+def _identity(slow: Evidence) -> list[FieldClaim]:
+    return [
+        FieldClaim(
+            id="identity_one_way",
+            source=sources.THIS_MODEL,
+            statement="At constant A_rm and psi, the exponents of junction diameter and speed add up to 1.",
+            conditions="one-way, births at random, any pulse, any laws that scale with d, any linear structure",
+            quantity=_sum_of_exponents(slow, "one-way"),
+            published=(1.0 - 1e-6, 1.0 + 1e-6),
+            because="Every amplitude is d h(V/d); docs/field.md has the proof.",
+            scenario=SLOW,
+        ),
+    ]
+
+
+def _sums(slow: Evidence) -> list[FieldClaim]:
+    quantity = _sum_of_exponents(slow, "one-way")
+    return [
+        FieldClaim(
+            id="sum_measured",
+            source=sources.BA_2010_NUMBERS,
+            statement="m = 0.8 to 1.16 and n = 0.7 to 0.96: the exponents of d and V add up to 1.5 or more.",
+            conditions=f"two rough flats, dry, light load. {_NORMAL}",
+            quantity=quantity,
+            published=(0.8 + 0.7, 2.0 * 1.16 + 0.96),
+            because="From 1.5 if d grows as Ra, to 3.28 if d grows as Ra^0.5. The model has 1, whatever its numbers.",
+            scenario=SLOW,
+        ),
+        FieldClaim(
+            id="sum_measured_two_way",
+            source=sources.BA_2010_NUMBERS,
+            statement="The same, for a slider that pushes back: does feedback bring the model to the measured sum?",
+            conditions="1 to 2 mm/s, 20 and 5 junctions, so few that their force is skewed",
+            quantity=_sum_of_exponents(slow, "two-way"),
+            published=(0.8 + 0.7, 2.0 * 1.16 + 0.96),
+            because="Two-way, the sum is 1 for many junctions and without reversals, as the page proves. Few junctions "
+            "bring it somewhat above 1, far from the measured sum.",
+            scenario=SLOW,
+        ),
+        FieldClaim(
+            id="sum_computed",
+            source=sources.DANG_2013,
+            statement="m = 0.63 to 0.67 and n = 0.52 to 0.63: the exponents of d and V add up to 1.15 or more.",
+            conditions=f"simulated rough surfaces, light load, asperity shocks. {_NORMAL}",
+            quantity=quantity,
+            published=(0.63 + 0.52, 2.0 * 0.67 + 0.63),
+            because="From 1.15 if d grows as Ra, to 1.97 if d grows as Ra^0.5. The model has 1, whatever its numbers.",
+            scenario=SLOW,
+        ),
+    ]
+
+
+def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
+    quantity = _of_speed(fast, "exponent of speed, velocity, 20 to 80 mm/s")
+    two_way = _of_speed(slow, "exponent of speed, velocity, 1 to 2 mm/s, two-way", coupling="two-way")
+    rows = (
+        (
+            "ba2010_speed",
+            sources.BA_2010_NUMBERS,
+            "The level rises as V^n, n = 0.7 to 0.96.",
+            f"two rough flats, dry, light load. {_NORMAL}",
+            (0.7, 0.96),
+        ),
+        (
+            "dang2013_speed",
+            sources.DANG_2013,
+            "The level rises as V^n, n = 0.52 to 0.63.",
+            f"simulated rough surfaces, Rq 3.6 to 38.6 um. {_NORMAL}",
+            (0.52, 0.63),
+        ),
+        (
+            "speed2019",
+            sources.SPEED_2019,
+            "The noise level follows a power law of speed with an exponent of about 3/4.",
+            "experiment and simulation, wide band, weak interaction; of an amplitude, or of a power (then 3/8)",
+            (0.375, 0.75),
+        ),
+        (
+            "yokoi1979_speed",
+            sources.YOKOI_NAKAI_1979,
+            "The level rises as V^n, n = 0.6 to 1.1.",
+            "not known",
+            (0.6, 1.1),
+        ),
+    )
+    return [
+        FieldClaim(
+            id=name,
+            source=source,
+            statement=statement,
+            conditions=conditions,
+            quantity=quantity,
+            published=published,
+            because=f"{_WHITE} A model of shocks between asperities has stronger shocks at higher speed; here the "
+            "force does not depend on speed.",
+            scenario=FAST,
+        )
+        for name, source, statement, conditions, published in rows
+    ] + [
+        FieldClaim(
+            id="speed2019_two_way",
+            source=sources.SPEED_2019,
+            statement="The same, for a slider that pushes back.",
+            conditions="here a slider that sticks and slips at 1 to 2 mm/s, along the surface",
+            quantity=two_way,
+            published=(0.375, 0.75),
+            because="Feedback turns the sign: where the slider sticks and slips, its velocity grows about as V^0.5. It "
+            "does so at lower speeds than measured, and the sum of both exponents stays near 1.",
+            scenario=SLOW,
+        )
+    ]
+
+
+def _against_roughness(fast: Evidence) -> list[FieldClaim]:
+    quantity = _of_diameter(fast, "exponent of roughness, velocity, 20 mm/s", times=_HALF)
+    rows = (
+        (
+            "ba2010_roughness",
+            sources.BA_2010_NUMBERS,
+            "The level rises as Ra^m, m = 0.8 to 1.16.",
+            (0.8, 1.16),
+            "two rough flats, dry",
+        ),
+        (
+            "dang2013_roughness",
+            sources.DANG_2013,
+            "The level rises as Ra^m, m = 0.63 to 0.67.",
+            (0.63, 0.67),
+            "simulation",
+        ),
+        ("yokoi1979_roughness", sources.YOKOI_NAKAI_1979, "The level rises as Ra^0.8.", (0.8, 0.8), "not known"),
+        (
+            "ba2008",
+            sources.BA_2008,
+            "The exponent of roughness depends strongly on the topography, that of speed on the contact geometry.",
+            None,
+            "dry, light pressure, flat on flat and sphere on flat",
+        ),
+        (
+            "othman1990_line",
+            sources.OTHMAN_ELKHOLY_1990,
+            "Log level against log roughness is one straight line from 0.025 to 100 um.",
+            None,
+            "thin metal blade, several machining processes",
+        ),
+    )
+    return [
+        FieldClaim(
+            id=name,
+            source=source,
+            statement=statement,
+            conditions=f"{conditions}. {_SIZES}",
+            quantity=quantity,
+            published=published,
+            because=f"{_WHITE} For d in proportion to Ra it would be twice as much. It holds as long as a junction "
+            "passes fast compared with a period.",
+            scenario=FAST,
+        )
+        for name, source, statement, published, conditions in rows
+    ]
+
+
+def _shocks(fast: Evidence) -> FieldClaim:
+    slow, quick = fast.at(count=20, speed=20_000.0), fast.at(count=20, speed=80_000.0)
+    pairs = [(each.numbers["births_per_s"], each.model.birth_rate * _speed(each)) for each in (slow, quick)]
+    return FieldClaim(
+        id="ba2011_shocks",
+        source=sources.BA_2011,
+        statement="The rate of shocks falls with speed, while their strength rises.",
+        conditions="simulated profiles, modal damping ratio 0.02",
+        quantity=exponent_of("exponent of speed, births per second", pairs[0], pairs[1], _speed(quick) / _speed(slow)),
+        published=(-inf, 0.0),
+        because="A junction is born wherever asperities meet, so births per second grow as V. Shocks need bodies that "
+        "lift off and fall back.",
+        scenario=FAST,
+    )
+
+
+def _damping(found: Evidence) -> FieldClaim:
+    light, heavy = found.at(damping=0.05), found.at(damping=0.5)
+    quotient = ratio(heavy.numbers["velocity_std"], light.numbers["velocity_std"])
+    return FieldClaim(
+        id="dang2013_damping",
+        source=sources.DANG_2013,
+        statement="Ten times the modal damping takes 10 dB from the level.",
+        conditions="simulated rough surfaces, damping ratio 0.02 and more; here 0.0204 and 0.204",
+        quantity=Quantity(
+            name="level of velocity at ten times the damping",
+            unit="dB",
+            printed=None,
+            simulated=Estimate(
+                value=20.0 * log10(quotient.value),
+                standard_error=20.0 / _LN_10 * quotient.standard_error / quotient.value,
+                runs=quotient.runs,
+            ),
+            exact=20.0 * log10(response(heavy.model).velocity_std / response(light.model).velocity_std),
+        ),
+        published=(-10.5, -9.5),
+        because="A force that is white over the resonance gives 1/sqrt(c), which is -10 dB for any model of this kind. "
+        "Published as -10, taken as within 0.5 dB.",
+        scenario=DAMPING,
+    )
+
+
+_LN_10 = 2.302585092994046
+
+
+def _fretting(slow: Evidence) -> FieldClaim:
+    return FieldClaim(
+        id="jibiki2001",
+        source=sources.JIBIKI_2001,
+        statement="The level rises with stroke and frequency, and is tied to the mean sliding speed.",
+        conditions="crossed steel cylinders, 19.6 N, mean speeds 0.05 to 5.8 mm/s, self-excited part included",
+        quantity=_of_speed(slow, "exponent of speed, velocity, 1 to 2 mm/s"),
+        published=(0.0, inf),
+        because="One-way, the slider of Figure 5 vibrates most near 0.7 mm/s, and less at higher speed.",
+        scenario=SLOW,
+    )
+
+
+def _frequencies(fast: Evidence) -> list[FieldClaim]:
+    fine, rough = fast.at(count=20, speed=20_000.0), fast.at(count=5, speed=20_000.0)
+    pairs = [(point.numbers["frequency"], _frequency(point)) for point in (fine, rough)]
+    moved = Quantity(
+        name="mean frequency of motion, 5 junctions over 20",
+        unit="",
+        printed=None,
+        simulated=ratio(pairs[1][0], pairs[0][0]),
+        exact=pairs[1][1] / pairs[0][1],
+    )
+    natural = fine.model.slider.natural_angular_frequency if fine.model.slider else nan
+    own = Quantity(
+        name="mean frequency of motion over the natural one",
+        unit="",
+        printed=None,
+        simulated=pairs[0][0].times(1.0 / natural),
+        exact=pairs[0][1] / natural,
+    )
+    by_assumption = "One-way coupling gives the contact no stiffness, so this is an assumption of the model."
+    return [
+        FieldClaim(
+            id="ba2010_frequencies",
+            source=sources.BA_2010,
+            statement="The contact does not change the natural frequencies of the samples.",
+            conditions=f"two rough flats, dry, light load. {_NORMAL}",
+            quantity=own,
+            published=(0.99, 1.01),
+            because=f"{by_assumption} Unchanged is taken as within 1 %.",
+            scenario=FAST,
+        ),
+        FieldClaim(
+            id="akay2002",
+            source=sources.AKAY_2002,
+            statement="In weak contact each body responds at its own natural frequencies.",
+            conditions="review",
+            quantity=own,
+            published=(0.99, 1.01),
+            because=by_assumption,
+            scenario=FAST,
+        ),
+        FieldClaim(
+            id="othman_seireg1990",
+            source=sources.OTHMAN_SEIREG_1990,
+            statement="The dominating frequency is a constant of the material, independent of roughness and load.",
+            conditions="stylus on steel, brass and aluminium, filtered band",
+            quantity=moved,
+            published=(0.99, 1.01),
+            because=f"{by_assumption} Independent is taken as within 1 % for twice the diameter.",
+            scenario=FAST,
+        ),
+        FieldClaim(
+            id="stoimenov2007",
+            source=sources.STOIMENOV_2007,
+            statement="The first peak moves from 3.0 to 4.5 kHz with roughness; up or down was not seen.",
+            conditions="stainless-steel plates of Rz 0.8 to 12.4 um, rubbed by hand, flat on flat",
+            quantity=moved,
+            published=(1.5, 1.5),
+            because="The model's peak stays; a factor of 1/1.5 is as far from it. A peak that moves needs a contact "
+            "stiffness that depends on roughness.",
+            scenario=FAST,
+        ),
+    ]
+
+
+def _frequency(point: Found) -> float:
+    """Return std x' over std x in rad/s, which is 2 pi times the mean rate of a Gaussian motion."""
+    motion = response(point.model)
+    return motion.velocity_std / motion.displacement_std
+
+
+def _jerks(slow: Evidence) -> FieldClaim:
+    stuck = slow.at(count=20, speed=1000.0, coupling="two-way").numbers["stuck"]
+    return FieldClaim(
+        id="bowden_leben1939",
+        source=sources.BOWDEN_LEBEN_1939,
+        statement="Metals do not slide steadily but by jerks (stick-slip).",
+        conditions="slow sliding",
+        quantity=Quantity(
+            name="share of the time stuck, two-way, 1 mm/s", unit="", printed=None, simulated=stuck, exact=nan
+        ),
+        published=(0.01, 0.99),
+        because="One-way coupling cannot stick. Two-way coupling sticks most of the time, without a static friction "
+        "above the kinetic one.",
+        scenario=SLOW,
+    )

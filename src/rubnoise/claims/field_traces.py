@@ -1,0 +1,334 @@
+"""Published statistics of friction traces: junction sizes, normality, load, and where the noise comes from."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf, pi, sqrt
+
+import numpy as np
+
+from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
+from rubnoise.arrays import Doubles
+from rubnoise.claims import sources
+from rubnoise.claims.claim import Estimate, Quantity
+from rubnoise.claims.evidence import Found, Report, gather
+from rubnoise.claims.exponents import exponent_of
+from rubnoise.claims.field import FieldClaim
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.correlation import autocovariance
+
+CONTACT = "claims/field_contact.toml"
+STRENGTHS = "claims/field_strengths.toml"
+_LENS = 2.25 * (2.0 * pi / 3.0 - 64.0 / 45.0)
+"""Variance over the squared mean, times N_jm, of equal lenses, from closed integrals of the lens and its square."""
+
+
+def claims(report: Report) -> Sequence[FieldClaim]:
+    """Run the points and return the rows."""
+    found = gather(CONTACT, _of_area, report)
+    strengths = gather(STRENGTHS, _of_force, report).at(count=20)
+    paper, loaded, fine = (found.at(area=area, count=count) for area, count in ((200, 20), (800, 80), (200, 80)))
+    return [
+        *_rabinowicz_1956(strengths, paper),
+        *_rabinowicz_1955(paper, loaded, fine),
+        *_kilburn(paper, loaded),
+        _holm(paper),
+        _campbell(paper),
+        *_without_numbers(),
+    ]
+
+
+def _of_area(model: Model, record: MemoryRecord) -> dict[str, float]:
+    area, count = record["trace"]["real_contact_area"], record["trace"]["junction_count"]
+    mean, std = float(area.mean()), float(area.std())
+    return {
+        "std": std,
+        "relative_std": std / mean,
+        "relative_variance": model.mean_junction_count * (std / mean) ** 2,
+        "skewness": float(np.mean((area - mean) ** 3)) / std**3,
+        "count_dispersion": float(count.var()) / float(count.mean()),
+        "half_width": _half_width(area, model),
+    }
+
+
+def _of_force(model: Model, record: MemoryRecord) -> dict[str, float]:
+    return {"half_width": _half_width(record["trace"]["friction_force"], model)}
+
+
+def _half_width(values: Doubles, model: Model) -> float:
+    """Return the lag in um at which a record's autocovariance has fallen to a half."""
+    found = sample_autocovariance(values, round(model.mean_life_distance / model.tick))
+    after = int(np.flatnonzero(found < 0.5 * found[0])[0])
+    above, below = float(found[after - 1]), float(found[after])
+    return model.tick * (after - 1 + (above - 0.5 * float(found[0])) / (above - below))
+
+
+def _exact_half_width(model: Model) -> float:
+    """Return the lag in um at which the autocovariance of independent junctions has fallen to a half."""
+    from scipy.optimize import brentq
+
+    at_random = replace(model, births=PoissonBirths(mean_spacing=model.mean_birth_spacing))
+    half = 0.5 * float(autocovariance(at_random, 0.0))
+    return float(
+        brentq(lambda lag: float(autocovariance(at_random, lag)) - half, 0.0, 2.0 * model.mean_life_distance, xtol=1e-9)
+    )
+
+
+def _rabinowicz_1956(strengths: Found, paper: Found) -> list[FieldClaim]:
+    per_diameter = _exact_half_width(strengths.model) / strengths.model.calibrated_diameter
+    lens = _exact_half_width(paper.model) / paper.model.calibrated_diameter
+    return [
+        FieldClaim(
+            id="rabinowicz1956_method",
+            source=sources.RABINOWICZ_1956,
+            statement="The size of junctions of equal size and unequal strength follows from the autocorrelation of "
+            "the friction trace.",
+            conditions="artificial trace; here triangles of 9 um at regular spacing, strengths that spread by 20 %",
+            quantity=Quantity(
+                name="diameter read from the half-width",
+                unit="um",
+                printed=None,
+                simulated=strengths.numbers["half_width"].times(1.0 / per_diameter),
+                exact=strengths.model.calibrated_diameter,
+            ),
+            published=(8.9, 9.1),
+            because=f"The half-width of the autocovariance is {per_diameter:.3f} d for a triangle. The reading gives "
+            "back the 9 um that the junctions have.",
+            scenario=STRENGTHS,
+        ),
+        FieldClaim(
+            id="rabinowicz1956_diameter",
+            source=sources.RABINOWICZ_1956,
+            statement="Real traces give a mean junction diameter of 9 um by autocorrelation, and 5 um in another way.",
+            conditions="slow sliding; the metal is not in the abstract; here the contact of Figure 5",
+            quantity=Quantity(
+                name="diameter read from the half-width",
+                unit="um",
+                printed=None,
+                simulated=paper.numbers["half_width"].times(1.0 / lens),
+                exact=paper.model.calibrated_diameter,
+            ),
+            published=(5.0, 9.0),
+            because="The paper's choice of 20 junctions on 200 um^2 lies between both readings. Wide sizes enlarge "
+            "the reading by autocorrelation: lognormal diameters with a spread of 30 % and 50 % enlarge it "
+            f"{_overstated(paper.model, 0.3, lens):.2f} and {_overstated(paper.model, 0.5, lens):.2f} times.",
+            scenario=CONTACT,
+        ),
+    ]
+
+
+def _overstated(model: Model, spread: float, lens: float) -> float:
+    """Return the diameter read from the half-width over the mean diameter, for lognormal sizes."""
+    from rubnoise.contact.laws.lognormal import Lognormal
+
+    mean = model.calibrated_diameter
+    wide = replace(model, sizes=Lognormal(mean=mean, std=spread * mean))
+    return _exact_half_width(wide) / lens / mean
+
+
+def _rabinowicz_1955(paper: Found, loaded: Found, fine: Found) -> list[FieldClaim]:
+    factor = paper.model.calibrated_diameter / fine.model.calibrated_diameter
+    return [
+        FieldClaim(
+            id="rabinowicz1955_load",
+            source=sources.RABINOWICZ_1955,
+            statement="High load gives steady traces.",
+            conditions="copper, well lubricated, smooth finish; load makes more junctions of the same size",
+            quantity=exponent_of(
+                "exponent of load, std over mean",
+                _relative_std(paper),
+                _relative_std(loaded),
+                loaded.model.mean_real_contact_area / paper.model.mean_real_contact_area,
+            ),
+            published=(-inf, 0.0),
+            because="std over mean is 1.2298/sqrt(N_jm), and N_jm grows with load. The source gives no number.",
+            scenario=CONTACT,
+        ),
+        FieldClaim(
+            id="rabinowicz1955_finish",
+            source=sources.RABINOWICZ_1955,
+            statement="A rougher finish gives steadier traces, if unlubricated.",
+            conditions="copper in solid contact; a rougher finish makes fewer and larger junctions of the same area",
+            quantity=exponent_of("exponent of d, std over mean", _relative_std(fine), _relative_std(paper), factor),
+            published=(-inf, 0.0),
+            because="At one area, std over mean grows as d. The opposite needs a roughness that makes more junctions, "
+            "or junctions that the finish does not size.",
+            scenario=CONTACT,
+        ),
+    ]
+
+
+def _relative_std(point: Found) -> tuple[Estimate, float]:
+    area = area_cumulants(point.model)
+    return point.numbers["relative_std"], area.std / area.mean
+
+
+def _kilburn(paper: Found, loaded: Found) -> list[FieldClaim]:
+    conditions = "cast-iron button on a cast-iron disk, 60 runs"
+    scaled = area_cumulants(paper.model).skewness * sqrt(paper.model.mean_junction_count)
+    return [
+        FieldClaim(
+            id="kilburn1974_normal",
+            source=sources.KILBURN_1974,
+            statement="The instantaneous coefficient of friction is normally distributed.",
+            conditions=f"{conditions}, test of Kolmogorov and Smirnov; here 20 junctions",
+            quantity=Quantity(
+                name="skewness of the area",
+                unit="",
+                printed=None,
+                simulated=paper.numbers["skewness"],
+                exact=area_cumulants(paper.model).skewness,
+            ),
+            published=(-0.1, 0.1),
+            because=f"Shot noise of equal lenses is skewed by {scaled:.2f}/sqrt(N_jm), so some 200 junctions look "
+            "normal. Normal is taken as a skewness below 0.1.",
+            scenario=CONTACT,
+        ),
+        FieldClaim(
+            id="kilburn1974_spread",
+            source=sources.KILBURN_1974,
+            statement="Mean and standard deviation are functionally related.",
+            conditions=f"{conditions}; here load makes more junctions of the same size",
+            quantity=exponent_of(
+                "exponent of the mean force, std of the force",
+                (paper.numbers["std"], area_cumulants(paper.model).std),
+                (loaded.numbers["std"], area_cumulants(loaded.model).std),
+                loaded.model.mean_real_contact_area / paper.model.mean_real_contact_area,
+            ),
+            because="std grows as the square root of the mean. Which relation was found is not in the abstract.",
+            scenario=CONTACT,
+        ),
+        FieldClaim(
+            id="kilburn1974_speed",
+            source=sources.KILBURN_1974,
+            statement="Load and speed influence friction.",
+            conditions=conditions,
+            because="One-way, the force over sliding distance does not depend on speed at all, and its mean is in "
+            "proportion to A_rm. Two-way coupling adds c Var x'/V to the mean force.",
+        ),
+    ]
+
+
+def _holm(paper: Found) -> FieldClaim:
+    return FieldClaim(
+        id="holm1958",
+        source=sources.HOLM_1958,
+        statement="Fluctuations of conduction and friction come mainly from the random appearance of spots.",
+        conditions="sliding electric contacts",
+        quantity=Quantity(
+            name="variance over mean of the count",
+            unit="",
+            printed=None,
+            simulated=paper.numbers["count_dispersion"],
+            exact=1.0,
+        ),
+        because="Prior art for the model's idea. Births at random make the count Poisson. The same lenses at regular "
+        "spacing leave 0.1 % of the mean and not 27.5 %.",
+        scenario=CONTACT,
+    )
+
+
+def _campbell(paper: Found) -> FieldClaim:
+    area = area_cumulants(paper.model)
+    return FieldClaim(
+        id="campbell_rice",
+        source=sources.CAMPBELL_RICE,
+        statement="Pulses F at a rate nu have the variance nu int F^2.",
+        conditions="births at random, linear superposition; here lenses of one size",
+        quantity=Quantity(
+            name="N_jm times the relative variance",
+            unit="",
+            printed=None,
+            simulated=paper.numbers["relative_variance"],
+            exact=paper.model.mean_junction_count * area.variance / area.mean**2,
+        ),
+        published=(_LENS - 1e-6, _LENS + 1e-6),
+        because=f"For the lens it is (9/4)(2 pi/3 - 64/45) = {_LENS:.6f}.",
+        scenario=CONTACT,
+    )
+
+
+def _without_numbers() -> list[FieldClaim]:
+    """Return the rows about what the model has no number for."""
+    normal = "motion normal to the surface, separation and impact"
+    rows = (
+        (
+            "le_bot2010",
+            sources.LE_BOT_2010,
+            "Vibration energy is in proportion to nominal area in one regime, and independent of it in another.",
+            "constant load and speed, low load, nominal area over two orders of magnitude",
+            "nominal area, and dissipation in the contact",
+            (
+                "The model knows the real area alone, so its energy does not depend on nominal area: the second "
+                "regime, for another reason."
+            ),
+        ),
+        (
+            "le_bot2011",
+            sources.LE_BOT_2011,
+            "Both regimes come from a competition of internal damping with damping in the contact.",
+            "normal vibration of sliding rough surfaces",
+            "damping in the contact",
+            "The only damping is that of the slider.",
+        ),
+        (
+            "othman1990_size",
+            sources.OTHMAN_ELKHOLY_1990,
+            "The noise is independent of specimen size and material.",
+            "thin blade drawn over the surface, friction force small enough to excite the blade only",
+            "specimens, with a size and a material",
+            "The slider is one mass on one spring.",
+        ),
+        (
+            "zouabi2016",
+            sources.ZOUABI_2016,
+            "Contact is unbroken at low speed; at higher speed the slider jumps, with many impacts.",
+            "rough slider under its own weight, vertical acceleration",
+            normal,
+            "The separation is constant.",
+        ),
+        (
+            "ponthus2019",
+            sources.PONTHUS_2019,
+            (
+                "The rms of normal motion is much smaller than the equivalent roughness; slider size over wavelength "
+                "sets it."
+            ),
+            "rigid self-affine surfaces, contact in a single point, simulation",
+            normal,
+            "The separation is constant.",
+        ),
+        (
+            "rice_moslehy1997",
+            sources.RICE_MOSLEHY_1997,
+            "Asperities and debris excite both sides of an interface by displacement.",
+            "unlubricated sliding, two machines",
+            "excitation by displacement",
+            "Junctions excite by force.",
+        ),
+        (
+            "greenwood_williamson1966",
+            sources.GREENWOOD_WILLIAMSON_1966,
+            "Number of contacts and real area are in proportion to load; the mean contact size does not depend on it.",
+            "static, elastic spheres of one radius, exponential heights",
+            "a load and measured heights",
+            "A_rm and N_jm are inputs. The rows on load above take this law for granted.",
+        ),
+        (
+            "sykulski2019",
+            sources.SYKULSKI_2019,
+            "A debiased Whittle likelihood cuts bias by up to two orders of magnitude.",
+            "second-order stationary series, some of them not Gaussian",
+            None,
+            (
+                "rubnoise fits no spectrum yet. The expected estimate that such a fit needs is exact here: see "
+                "`rubnoise theory --segment`."
+            ),
+        ),
+    )
+    return [
+        FieldClaim(id=name, source=source, statement=statement, conditions=conditions, lacks=lacks, because=because)
+        for name, source, statement, conditions, lacks, because in rows
+    ]
