@@ -52,8 +52,8 @@ _CORRELATIONS_A_BATCH: Final = 10.0
 class RunLayout:
     """Edges of a histogram in um^2, lags and segments for every ``stride``-th tick, and ticks of an independent batch.
 
-    ``lags`` and ``segment`` count those ticks, ``step`` um apart: fine ticks cost no more than they are worth. Bands of a
-    spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but of one bin at the least.
+    ``lags`` and ``segment`` count those ticks, ``step`` um apart: fine ticks cost no more than they are worth. Bands of
+    a spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but of one bin at the least.
     """
 
     edges: Doubles

@@ -28,7 +28,7 @@ _FEWEST_TICKS = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
-    """Where a pass looks: ``stationary_from`` is the first stationary tick, ``apart`` ticks lie between independent ones.
+    """Where a pass looks: ``stationary_from`` is the first stationary tick, ``apart`` ticks separate independent ones.
 
     Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
     ``segment`` and ``lags`` count those.
