@@ -38,7 +38,7 @@ PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
 FIG5, TWO_WAY = SCENARIOS / "paper" / "fig5.toml", SCENARIOS / "paper" / "fig5_two_way.toml"
 STUDY: Final = SCENARIOS / "studies" / "rise.toml"
-PART: Final = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
+PART: Final = re.compile(r"(<!-- (?:measured|generated): ([\w-]+) -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 CHAOS: Final = {1: "10 mm", 3: "20 mm", 10: "30 mm", 30: "150 mm", 50: "500 mm", 100: "1000 mm"}
 """How far the pairs of runs slide, by sliding speed in mm/s."""

@@ -1,7 +1,9 @@
 """How the kernels are compiled: to machine code that is kept, without fastmath."""
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any, Final
 
 from numba import float64, njit
@@ -14,6 +16,18 @@ SOURCES = (
     "simulation/kernels/*.py",
 )
 """Files that are compiled into functions of other files."""
+
+UNREADABLE: Final = (
+    AttributeError,
+    ImportError,
+    EOFError,
+    UnpicklingError,
+    ValueError,
+    TypeError,
+    IndexError,
+    KeyError,
+)
+"""What reading a pickle raises that is damaged, or that names what is gone."""
 
 _DIVISION: Final = "numpy"
 """A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
@@ -72,7 +86,28 @@ def _kept(function: Any, **how: Any) -> Any:
     # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
     kept = kernel._cache._cache_file  # noqa: SLF001  (there is no other way to tell it)
     kept._source_stamp = (kept._source_stamp, _stamp())  # noqa: SLF001
+    kept._load_index = partial(_index, kept._load_index)  # noqa: SLF001
+    kept._load_data = partial(_code, kept._load_data)  # noqa: SLF001
     return kernel
+
+
+def _index(load: Callable[[], dict[Any, str]]) -> dict[Any, str]:
+    """Return the index of the code that is kept; an empty one where it cannot be read, and all is compiled anew.
+
+    An earlier version of this program may have kept it, with classes that are gone, or a power cut may have cut it off.
+    """
+    try:
+        return load()
+    except UNREADABLE:
+        return {}
+
+
+def _code(load: Callable[[str], Any], name: str) -> Any:
+    """Return code that is kept; raises OSError, after which it is compiled anew, where it cannot be read."""
+    try:
+        return load(name)
+    except UNREADABLE as problem:
+        raise OSError(f"{name}: {problem}") from problem
 
 
 @cache

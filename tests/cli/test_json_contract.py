@@ -152,6 +152,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
             make_part(OutputPaths.of(name), describe(load(full), name, ["rubnoise", "run", full])),
         ):
             pass
+    coupled = load(full, ["slider.coupling=two-way"])
+    with make_part(OutputPaths.of("coupled.h5"), describe(coupled, "coupled.h5", ["rubnoise", "run", full])):
+        pass
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
@@ -184,6 +187,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ),
         ("unfinished", ("info", "stopped.h5.part", "--json")),
         ("unfinished", ("info", "growing.h5.part", "--json")),
+        ("unfinished", ("info", "coupled.h5.part", "--json")),
         ("run", ("resume", "stopped.h5.part", "--json")),
         ("compare", ("compare", "long.h5", "--json")),
         ("compare", ("compare", "long.h5", "--bound", "0.1", "--json")),

@@ -181,8 +181,13 @@ def test_stopped_half_way_it_goes_on_to_the_same_bits(here: Path, ran: Path) -> 
     done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", *TWO_WAY)
     assert done.code == 143
     assert names(here) == ["x.h5.part", "x.h5.part.journal", "x.h5.part.rows"]
-    shown = call("info", "x.h5.part")
-    assert shown.code == 0
+    (checked,) = json.loads(call("check", SLIDER, *TWO_WAY, "--json").out)["scenarios"].values()
+    told = json.loads(call("info", "x.h5.part", "--json").out)
+    most = told["slider_rows_at_most"]
+    assert most == checked["cost"]["slider_rows_at_most"]
+    assert 0 < told["done"]["slider"] < most
+    shown = " ".join(call("info", "x.h5.part").out.split())
+    assert f"{told['done']['slider']:,} rows of /slider (at most {most:,} expected)" in shown
     assert call("resume", "x.h5.part", "-q").code == 0
     assert names(here) == ["x.h5"]
     assert columns(ran) == whole

@@ -42,6 +42,12 @@ def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
     assert all((ROOT / "docs" / path).read_bytes().startswith(b"\x89PNG") for path in there)
 
 
+def test_the_tool_finds_its_parts_on_the_page() -> None:
+    assert {name for _, name in tool.PART.findall(TEXT)} == {"figures", "surprise", "chaos", "reference"}
+    assert tool.filled(TEXT, {"reference": tool.reference()}) == TEXT
+    assert tool.filled(TEXT, {"reference": ["changed"]}) != TEXT
+
+
 def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
     points = [point for point in rubnoise.expand(rubnoise.load_sweep(tool.STUDY)) if point.replicate == 0]
     models = [point.scenario.model() for point in points]
@@ -136,7 +142,7 @@ def test_a_part_that_the_page_has_not_is_named(
     monkeypatch.setattr(tool, "made", lambda *_: {"figures": [], "extra": []})
     monkeypatch.setattr(sys, "argv", ["generate_two_way.py"])
     assert tool.main() == 1
-    assert capsys.readouterr().err == "generate_two_way: chaos, extra, surprise: on the page or here alone\n"
+    assert capsys.readouterr().err == "generate_two_way: chaos, extra, reference, surprise: on the page or here alone\n"
     assert page.read_text(encoding="utf-8") == TEXT
 
 

@@ -357,7 +357,7 @@ def test_they_are_drawn_to_files_and_cut_nothing_off(two_way: Stretch, name: str
 
 def test_a_film_of_a_two_way_slider_stands_still_while_it_sticks(two_way: Stretch) -> None:
     film = Film.of(two_way, seconds=2.0, rate=20)
-    stuck = np.array(["stick" in told for told in film.told])
+    stuck = np.array(["stick" in label for label in film.labels])
     assert 5 < stuck.sum() < 39
     moved = np.diff(film.distances)
     both = stuck[:-1] & stuck[1:]
@@ -368,13 +368,13 @@ def test_a_film_of_a_two_way_slider_stands_still_while_it_sticks(two_way: Stretc
     assert film.distances[[0, -1]].tolist() == [distance[0], distance[last]]
     middle = last * 20 / 39
     assert film.distances[20] == pytest.approx(np.interp(middle, np.arange(last + 1), distance[: last + 1]))
-    assert f"t = {middle * 1e-4:.4f} s" in film.told[20]
+    assert f"t = {middle * 1e-4:.4f} s" in film.labels[20]
 
 
 def test_a_film_of_a_one_way_slider_slides_evenly(one_way: Stretch) -> None:
     film = Film.of(one_way, seconds=1.0, rate=20)
     np.testing.assert_allclose(np.diff(film.distances), np.diff(film.distances)[0])
-    assert set(film.told) == {""}
+    assert set(film.labels) == {""}
 
 
 def test_figure_5_of_a_two_way_slider_has_no_one_way_band(folder: Path) -> None:

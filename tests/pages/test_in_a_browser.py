@@ -147,6 +147,8 @@ def test_a_two_way_run_shows_its_sticks_in_time(browser: Any, two_way: Path, tmp
         assert "the slider sticks" in page.inner_text(".legend")
         begins = page.evaluate("Array.from(view.unpacked(view.data.landmarks.begin))")
         assert set(time[kind == 0].tolist()) <= set(begins)
+        turns = page.evaluate("Array.from(view.unpacked(view.data.landmarks.reversals.time))")
+        assert turns == time[kind == 2].tolist()
         box = page.locator("#motion .u-over >> nth=0").bounding_box()
         page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
         page.mouse.down()

@@ -1,12 +1,16 @@
 """Machine code that is kept is not used any more once a file has changed that was compiled into it."""
 
 import os
+import pickle
 import re
+import runpy
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import numba
 import pytest
 
 import rubnoise
@@ -33,9 +37,9 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
 
     assert output() == ["0", "0.0"]
     assert output() == ["1", "0.0"]
-    ticks = package / "simulation" / "kernels" / "ticks.py"
-    changed = ticks.read_text(encoding="utf-8").replace("positions[index] < distance", "positions[index] <= distance")
-    ticks.write_text(changed, encoding="utf-8")
+    grid = package / "simulation" / "kernels" / "grid.py"
+    changed = grid.read_text(encoding="utf-8").replace("positions[index] < distance", "positions[index] <= distance")
+    grid.write_text(changed, encoding="utf-8")
     hits, _ = output()
     assert hits == "0"
 
@@ -66,3 +70,30 @@ def test_every_file_that_is_compiled_into_others_is_known() -> None:
     }
     assert {path for path in imported & compiled if path not in known} == set()
     assert Path("simulation/kernels/lens.py") in imported & compiled & known
+
+
+GONE = b"\x80\x04\x8c\x12rubnoise.compiling\x8c\x04Gone\x93."
+"""The pickle of a class that an earlier version had."""
+
+
+@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
+@pytest.mark.parametrize("damage", [GONE, b"", b"no pickle"], ids=["a class that is gone", "cut off", "damaged"])
+def test_kept_code_that_cannot_be_read_is_compiled_anew(tmp_path: Path, ending: str, damage: bytes) -> None:
+    module = tmp_path / "doubling.py"
+    module.write_text(
+        "from rubnoise.compiling import compiled\n\n\n@compiled\ndef doubled(value):\n    return 2.0 * value\n",
+        encoding="utf-8",
+    )
+
+    def hits() -> int:
+        found: dict[str, Any] = runpy.run_path(str(module))
+        assert found["doubled"](21.0) == 42.0
+        return sum(found["doubled"].stats.cache_hits.values())
+
+    assert hits() == 0
+    assert hits() == 1
+    (kept,) = (tmp_path / "__pycache__").glob(f"*{ending}")
+    version = pickle.dumps(numba.__version__, protocol=-1) if ending == ".nbi" else b""
+    kept.write_bytes(version + damage)
+    assert hits() == 0
+    assert hits() == 1

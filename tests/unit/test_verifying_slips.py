@@ -23,3 +23,28 @@ def test_a_slip_that_begins_with_no_speed_and_no_acceleration_finds_its_border(m
     cubic = np.cbrt(6.0 * MASS * BORDER / (STIFFNESS * DRIVE))
     assert time == pytest.approx(cubic * (1.0 + DAMPING * cubic / (12.0 * MASS)), rel=1e-3)
     assert u == pytest.approx(3.0 * BORDER / time, rel=1e-2)
+
+
+def test_a_border_that_is_reached_slowly_after_a_fast_start_is_found() -> None:
+    """Without a contact and c = V = 0 it goes as l = u_0 sin(omega t)/omega; the border lies near where it turns."""
+    omega, fast = np.sqrt(STIFFNESS / MASS), 1300.0
+    oscillator = slips.Oscillator(MASS, STIFFNESS, 0.0, 0.0, longest=0.5 * np.pi / omega, limit=1e-12, error=1e-9)
+    start = slips.Start(way=1.0, displacement=0.0, since=0.0, path=0.0, speed=fast)
+    nobody = slips.Lives(*(np.empty(1) for _ in range(4)))
+    for phase in (0.9, 0.97, 0.99):
+        border = fast / omega * np.sin(0.5 * np.pi * phase)
+        time, path, u = _passed(oscillator, start, border, nobody)
+        assert path == border
+        assert time == pytest.approx(0.5 * np.pi * phase / omega, rel=1e-8)
+        assert u == pytest.approx(fast * np.cos(0.5 * np.pi * phase), rel=1e-6)
+
+
+def _passed(oscillator: slips.Oscillator, start: slips.Start, border: float, lives: slips.Lives) -> tuple[float, ...]:
+    """Go on by steps until the border is reached; return time, path and u there."""
+    time, landed, table = 0.0, False, np.empty((8, 2))
+    while not landed:
+        h, path, u, landed = slips._step(oscillator, start, oscillator.longest, border, (0, 0), 0, lives, 0, table)
+        assert np.isfinite(path)
+        time += h
+        start = start._replace(since=time, path=path, speed=u)
+    return time, path, u

@@ -21,6 +21,12 @@ TWO_WAY: dict[str, Any] = {"coupling": "two-way"}
 KINDS: dict[str, dict[str, dict[str, Any]]] = {
     "figure 5": {},
     "slow, a slip in a row": {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "output": {"tick": "0.3 um"}},
+    "few and slow, slips of many lives in a row": {
+        "interface": {"mean_junction_count": 5},
+        "sliding": {"speed": "0.1 mm/s", "distance": "3000 um"},
+        "output": {"tick": "1 um"},
+        "run": {"engine": "batch", "seed": 103},
+    },
     "faster": {"sliding": {"speed": "10 mm/s"}},
     "fast": {"sliding": {"speed": "1 m/s"}},
     "few": {"interface": {"mean_junction_count": 0.5}, "sliding": {"distance": "6000 um"}, "output": {"tick": "2 um"}},

@@ -20,7 +20,7 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.run import extent
-from rubnoise.storage.forecast import _when_grown
+from rubnoise.storage.forecast import rows_at_most
 from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.response import response
@@ -277,7 +277,7 @@ def test_a_single_figure_of_a_weakly_coupled_slider_is_that_of_the_law() -> None
 def test_rows_of_the_slider_are_no_more_than_was_said(name: str) -> None:
     """As many as fit into the distance and the way that the force can carry the slider ahead."""
     run, rows = ran(name)
-    most = _when_grown(run, extent(run, 1)).slider
+    most = rows_at_most(run, extent(run, 1)).slider
     assert most is not None
     assert rows.rows("slider") <= most
     assert run.slider is not None

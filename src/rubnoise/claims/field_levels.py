@@ -8,19 +8,17 @@ from rubnoise.claims.claim import Estimate, Quantity, ratio
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.exponents import exponent_of
 from rubnoise.claims.field import FieldClaim
+from rubnoise.claims.field_peaks import FAST, NORMAL, SLOW, frequencies, jerks
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.response import response
 
-FAST = "claims/field_fast.toml"
 DAMPING = "claims/field_damping.toml"
-SLOW = "claims/field_slow.toml"
 STUCK = 1
 """The phase of a slider that sticks."""
 
 _HALF = 0.5
 """Exponent with which the spacing of asperities, and so d, grows with roughness: as Ra^0.5."""
-_NORMAL = "Normal motion is measured at 20 to 700 mm/s; the model moves along the surface"
 _SIZES = "Roughness becomes a diameter: spacings, and with them d, grow as Ra^0.5, so that the exponent of Ra is m_d/2"
 _WHITE = "At these speeds the force is white for the slider, and its vibration goes as d^1.5 V^-0.5."
 
@@ -51,8 +49,8 @@ def claims(report: Report) -> Sequence[FieldClaim]:
         _shocks(fast),
         _damping(damping),
         _fretting(slow),
-        *_frequencies(fast),
-        _jerks(slow),
+        *frequencies(fast),
+        jerks(slow),
     ]
 
 
@@ -119,7 +117,7 @@ def _sums(slow: Evidence) -> list[FieldClaim]:
             id="sum_measured",
             source=sources.BA_2010_NUMBERS,
             statement="m = 0.8 to 1.16 and n = 0.7 to 0.96: the exponents of d and V add up to 1.5 or more.",
-            conditions=f"two rough flats, dry, light load. {_NORMAL}",
+            conditions=f"two rough flats, dry, light load. {NORMAL}",
             quantity=quantity,
             published=(0.8 + 0.7, 2.0 * 1.16 + 0.96),
             because="From 1.5 if d grows as Ra, to 3.28 if d grows as Ra^0.5. The model has 1, whatever its numbers.",
@@ -140,7 +138,7 @@ def _sums(slow: Evidence) -> list[FieldClaim]:
             id="sum_computed",
             source=sources.DANG_2013,
             statement="m = 0.63 to 0.67 and n = 0.52 to 0.63: the exponents of d and V add up to 1.15 or more.",
-            conditions=f"simulated rough surfaces, light load, asperity shocks. {_NORMAL}",
+            conditions=f"simulated rough surfaces, light load, asperity shocks. {NORMAL}",
             quantity=quantity,
             published=(0.63 + 0.52, 2.0 * 0.67 + 0.63),
             because="From 1.15 if d grows as Ra, to 1.97 if d grows as Ra^0.5. The model has 1, whatever its numbers.",
@@ -157,14 +155,14 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
             "ba2010_speed",
             sources.BA_2010_NUMBERS,
             "The level rises as V^n, n = 0.7 to 0.96.",
-            f"two rough flats, dry, light load. {_NORMAL}",
+            f"two rough flats, dry, light load. {NORMAL}",
             (0.7, 0.96),
         ),
         (
             "dang2013_speed",
             sources.DANG_2013,
             "The level rises as V^n, n = 0.52 to 0.63.",
-            f"simulated rough surfaces, Rq 3.6 to 38.6 um. {_NORMAL}",
+            f"simulated rough surfaces, Rq 3.6 to 38.6 um. {NORMAL}",
             (0.52, 0.63),
         ),
         (
@@ -313,92 +311,5 @@ def _fretting(slow: Evidence) -> FieldClaim:
         quantity=_of_speed(slow, "exponent of speed, velocity, 1 to 2 mm/s"),
         published=(0.0, inf),
         because="One-way, the slider of Figure 5 vibrates most near 0.7 mm/s, and less at higher speed.",
-        scenario=SLOW,
-    )
-
-
-def _frequencies(fast: Evidence) -> list[FieldClaim]:
-    fine, rough = fast.at(count=20, speed=20_000.0), fast.at(count=5, speed=20_000.0)
-    pairs = [(point.numbers["frequency"], _frequency(point)) for point in (fine, rough)]
-    moved = Quantity(
-        name="mean frequency of motion, 5 junctions over 20",
-        unit="",
-        printed=None,
-        simulated=ratio(pairs[1][0], pairs[0][0]),
-        exact=pairs[1][1] / pairs[0][1],
-    )
-    natural = fine.model.slider.natural_angular_frequency if fine.model.slider else nan
-    own = Quantity(
-        name="mean frequency of motion over the natural one",
-        unit="",
-        printed=None,
-        simulated=pairs[0][0].times(1.0 / natural),
-        exact=pairs[0][1] / natural,
-    )
-    by_assumption = "One-way coupling gives the contact no stiffness, so this is an assumption of the model."
-    return [
-        FieldClaim(
-            id="ba2010_frequencies",
-            source=sources.BA_2010,
-            statement="The contact does not change the natural frequencies of the samples.",
-            conditions=f"two rough flats, dry, light load. {_NORMAL}",
-            quantity=own,
-            published=(0.99, 1.01),
-            because=f"{by_assumption} Unchanged is taken as within 1 %.",
-            scenario=FAST,
-        ),
-        FieldClaim(
-            id="akay2002",
-            source=sources.AKAY_2002,
-            statement="In weak contact each body responds at its own natural frequencies.",
-            conditions="review",
-            quantity=own,
-            published=(0.99, 1.01),
-            because=by_assumption,
-            scenario=FAST,
-        ),
-        FieldClaim(
-            id="othman_seireg1990",
-            source=sources.OTHMAN_SEIREG_1990,
-            statement="The dominating frequency is a constant of the material, independent of roughness and load.",
-            conditions="stylus on steel, brass and aluminium, filtered band",
-            quantity=moved,
-            published=(0.99, 1.01),
-            because=f"{by_assumption} Independent is taken as within 1 % for twice the diameter.",
-            scenario=FAST,
-        ),
-        FieldClaim(
-            id="stoimenov2007",
-            source=sources.STOIMENOV_2007,
-            statement="The first peak moves from 3.0 to 4.5 kHz with roughness; up or down was not seen.",
-            conditions="stainless-steel plates of Rz 0.8 to 12.4 um, rubbed by hand, flat on flat",
-            quantity=moved,
-            published=(1.5, 1.5),
-            because="The model's peak stays; a factor of 1/1.5 is as far from it. A peak that moves needs a contact "
-            "stiffness that depends on roughness.",
-            scenario=FAST,
-        ),
-    ]
-
-
-def _frequency(point: Found) -> float:
-    """Return std x' over std x in rad/s, which is 2 pi times the mean rate of a Gaussian motion."""
-    motion = response(point.model)
-    return motion.velocity_std / motion.displacement_std
-
-
-def _jerks(slow: Evidence) -> FieldClaim:
-    stuck = slow.at(count=20, speed=1000.0, coupling="two-way").numbers["stuck"]
-    return FieldClaim(
-        id="bowden_leben1939",
-        source=sources.BOWDEN_LEBEN_1939,
-        statement="Metals do not slide steadily but by jerks (stick-slip).",
-        conditions="slow sliding",
-        quantity=Quantity(
-            name="share of the time stuck, two-way, 1 mm/s", unit="", printed=None, simulated=stuck, exact=nan
-        ),
-        published=(0.01, 0.99),
-        because="One-way coupling cannot stick. Two-way coupling sticks most of the time, without a static friction "
-        "above the kinetic one.",
         scenario=SLOW,
     )

@@ -72,7 +72,7 @@ HEADINGS = {
     "real_contact_area_std": "area std (um^2)",
     "expected_junctions": "junctions expected",
 }
-"""What is told of each point, and how its column is headed."""
+"""The values listed for each point, and the headings of their columns."""
 
 
 def sweep_table_as_json(sweep: "Sweep") -> dict[str, Any]:

@@ -155,6 +155,6 @@ def _escaped_usage() -> Iterator[None]:
         yield
     except Exception as problem:
         if isinstance(getattr(problem, "message", None), str):
-            told = problem.message.removeprefix(_PREFIX)  # type: ignore[attr-defined]
-            problem.message = escaped(told).replace("\n", "\\n")  # type: ignore[attr-defined]
+            text = problem.message.removeprefix(_PREFIX)  # type: ignore[attr-defined]
+            problem.message = escaped(text).replace("\n", "\\n")  # type: ignore[attr-defined]
         raise

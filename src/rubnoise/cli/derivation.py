@@ -138,12 +138,12 @@ def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> list[str]:
 
 def _notes(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     model = scenario.model()
-    asked, mean = model.mean_junction_count, answer["junction_count"]["mean"]
+    specified, mean = model.mean_junction_count, answer["junction_count"]["mean"]
     notes = []
-    if abs(mean / asked - 1.0) > WORTH_A_NOTE:
+    if abs(mean / specified - 1.0) > WORTH_A_NOTE:
         notes.append(
             f"the mean diameter of the law {scenario.diameter.law} changes the mean count"
-            f" by {mean / asked - 1.0:+.1%} from the specified {asked:g}"
+            f" by {mean / specified - 1.0:+.1%} from the specified {specified:g}"
         )
     wanted, area = model.mean_real_contact_area, answer["real_contact_area"]["mean"]
     if abs(area / wanted - 1.0) > WORTH_A_NOTE:

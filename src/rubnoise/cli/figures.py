@@ -1,4 +1,4 @@
-"""`rubnoise figures`: the figures of the paper, drawn anew from scenarios, with the theory over them."""
+"""`rubnoise figures`: the figures of the paper, drawn from scenarios, with the theory over them."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.replicates import Pooled
     from rubnoise.api import Run
     from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.storage.layout import RunDescription
 
 
 def command(
@@ -43,7 +44,7 @@ def command(
 ) -> None:
     """Show a result file, with measured and exact figures, or the progress of a run or a sweep.
 
-    Of a sweep, --figures tells numbers with their 95 % intervals, and --over ratios with theirs.
+    Of a sweep, --figures shows values with their 95 % intervals, and --over shows ratios with theirs.
 
     Example: rubnoise info fig5.h5
     """
@@ -145,16 +146,32 @@ def part_as_json(file: Path) -> dict[str, Any]:
         "share": found.share,
         "done": {"junctions": found.junctions, "ticks": found.ticks, **found.grown},
         "whole": {"junctions": about.extent.junctions, "ticks": about.extent.ticks},
+        **({"slider_rows_at_most": most} if (most := _slider_rows_at_most(about)) is not None else {}),
         "committed": found.committed or None,
         "being_written": found.being_written,
     }
 
 
+def _slider_rows_at_most(about: "RunDescription") -> int | None:
+    """Return the bound that `check` prints too; None if the rows are known or the scenario in the file is damaged."""
+    from rubnoise.scenario import build
+    from rubnoise.storage.forecast import rows_at_most
+
+    if about.extent.slider is not None:
+        return None
+    try:
+        model = build(about.scenario_resolved).model()
+    except (ValueError, RecursionError, AttributeError, TypeError, Refused):
+        return None
+    return rows_at_most(model, about.extent).slider
+
+
 def format_part(answer: dict[str, Any]) -> list[str]:
     """Return the same as lines to print."""
     done, whole = answer["done"], answer["whole"]
+    most = {"slider": answer["slider_rows_at_most"]} if "slider_rows_at_most" in answer else {}
     rows = ", ".join(
-        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else f"{grouped(count)} rows of /{name}"
+        f"{grouped(count)} of {grouped(whole[name])} {name}" if name in whole else _growing(name, count, most.get(name))
         for name, count in done.items()
     )
     hint = "a process is writing it" if answer["being_written"] else resume_hint(answer["file"])
@@ -169,6 +186,11 @@ def format_part(answer: dict[str, Any]) -> list[str]:
         line("last commit", answer["committed"] or "none yet"),
         line("now", hint, whole=True),
     ]
+
+
+def _growing(name: str, count: int, most: int | None) -> str:
+    bound = "" if most is None else f" (at most {grouped(most)} expected)"
+    return f"{grouped(count)} rows of /{name}{bound}"
 
 
 def sweep_as_json(sweep: "SweepResult", folder: Path) -> dict[str, Any]:
@@ -244,8 +266,8 @@ def _interval(estimate: "Pooled") -> dict[str, float | int | None]:
         "low": estimate.value - estimate.reach,
         "high": estimate.value + estimate.reach,
     }
-    told: dict[str, float | int | None] = {name: each if isfinite(each) else None for name, each in numbers.items()}
-    return {**told, "runs": estimate.runs}
+    finite: dict[str, float | int | None] = {name: each if isfinite(each) else None for name, each in numbers.items()}
+    return {**finite, "runs": estimate.runs}
 
 
 def format_sweep(answer: Mapping[str, Any]) -> list[str]:
@@ -270,22 +292,22 @@ def _estimate_lines(points: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield a line for each figure of each point, below the swept values."""
     for point in points:
         yield sentence(printable(", ".join(f"{key} = {value}" for key, value in point["values"].items())))
-        for name, told in point["figures"].items():
+        for name, estimate in point["figures"].items():
             over = point.get("over", {}).get(name, {"runs": 0})
             # A point over itself is 1, which needs no telling.
             ratio = f"; ratio {_with_interval(over)}" if over["runs"] and over["standard_error"] != 0.0 else ""
-            runs = f" ({told['runs']} runs)" if told["runs"] else ""
-            yield line(name.replace("_", " "), f"{_with_interval(told)}{runs}{ratio}")
+            runs = f" ({estimate['runs']} runs)" if estimate["runs"] else ""
+            yield line(name.replace("_", " "), f"{_with_interval(estimate)}{runs}{ratio}")
 
 
-def _with_interval(told: Mapping[str, Any]) -> str:
+def _with_interval(estimate: Mapping[str, Any]) -> str:
     """Return a value to two digits of the 95 % interval about it."""
-    if told["value"] is None:
+    if estimate["value"] is None:
         return "not known"
-    if told["low"] is None:
-        return f"{told['value']:.5g}"
-    reach = 0.5 * (told["high"] - told["low"])
+    if estimate["low"] is None:
+        return f"{estimate['value']:.5g}"
+    reach = 0.5 * (estimate["high"] - estimate["low"])
     if reach == 0.0:
-        return f"{told['value']:g}"
+        return f"{estimate['value']:g}"
     places = max(1 - floor(log10(reach)), 0)
-    return f"{told['value']:.{places}f} +- {reach:.{places}f}"
+    return f"{estimate['value']:.{places}f} +- {reach:.{places}f}"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rubnoise.storage.schema import Column
 
 ROWS_SHOWN = 20
-"""Rows printed as text where nobody said how many."""
+"""Rows printed as text by default."""
 
 
 def command(
@@ -64,12 +64,12 @@ def command(
 
 
 BRIEF = ("junction", "birth_distance", "diameter", "max_area", "state")
-"""What fits a terminal; columns that are asked about join them."""
+"""Columns that fit a terminal; those of --where and --sort are added."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChosenRows:
-    """Rows in the order asked for, how many there are in all, and the columns to print."""
+    """Rows in the requested order, how many there are in all, and the columns to print."""
 
     run: "Rows"
     path: Path
@@ -92,7 +92,7 @@ class ChosenRows:
         columns: str | None,
         brief: bool,
     ) -> Self:
-        """Find the rows; raises Refused for a condition or a column that is none."""
+        """Find the rows; raises Refused for an invalid condition and an unknown column."""
         from rubnoise.analysis.selection import select
         from rubnoise.analysis.where import condition
         from rubnoise.storage.schema import JUNCTIONS
@@ -103,8 +103,8 @@ class ChosenRows:
         wanted = _chosen_columns(columns, there, _named_columns(tree, by) if brief else None)
         descending = reverse != (sort is not None and sort.startswith("-"))
         rows, total = select(run, tree, sort=by, descending=descending, head=head)
-        told = f"-{by or 'junction'}" if descending else by
-        return cls(run=run, path=path, where=where, sort=told, rows=rows, total=total, columns=wanted)
+        order = f"-{by or 'junction'}" if descending else by
+        return cls(run=run, path=path, where=where, sort=order, rows=rows, total=total, columns=wanted)
 
     def values(self) -> Iterator[tuple[Any, ...]]:
         """Yield the values of each row as numbers of Python."""
@@ -133,12 +133,12 @@ def print_json(found: ChosenRows) -> None:
     names = [column.name for column in found.columns]
     print(json.dumps(about)[:-1] + ', "junctions": [', end="")
     for i, row in enumerate(found.values()):
-        told: dict[str, Any] = {
+        values: dict[str, Any] = {
             name: value if isfinite(value) else None for name, value in zip(names, row, strict=True)
         }
-        if "state" in told:
-            told["state"] = state_names(JunctionState(told["state"]))
-        print(",\n" if i else "\n", json.dumps(told), sep="", end="")
+        if "state" in values:
+            values["state"] = state_names(JunctionState(values["state"]))
+        print(",\n" if i else "\n", json.dumps(values), sep="", end="")
     print("]}")
 
 
@@ -183,7 +183,7 @@ def _named_columns(tree: "Node | None", sort: str | None) -> frozenset[str]:
 
 
 def _chosen_columns(
-    columns: str | None, there: "tuple[Column, ...]", asked: frozenset[str] | None
+    columns: str | None, there: "tuple[Column, ...]", named: frozenset[str] | None
 ) -> "tuple[Column, ...]":
     if columns is not None:
         names = [name.strip() for name in columns.split(",")]
@@ -191,9 +191,9 @@ def _chosen_columns(
         if twice is not None:
             raise Refused(f"--columns: {printable(twice) or 'nothing'} is named twice")
         return tuple(_column_named(name, "--columns", there) for name in names)
-    if asked is None:
+    if named is None:
         return there
-    return tuple(column for column in there if column.name in asked.union(BRIEF))
+    return tuple(column for column in there if column.name in named.union(BRIEF))
 
 
 def _column_named(name: str, option: str, there: "tuple[Column, ...]") -> "Column":

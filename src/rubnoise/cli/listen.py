@@ -71,8 +71,8 @@ def command(
         check_length(sound.samples)
         level = level_of(sound, lambda: watcher(0.0, 0, 0))
         with whole_file(path, force=force) as part:
-            panels = samples_of(sound, level, lambda: watcher(0.0, 0, 0))
-            write_wave(part, panels, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
+            chunks = samples_of(sound, level, lambda: watcher(0.0, 0, 0))
+            write_wave(part, chunks, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
         print(*format_sound(path, sound, level), sep="\n")
 
 

@@ -88,7 +88,7 @@ def complete_run(path: Path) -> Iterator[RunFile]:
 
 @contextmanager
 def finished_run(path: Path) -> Iterator[RunFile]:
-    """Open a result file; what is refused about it is told with its name.
+    """Open a result file; a refusal about it begins with its name.
 
     Raises RunFileRefused for one that is unfinished, that open_run refuses, or whose values cannot be calculated with.
     """

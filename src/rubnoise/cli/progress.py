@@ -26,10 +26,10 @@ Given = ParamSpec("Given")
 
 
 class Watcher:
-    """Told how far a run is: shows it on a terminal, and raises RunStopped after a signal.
+    """Shows on a terminal how far a run is, and raises RunStopped after a signal.
 
-    It is told at the start and after every panel. Before the start, while births are counted, nothing has been created
-    yet: a signal is obeyed at once then.
+    It is called at the start and after every range of ticks. Before the start, while births are counted, nothing has
+    been created yet: then a signal stops the program at once.
     """
 
     def __init__(self, distance: float, *, shown: bool) -> None:
@@ -51,7 +51,7 @@ class Watcher:
             self._shown_at = now
             self._write(self._text(distance, junctions, live, self._rest(distance, now)))
         if self._began is None or self._origin == 0.0 < distance:
-            # The first panel is slow where kernels are compiled for it: the time to go is told from the second on.
+            # Kernels may be compiled for the first range of ticks: the remaining time is shown from the second on.
             self._began, self._origin = now, distance
 
     def interrupt(self, number: int) -> None:
@@ -141,7 +141,7 @@ def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]
 
 @contextmanager
 def watching(distance: float, *, shown: bool) -> Iterator[Watcher]:
-    """Watch a run; SIGINT and SIGTERM stop it at its next panel at the latest, a second one leaves at once."""
+    """Watch a run; SIGINT and SIGTERM stop it after the present range of ticks, a second signal stops it at once."""
     watcher = Watcher(distance, shown=shown)
 
     def stop(number: int, _frame: FrameType | None) -> None:
@@ -159,7 +159,7 @@ def watching(distance: float, *, shown: bool) -> Iterator[Watcher]:
 
 
 def on_terminal() -> bool:
-    """Whether somebody watches stderr."""
+    """Whether stderr is a terminal."""
     return sys.stderr.isatty()
 
 
@@ -180,7 +180,7 @@ def clock(seconds: float) -> str:
 
 
 class StatusLine:
-    """Shows what it is told, each text in place of the one before; nothing at all where ``shown`` is False."""
+    """Shows one text in place of the one before; nothing at all where ``shown`` is False."""
 
     def __init__(self, *, shown: bool) -> None:
         """Begin with an empty line."""
@@ -208,7 +208,7 @@ class StatusLine:
 
 
 class SweepWatcher:
-    """Told several times a second how far a sweep is: shows it, and raises RunStopped after a signal."""
+    """Shows several times a second how far a sweep is, and raises RunStopped after a signal."""
 
     def __init__(self, line: StatusLine) -> None:
         """Watch a sweep that has not begun."""

@@ -94,7 +94,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
 
 
 def _announce_resume(scenario: "Scenario", path: Path) -> None:
-    """Say on stderr that a run of this scenario did not finish there, and from where it goes on."""
+    """Say on stderr that an unfinished run of this scenario is resumed, and at which share of it."""
     from rubnoise.api.resuming import interrupted
     from rubnoise.storage.resume import SUFFIX, look
 
@@ -113,9 +113,9 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
     check_disk_space(scenario, expected(scenario), path)  # births beyond any disk are not even counted
     budget = counted(scenario)
     check_disk_space(scenario, budget, path)
-    foreseen = budget_as_json(budget)
+    forecast = budget_as_json(budget)
     if as_json:
-        print(json.dumps({"output": str(path), "dry_run": True} | foreseen | {"warnings": list(scenario.warnings)}))
+        print(json.dumps({"output": str(path), "dry_run": True} | forecast | {"warnings": list(scenario.warnings)}))
     elif not quiet:
         print(f"{path}: nothing run, nothing written")
         print(line("junctions", grouped(budget.junctions)))
@@ -125,8 +125,8 @@ def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: b
         print(line("file size", size(budget.result_bytes)))
         if budget.disk_bytes > budget.result_bytes:
             print(line("free disk", size(budget.disk_bytes)))
-        print(line("memory", f"about {size(foreseen['peak_memory'])}"))
-        print(line("time", duration(foreseen["seconds"])))
+        print(line("memory", f"about {size(forecast['peak_memory'])}"))
+        print(line("time", duration(forecast["seconds"])))
 
 
 @interrupted_at_once

@@ -171,14 +171,14 @@ def outcome_as_json(sweep: "Sweep", folder: Path, ending: "SweepOutcome", merged
 
 
 def format_outcome(answer: dict[str, Any]) -> list[str]:
-    """Return the same as lines to print; failed runs are told apart."""
+    """Return the same as lines to print; failed runs have a table of their own."""
     states = ", ".join(f"{grouped(answer[state])} {state}" for state in ("done", "failed", "planned") if answer[state])
     lines = [f"{answer['folder']}: {grouped(answer['points'])} points, {grouped(answer['runs'])} runs: {states}"]
     if answer["merged"]:
         lines.append(remark(f"everything in one file: {answer['merged']}"))
     for short in answer["imprecise"]:
-        told = f"{_values(short['values'])}: relative standard error {short['reached']:.2g}"
-        lines.append(remark(f"precision not reached: {told} with {grouped(short['replicates'])} replicates"))
+        reached = f"{_values(short['values'])}: relative standard error {short['reached']:.2g}"
+        lines.append(remark(f"precision not reached: {reached} with {grouped(short['replicates'])} replicates"))
     return lines
 
 

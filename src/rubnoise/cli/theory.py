@@ -95,8 +95,8 @@ def command(
         print(json.dumps(answer))
     else:
         heading = f"{file}: {scenario.title}".removesuffix(": ")
-        told = partial(format_theory, heading, model.calibration, two_way=model.is_two_way)
-        lines = csv_rows(answer) if as_csv else told(answer)
+        lines_of = partial(format_theory, heading, model.calibration, two_way=model.is_two_way)
+        lines = csv_rows(answer) if as_csv else lines_of(answer)
         print("\n".join(lines))
 
 
@@ -146,7 +146,7 @@ CURVES: Final = {
     "crossings": "level",
     "from_empty": "distance",
 }
-"""Groups that are told at points, and which of their fields says where."""
+"""Groups that are curves, and the field that holds their abscissas."""
 
 
 def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two_way: bool) -> list[str]:

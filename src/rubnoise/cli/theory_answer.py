@@ -24,21 +24,21 @@ NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+
 LONGEST_SHOWN: Final = 40
 FEW: Final = 8
 MANY: Final = 241
-"""Steps between points where nobody says which: for a terminal, and for everything else."""
+"""Steps between points by default: on a terminal, and for everything else."""
 
 LITTLE, NOTHING = 1e-3, 1e-9
 """Parts of the variance at which lags end."""
 
 REACH: Final = 6.0
-"""How many standard deviations from the mean the areas reach where nobody says which."""
+"""How many standard deviations from the mean the areas reach by default."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Points:
-    """Wavenumbers in rad/um, lags in um and areas in um^2, in the order in which they were asked for.
+    """Wavenumbers in rad/um, lags in um and areas in um^2, in the order of the options.
 
-    So are ``levels`` of the displacement and ``distances`` from an empty start, in um; None where none were asked for.
-    ``areas_asked``: whether the areas were; ``brief``: whether points that nobody chose are for a terminal.
+    So are ``levels`` of the displacement and ``distances`` from an empty start, in um; None where no option names any.
+    ``areas_given``: whether an option names areas; ``brief``: whether default points are for a terminal.
     """
 
     wavenumbers: Doubles
@@ -46,7 +46,7 @@ class Points:
     areas: Doubles
     levels: Doubles | None
     distances: Doubles | None
-    areas_asked: bool
+    areas_given: bool
     brief: bool
 
     @classmethod
@@ -75,18 +75,18 @@ class Points:
             areas=_areas(model, brief=brief) if given[2] is None else given[2],
             levels=_read("--at-level", levels),
             distances=_read("--at-distance", distances),
-            areas_asked=given[2] is not None,
+            areas_given=given[2] is not None,
             brief=brief,
         )
 
     def levels_about(self, mean: float, std: float) -> Doubles:
-        """Return the levels asked for, or some as far from a mean as a displacement of that spread ever goes."""
+        """Return the given levels, or some as far from a mean as a displacement of that spread ever goes."""
         if self.levels is not None:
             return self.levels
         return mean + std * (np.arange(-3.0, 4.0) if self.brief else np.linspace(-REACH, REACH, MANY))
 
     def distances_up_to(self, longest: float) -> Doubles:
-        """Return the distances asked for, or some from 0 to the longest life."""
+        """Return the given distances, or some from 0 to the longest life."""
         if self.distances is not None:
             return self.distances
         return np.linspace(0.0, longest, FEW + 1 if self.brief else MANY)
@@ -148,7 +148,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None) -> 
     """Return moments, and spectrum, autocovariance, distribution and the rest at the points; None for what is infinite.
 
     ``segment``: ticks of one for what Welch's method shows. A group that does not apply to the model is left out;
-    raises Refused where it was asked for.
+    raises Refused where an option requests it.
     """
     theory = exact(model)
     answer: dict[str, Any] = {
@@ -163,7 +163,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None) -> 
         "mean": theory.mean_diameter,
         "length_biased_mean": theory.length_biased_mean_diameter,
     }
-    # A point may lie further out than squares can be told: what is left there is 0.
+    # The square of a far point may overflow: what is left there is 0.
     with np.errstate(over="ignore", under="ignore", divide="ignore"):
         answer |= _at(model, points)
         answer |= _estimated(theory, segment) | _crossings(theory, points) | _from_empty(theory, points)
@@ -217,7 +217,7 @@ def _distribution(model: Model, points: Points) -> dict[str, Any]:
     try:
         law = distribution(model)
     except Refused as refusal:
-        if not points.areas_asked:
+        if not points.areas_given:
             return {}
         raise Refused(f"--at-area: {refusal}") from refusal
     areas = points.areas
@@ -257,7 +257,7 @@ def _crossings(theory: Exact, points: Points) -> dict[str, Any]:
 
 
 def _from_empty(theory: Exact, points: Points) -> dict[str, Any]:
-    """Return how a contact grows from an empty start, where the scenario has one or it was asked for."""
+    """Return how a contact grows from an empty start, where the scenario has one or --at-distance requests it."""
     if points.distances is None and theory.model.start != "empty":
         return {}
     distances = points.distances_up_to(longest_life(theory.model))

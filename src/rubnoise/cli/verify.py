@@ -1,4 +1,4 @@
-"""`rubnoise verify`: a result file asked whether every value in it is what it should be."""
+"""`rubnoise verify`: check that every value of a result file is what it should be."""
 
 import json
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.verifying.findings import Check, Difference, Verification
 
 BLOCKS: Final = 8
-"""How many blocks are made again where nobody says how many."""
+"""The default number of blocks that are made again."""
 
 REGENERATE: Final = "--regenerate"
 
@@ -115,9 +115,9 @@ def _fields(check: "Check") -> dict[str, Any]:
     fields: dict[str, Any] = {"values": check.values, "different": check.different}
     if check.first is None:
         return fields
-    told: Difference = check.first
-    row = {} if told.row is None else {"row": told.row}
-    return fields | {"place": told.place, "found": told.found, "expected": told.expected} | row
+    difference: Difference = check.first
+    row = {} if difference.row is None else {"row": difference.row}
+    return fields | {"place": difference.place, "found": difference.found, "expected": difference.expected} | row
 
 
 def _first_place(found: "Verification") -> str:

@@ -187,18 +187,18 @@ Frame = NDArray[np.uint8]
 class Film:
     """A stretch of a run in frames of ``size`` pixels, ``rate`` of them a second, at sliding distances in um.
 
-    With two-way coupling frames are evenly spaced in time, and ``told`` has time and phase of each.
+    With two-way coupling frames are evenly spaced in time, and ``labels`` holds time and phase of each.
     """
 
     stretch: Stretch
     stage: Stage
     distances: Doubles
-    told: tuple[str, ...]
+    labels: tuple[str, ...]
     rate: int
 
     @classmethod
     def of(cls, stretch: Stretch, *, seconds: float, rate: int) -> Self:
-        """Return the film of a stretch that lasts so long; of one that nobody chose its first three mean lives.
+        """Return the film of a stretch that lasts so long; by default of its first three mean lives.
 
         With two-way coupling it is longer where these hold fewer than four sticks. Raises Refused for fewer than 2
         frames or more than 1000, and for more junctions at once than a picture shows.
@@ -213,8 +213,8 @@ class Film:
         margin = stretch.model.mean_life_distance
         near = neighbours(shown.file, -1, shown.start - margin, shown.stop + margin)
         stage = stage_of(near, ASPECT)
-        distances, told = _frames_of(shown, count)
-        return cls(stretch=shown, stage=stage, distances=distances, told=told, rate=rate)
+        distances, labels = _frames_of(shown, count)
+        return cls(stretch=shown, stage=stage, distances=distances, labels=labels, rate=rate)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -233,21 +233,21 @@ class Film:
             above, below = figure.subplots(2, 1, height_ratios=[1.65, 1.0])
             trace = _Trace(below, self.stretch)
             _set_scene(above, self.stage)
-            drawn = self._draw(above, trace, float(self.distances[0]), self.told[0])
+            drawn = self._draw(above, trace, float(self.distances[0]), self.labels[0])
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # what is laid out once stays where it is
-            for distance, told in zip(self.distances.tolist(), self.told, strict=True):
+            for distance, label in zip(self.distances.tolist(), self.labels, strict=True):
                 for each in drawn:
                     each.remove()
-                drawn = self._draw(above, trace, distance, told)
+                drawn = self._draw(above, trace, distance, label)
                 canvas.draw()
                 yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
-    def _draw(self, axes: "Axes", trace: "_Trace", distance: float, told: str) -> list[Any]:
+    def _draw(self, axes: "Axes", trace: "_Trace", distance: float, label: str) -> list[Any]:
         alive = self.stage.junctions.alive(distance)
         area = float(alive.area(distance).sum())
         trace.show(distance, area)
-        axes.set_title(f"s = {distance:.1f} µm{told}     {alive.rows.size} alive     {area:.0f} µm² in contact")
+        axes.set_title(f"s = {distance:.1f} µm{label}     {alive.rows.size} alive     {area:.0f} µm² in contact")
         return self.stage.draw(axes, distance)
 
 
@@ -292,11 +292,11 @@ def _frames_of(stretch: Stretch, count: int) -> tuple[Doubles, tuple[str, ...]]:
     pairs = [motion.file.column("slider", "distance", row, row + 2) for row in rows.tolist()]
     begin, end = np.array(pairs).T
     phases = [int(motion.file.column("slider", "phase", row, row + 1)[0]) for row in rows.tolist()]
-    told = (
+    labels = (
         f"     t = {motion.apart * place:.4f} s, {Phase(phase).name.lower()}"
         for place, phase in zip(places.tolist(), phases, strict=True)
     )
-    return begin + (places - rows) * (end - begin), tuple(told)
+    return begin + (places - rows) * (end - begin), tuple(labels)
 
 
 def _set_scene(axes: "Axes", stage: Stage) -> None:

@@ -69,11 +69,11 @@ def histogram_figure(stretch: Stretch) -> "Figure":
 def _moments_title(stretch: Stretch, values: Doubles, law: Distribution | None) -> str:
     exact = area_cumulants(stretch.model)
     moments = f"mean {values.mean():.4g} (exact {exact.mean:.4g}), std {values.std():.4g} ({exact.std:.4g}) µm²"
-    told = f"How large the real contact area is: {moments}"
+    title = f"How large the real contact area is: {moments}"
     if law is not None and law.atom_at_zero > RARE:
-        told += f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {law.atom_at_zero:.3g})"
+        title += f"\nno contact at all: {np.mean(values == 0.0):.3g} (exact {law.atom_at_zero:.3g})"
     first, last = stretch.rows("trace")
-    return told + (f"\nfrom its first {values.size * stretch.model.tick:.4g} µm" if values.size < last - first else "")
+    return title + (f"\nfrom its first {values.size * stretch.model.tick:.4g} µm" if values.size < last - first else "")
 
 
 def _histogram(values: Doubles, tick: float) -> Histogram:
@@ -206,7 +206,7 @@ def _estimate(stretch: Stretch) -> Spectrum:
 
 
 def _smallest_density(seen: Spectrum) -> float:
-    """Return the smallest density that has a logarithm; where the theory has zeros, nobody looks that far down."""
+    """Return the smallest density that has a logarithm; zeros of the theory lie far below it."""
     return float(seen.density.min(where=seen.density > 0.0, initial=float(seen.density.max())))
 
 

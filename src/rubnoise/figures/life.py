@@ -101,7 +101,7 @@ def _peak_in_words(life: Life) -> str:
 
 
 def _shade_unknown(axes: "Axes", life: Life) -> None:
-    """Mark what lies before the start or after the end of the record, where nobody knows who else was alive."""
+    """Mark what lies before the start or after the end of the record, where the other live junctions are unknown."""
     start, end = -life.birth_distance, life.record_end - life.birth_distance
     beyond = [(0.0, start, "before the start"), (end, life.life_distance, "after the end")]
     beyond = [(first, last, words) for first, last, words in beyond if first < last]

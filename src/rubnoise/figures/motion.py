@@ -118,7 +118,7 @@ def motions_of(stretch: Stretch, beside: Stretch | None) -> list[Motion]:
 
 
 def labels_of(motions: Sequence[Motion]) -> list[str]:
-    """Return what tells motions apart: how they are coupled, or else their files' names."""
+    """Return labels that distinguish motions: their coupling, or else the names of their files."""
     couplings = [f"{motion.slider.coupling} coupling" for motion in motions]
     if len(set(couplings)) == len(couplings):
         return couplings

@@ -115,7 +115,7 @@ def caption(name: str) -> str:
 def chosen(names: Iterable[str]) -> tuple[str, ...]:
     """Return the figures that are meant, in the paper's order; none or `all` means every one.
 
-    Raises Refused, with those that there are, for a name that is none.
+    Raises Refused for an unknown name, with those that exist.
     """
     wanted = tuple(names) or ("all",)
     wrong = [name for name in wanted if name not in FIGURES and name != "all"]

@@ -39,13 +39,13 @@ def draw_fig2(sources: Sources) -> "Figure":
     slid = float(trace["distance"][tick]) - birth
     figure = new_figure(7.2, 3.0)
     axes = figure.subplots()
-    # In diameters: the drawing is the same whatever the size, which is told in words.
+    # In diameters: the drawing is the same for any size, which the text below gives.
     _draw_side(axes, slid / diameter)
     _draw_above(axes, slid / diameter)
     exact, simulated = float(model.pulse.area(slid, diameter)), float(trace["real_contact_area"][tick])
     areas = f"shaded: {exact:.3f} µm² by Eq. (2),\n{simulated:.3f} µm² in the simulation"
-    told = f"s = {slid:.2f} µm of d = {diameter:.2f} µm\n{areas}"
-    axes.text(ABOVE + 0.5 * slid / diameter, -0.85, told, ha="center", va="top")
+    sizes = f"s = {slid:.2f} µm of d = {diameter:.2f} µm\n{areas}"
+    axes.text(ABOVE + 0.5 * slid / diameter, -0.85, sizes, ha="center", va="top")
     axes.set_aspect("equal")
     axes.set_xlim(-1.5, 4.5)
     axes.set_ylim(-1.25, 1.1)

@@ -22,7 +22,7 @@ MOST_POINTS: Final = 1600
 Kept = TypeVar("Kept", bound=Sink)
 Result = TypeVar("Result")
 Watch = Callable[[int, int], None]
-"""Told how many runs of how many are done."""
+"""Called with the number of runs done and the number of all runs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -247,7 +247,7 @@ def _part_shown(motion: Motion) -> str:
 
 
 def _draw_counts(axes: "Axes", values: Doubles, what: str, label: str, unit: str, scale: float) -> None:
-    """Draw how many of some values lie in each bin; those that are 0 are told in words."""
+    """Draw how many of some values lie in each bin; those that are 0 are counted in the legend."""
     shown = scale * values[values > 0.0]
     nothing = values.size - shown.size
     axes.set_xlabel(f"{label} ({unit})")

@@ -28,7 +28,7 @@ SLACK: Final = 1e-9
 class Stretch:
     """A result, the physics of its run, and the sliding distances in um between which it is shown.
 
-    ``chosen`` tells whether somebody asked for this stretch, rather than for the picture alone.
+    ``chosen``: whether the user chose this stretch; otherwise it is the default.
     """
 
     file: Reader
@@ -64,7 +64,7 @@ class Stretch:
             raise Refused(f"{self.start:g} to {self.stop:g} um is too short to draw; the run has {ticks}")
 
     def narrowed(self, width: float) -> Self:
-        """Return the stretch itself where somebody chose it, else its beginning of a width in um."""
+        """Return the stretch itself where the user chose it, else its beginning of a width in um."""
         if self.chosen or self.stop - self.start <= width:
             return self
         return self._between(self.start, self.start + width)

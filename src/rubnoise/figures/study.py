@@ -173,12 +173,12 @@ def study_of_points(
     """Return a quantity of a sweep against the key that has the most numbers, or the first key where none has any.
 
     ``units`` are those of the swept keys, in their order. Keys that go side by side with it vary along the axis, every
-    other one tells lines apart. Raises Refused where nothing is swept, or no run has the quantity.
+    other one distinguishes lines. Raises Refused where nothing is swept, or no run has the quantity.
     """
     counts = {key: len({str(point.values[key]) for point in points}) for key in units}
     varied = [key for key, count in counts.items() if count > 1]
     if not varied:
-        raise Refused("nothing is swept: one point makes no picture; rubnoise info tells its figures")
+        raise Refused("nothing is swept: one point makes no picture; rubnoise info shows its figures")
     numeric = [key for key in varied if all(key in point.numbers for point in points)]
     key = max(numeric, key=lambda each: counts[each]) if numeric else varied[0]
     together = [each for each in varied if each in side_by_side]
@@ -256,14 +256,14 @@ def _points(sweep: SweepResult, quantity: str) -> list[PointRuns]:
     found = []
     for number, values in enumerate(sweep.values):
         rows = np.flatnonzero(point == number)
-        told = errors[rows][np.isfinite(errors[rows])]
+        known_errors = errors[rows][np.isfinite(errors[rows])]
         found.append(
             PointRuns(
                 values=values,
                 numbers=_numbers(columns, int(rows[0])),
                 scenario=sweep.scenario(number),
                 figures=figures[rows].tolist(),
-                standard_error=float(told[0]) if told.size else nan,
+                standard_error=float(known_errors[0]) if known_errors.size else nan,
             )
         )
     return found

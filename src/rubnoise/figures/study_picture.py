@@ -56,16 +56,16 @@ def draw_study(study: Study) -> "Figure":
 
 
 def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *, named: bool) -> None:
-    """Draw points; an interval that nothing tells is left away, and the point with it is hollow."""
+    """Draw points; a point without a known interval is hollow."""
     known = [spot for spot in line.spots if isfinite(spot.seen.value)]
     if not known:
         return
-    told = [spot for spot in known if isfinite(spot.seen.reach)]
+    complete = [spot for spot in known if isfinite(spot.seen.reach)]
     bare = [spot for spot in known if not isfinite(spot.seen.reach)]
     axes.errorbar(
-        [spot.place + shift for spot in told],
-        [spot.seen.value for spot in told],
-        [spot.seen.reach for spot in told],
+        [spot.place + shift for spot in complete],
+        [spot.seen.value for spot in complete],
+        [spot.seen.reach for spot in complete],
         label=one_line(line.label) if named and line.label else None,
         **look,
     )

@@ -1,6 +1,6 @@
 """How every figure looks: colours, fonts, titles, legends and the marks of theory.
 
-Colours are told apart by colour-blind readers and by a grey printer; every axis has its unit.
+Colour-blind readers can distinguish the colours, also in grey print; every axis has its unit.
 """
 
 import warnings
@@ -22,7 +22,7 @@ BLUE: Final = "#0072b2"
 VERMILION: Final = "#d55e00"
 FAINT: Final = "#9a9a9a"
 PALE: Final = "#e8e8e8"
-"""Okabe and Ito's blue is what a run shows, their vermilion what theory says; in grey they are told apart too."""
+"""Okabe and Ito's blue is what a run shows, their vermilion what theory says; they differ in grey print too."""
 
 STUCK: Final = (0.90, 0.90, 0.90)
 """Red, green and blue of what is shaded because the slider sticks there."""
@@ -71,7 +71,7 @@ SETTINGS: Final[dict[str, Any]] = {
 
 
 class PicturesMissing(Refused):
-    """A picture asked for where matplotlib is not installed."""
+    """A picture cannot be drawn because matplotlib is not installed."""
 
 
 def new_figure(width: float, height: float) -> "Figure":

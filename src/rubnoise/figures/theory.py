@@ -51,8 +51,8 @@ def theory_figure(model: Model, title: str) -> "Figure":
     """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement."""
     area = area_cumulants(model)
     figure = new_figure(7.6, 5.6)
-    told = f"real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
-    figure.suptitle(f"{shortened(one_line(title), LONGEST_TITLE)}\n{told}", x=0.01, ha="left", fontsize=10.0)
+    moments = f"real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
+    figure.suptitle(f"{shortened(one_line(title), LONGEST_TITLE)}\n{moments}", x=0.01, ha="left", fontsize=10.0)
     rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
     axes = figure.subplot_mosaic(rows)
     _draw_law(axes["law"], model, area)

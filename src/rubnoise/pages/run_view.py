@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.selection import check_lives, gather, neighbours
+from rubnoise.analysis.stick_slip import StickSlip, first_landmark
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
 from rubnoise.pages.page import packed, page
+from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.resume import CommittedRun
 from rubnoise.storage.schema import GROUPS, JUNCTIONS, Column
 from rubnoise.theory.campbell import area_cumulants
@@ -133,16 +135,18 @@ class RunView:
         }
 
     def _landmarks(self) -> dict[str, Any]:
-        """Return when every stick of the run begins and ends, in s, and where the stretch begins and ends in time."""
-        from rubnoise.analysis.stick_slip import StickSlip
-
-        first, last = self.stretch.rows("slider")
-        times = self.stretch.file.column("slider", "time", first, last)
-        found = StickSlip.of(self.stretch.file, float(times[0]), float(times[-1])) if times.size else None
-        empty = np.zeros(0)
+        """Return times in s at which sticks of the stretch begin and end, and time and displacement of reversals."""
+        file, (first, last) = self.stretch.file, self.stretch.rows("slider")
+        times = file.column("slider", "time", first, last)
+        begin, end = (float(times[0]), float(times[-1])) if times.size else (0.0, 0.0)
+        found = StickSlip.of(file, begin, end)
+        rows = first_landmark(file, begin), first_landmark(file, end)
+        kind, time, place = (file.column("landmarks", name, *rows) for name in ("kind", "time", "displacement"))
+        turns = kind == LandmarkKind.REVERSAL
         return {
-            "begin": packed(found.stick_begin if found else empty),
-            "end": packed(found.stick_end if found else empty),
+            "begin": packed(found.stick_begin),
+            "end": packed(found.stick_end),
+            "reversals": {"time": packed(time[turns]), "displacement": packed(place[turns])},
         }
 
 

@@ -265,17 +265,17 @@ def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
 
 def _budget(scenario: Scenario, rows: Extent) -> Budget:
     model, engine = scenario.model(), cast(Engine, scenario.run.engine)
-    size = expected_bytes(_when_grown(model, rows), features_of(model)) + len(scenario.text.encode())
+    size = expected_bytes(rows_at_most(model, rows), features_of(model)) + len(scenario.text.encode())
     copy = size if _is_compressed(scenario) else 0
     # Rows that grow lie beside the part until they are copied into it.
-    growing = expected_bytes(_when_grown(model, rows), features_of(model)) - expected_bytes(rows, features_of(model))
+    growing = expected_bytes(rows_at_most(model, rows), features_of(model)) - expected_bytes(rows, features_of(model))
     return Budget(
         junctions=rows.junctions,
         ticks=rows.ticks,
         result_bytes=size,
         disk_bytes=size + (copy or growing),
         working_bytes=working_bytes(model, engine),
-        slider_rows_at_most=_when_grown(model, rows).slider if model.is_two_way else None,
+        slider_rows_at_most=rows_at_most(model, rows).slider if model.is_two_way else None,
         work=work(model, engine, rows.junctions, rows.ticks) | {"packed byte": float(copy)},
     )
 
@@ -284,14 +284,14 @@ def _is_compressed(scenario: Scenario) -> bool:
     return scenario.output.compression == "gzip"
 
 
-def _when_grown(model: Model, rows: Extent) -> Extent:
+def rows_at_most(model: Model, rows: Extent) -> Extent:
     """Return how many rows there are at most where only the end of a run tells: of a two-way slider.
 
-    It comes to the end at T = (distance + x_T - x_0)/V. While w >= 0 friction adds nothing to m x'^2/2 +
-    (k x - F)^2/2k, F the largest force on the way, and x' <= V; so x <= F/k + V/omega_0, but for what a reversal brings
-    along. F: ten standard deviations above the mean; twice V/omega_0 are left. A slider too fast to stick stays much
-    nearer, within ten times what two-way coupling makes of its spread at most, or twice the deflection from rest. It
-    sticks once in half a period of its own at most, about.
+    Rows that are known stay as they are. The slider comes to the end at T = (distance + x_T - x_0)/V. While w >= 0
+    friction adds nothing to m x'^2/2 + (k x - F)^2/2k, F the largest force on the way, and x' <= V; so x <= F/k +
+    V/omega_0, but for what a reversal brings along. F: ten standard deviations above the mean; twice V/omega_0 are
+    left. A slider too fast to stick stays much nearer, within ten times what two-way coupling makes of its spread at
+    most, or twice the deflection from rest. It sticks once in half a period of its own at most, about.
     """
     slider, speed = model.slider, model.sliding_speed
     if slider is None or speed is None or model.strengths is None or rows.slider is not None:

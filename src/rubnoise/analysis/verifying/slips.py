@@ -32,6 +32,8 @@ _NOWHERE: Final = 1e300
 _SHORT: Final = 0.1
 """Of the longest step: in so short a time no error grows by more than it is."""
 _STEPS: Final = 100_000
+_ROUNDED: Final = 16.0 * 2.0**-52
+"""Of a place or a speed: what rounding makes of it in a step, about."""
 
 
 class Oscillator(NamedTuple):
@@ -192,8 +194,11 @@ def _clock(q: float, clock: int) -> tuple[float, float]:
 def _extrapolated(
     oscillator: Oscillator, start: Start, h: float, clock: int, shape: int, lives: Lives, count: int, table: Doubles
 ) -> tuple[float, float, bool]:
-    """Return path and u after a time h, and whether rules of 2, 4, 6 ... steps have come to the limit."""
-    path, u, limit = 0.0, 0.0, oscillator.limit
+    """Return path and u after a time h, and whether rules of 2, 4, 6 ... steps have come to the limit.
+
+    What is left of u goes on for as long as the longest step, however short this one is.
+    """
+    path, u = 0.0, 0.0
     for column in range(_COLUMNS):
         path, u = _midpoint(oscillator, start, h, clock, 2 * (column + 1), shape, lives, count)
         away, away_u = np.inf, np.inf
@@ -205,7 +210,11 @@ def _extrapolated(
             table[back, 0], table[back, 1] = path, u
             path, u = path + away, u + away_u
         table[column, 0], table[column, 1] = path, u
-        if column > 1 and abs(away) <= limit and abs(away_u) * h <= limit:
+        near, near_u = (
+            oscillator.limit + _ROUNDED * abs(path),
+            oscillator.limit / oscillator.longest + _ROUNDED * abs(u),
+        )
+        if column > 1 and abs(away) <= near and abs(away_u) <= near_u:
             return path, u, True
     return path, u, False
 
@@ -257,7 +266,8 @@ def _step(
                 high = h
             else:
                 low = h
-            h -= beyond / max(u, 0.5 * start.speed)
+            # Where u has fallen far on its way to the border, only u itself leads there soon.
+            h -= beyond / (u if u > 0.0 else 0.5 * start.speed)
             landing = h < most or high < np.inf
             if not landing:
                 h = most

@@ -127,6 +127,24 @@
       shaded(chart, sticks.begin[i], sticks.end[i], ink("stick"));
     }
   };
+  const turns = data.landmarks && {
+    time: view.unpacked(data.landmarks.reversals.time), displacement: view.unpacked(data.landmarks.reversals.displacement),
+  };
+  const MOST_TURNS = 2000;
+  const drawTurns = (chart) => {
+    if (!turns) return;
+    const { min, max } = chart.scales.x;
+    const [first, last] = [view.firstAtLeast(turns.time, min), view.firstAtLeast(turns.time, max)];
+    if (last - first > MOST_TURNS) return;
+    const { ctx } = chart;
+    const size = 5 * devicePixelRatio;
+    ctx.strokeStyle = ink("exact");
+    ctx.lineWidth = 1.5 * devicePixelRatio;
+    for (let i = first; i < last; i += 1) {
+      const [x, y] = [chart.valToPos(turns.time[i], "x", true), chart.valToPos(turns.displacement[i], "y", true)];
+      ctx.strokeRect(x - size / 2, y - size / 2, size, size);
+    }
+  };
   const drawLife = (chart) => {
     if (view.chosen === null) return;
     shaded(chart, view.lives.birth_distance[view.chosen], view.lives.death_distance[view.chosen], ink("life"));
@@ -221,7 +239,7 @@
       const chart = view.newChart(place, {
         label, name: name.replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
         data: curve(group, name, view.window.from, view.window.to),
-        hooks: { drawClear: before, setCursor: [(one) => view.pointed(one, timed)] },
+        hooks: { drawClear: before, draw: name === "displacement" ? [drawTurns] : [], setCursor: [(one) => view.pointed(one, timed)] },
       });
       made.push({ chart, redraw: () => chart.setData(curve(group, name, view.window.from, view.window.to)), place });
     }

@@ -1,0 +1,102 @@
+"""Published peaks of vibration, whether roughness moves them, and motion by jerks."""
+
+from math import nan
+
+from rubnoise.claims import sources
+from rubnoise.claims.claim import Quantity, ratio
+from rubnoise.claims.evidence import Evidence, Found
+from rubnoise.claims.field import FieldClaim
+from rubnoise.theory.response import response
+
+FAST = "claims/field_fast.toml"
+SLOW = "claims/field_slow.toml"
+NORMAL = "Normal motion is measured at 20 to 700 mm/s; the model moves along the surface"
+
+
+def frequencies(fast: Evidence) -> list[FieldClaim]:
+    """Return the rows on natural and dominating frequencies, from runs at 20 mm/s with 5 and 20 junctions."""
+    fine, rough = fast.at(count=20, speed=20_000.0), fast.at(count=5, speed=20_000.0)
+    pairs = [(point.numbers["frequency"], _frequency(point)) for point in (fine, rough)]
+    moved = Quantity(
+        name="mean frequency of motion, 5 junctions over 20",
+        unit="",
+        printed=None,
+        simulated=ratio(pairs[1][0], pairs[0][0]),
+        exact=pairs[1][1] / pairs[0][1],
+    )
+    natural = fine.model.slider.natural_angular_frequency if fine.model.slider else nan
+    own = Quantity(
+        name="mean frequency of motion over the natural one",
+        unit="",
+        printed=None,
+        simulated=pairs[0][0].times(1.0 / natural),
+        exact=pairs[0][1] / natural,
+    )
+    by_assumption = "One-way coupling gives the contact no stiffness, so this is an assumption of the model."
+    return [
+        FieldClaim(
+            id="ba2010_frequencies",
+            source=sources.BA_2010,
+            statement="The contact does not change the natural frequencies of the samples.",
+            conditions=f"two rough flats, dry, light load. {NORMAL}",
+            quantity=own,
+            published=(0.99, 1.01),
+            because=f"{by_assumption} Unchanged is taken as within 1 %.",
+            scenario=FAST,
+        ),
+        FieldClaim(
+            id="akay2002",
+            source=sources.AKAY_2002,
+            statement="In weak contact each body responds at its own natural frequencies.",
+            conditions="review",
+            quantity=own,
+            published=(0.99, 1.01),
+            because=by_assumption,
+            scenario=FAST,
+        ),
+        FieldClaim(
+            id="othman_seireg1990",
+            source=sources.OTHMAN_SEIREG_1990,
+            statement="The dominating frequency is a constant of the material, independent of roughness and load.",
+            conditions="stylus on steel, brass and aluminium, filtered band",
+            quantity=moved,
+            published=(0.99, 1.01),
+            because=f"{by_assumption} Independent is taken as within 1 % for twice the diameter.",
+            scenario=FAST,
+        ),
+        FieldClaim(
+            id="stoimenov2007",
+            source=sources.STOIMENOV_2007,
+            statement="The first peak moves from 3.0 to 4.5 kHz with roughness; up or down was not seen.",
+            conditions="stainless-steel plates of Rz 0.8 to 12.4 um, rubbed by hand, flat on flat",
+            quantity=moved,
+            published=(1.5, 1.5),
+            because="The model's peak stays; a factor of 1/1.5 is as far from it. A peak that moves needs a contact "
+            "stiffness that depends on roughness.",
+            scenario=FAST,
+        ),
+    ]
+
+
+def _frequency(point: Found) -> float:
+    """Return std x' over std x in rad/s, which is 2 pi times the mean rate of a Gaussian motion."""
+    motion = response(point.model)
+    return motion.velocity_std / motion.displacement_std
+
+
+def jerks(slow: Evidence) -> FieldClaim:
+    """Return the row on stick-slip, from a two-way run at 1 mm/s."""
+    stuck = slow.at(count=20, speed=1000.0, coupling="two-way").numbers["stuck"]
+    return FieldClaim(
+        id="bowden_leben1939",
+        source=sources.BOWDEN_LEBEN_1939,
+        statement="Metals do not slide steadily but by jerks (stick-slip).",
+        conditions="slow sliding",
+        quantity=Quantity(
+            name="share of the time stuck, two-way, 1 mm/s", unit="", printed=None, simulated=stuck, exact=nan
+        ),
+        published=(0.01, 0.99),
+        because="One-way coupling cannot stick. Two-way coupling sticks most of the time, without a static friction "
+        "above the kinetic one.",
+        scenario=SLOW,
+    )
