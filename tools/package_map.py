@@ -74,14 +74,14 @@ def diagram() -> Iterator[str]:
 
 
 def table() -> Iterator[str]:
-    """Yield a row for each room: what is in it, its files, and every room that it imports."""
-    yield "| room | what is in it | files | imports |"
-    yield "|---|---|---|---|"
+    """Yield a row for each room: what is in it, and every room that it imports."""
+    yield "| room | what is in it | imports |"
+    yield "|---|---|---|"
     drawn = arrows()
     for layer in layers():
         for room in layer:
             imported = ", ".join(_in_order(drawn[room])) or "nothing"
-            yield f"| `{room}` | {_first_sentence(room)} | {len(files(room))} | {imported} |"
+            yield f"| `{room}` | {_first_sentence(room)} | {imported} |"
 
 
 def _in_order(rooms: set[str]) -> list[str]:
