@@ -1,6 +1,7 @@
 """The unfinished file: made with its final structure, filled column by column while HDF5 is not open, then compressed.
 
-A gzip file is made from the raw part at publication, chunk by chunk.
+Rows of each column go through a `ColumnFile` (see columns), which hashes them and puts them in their place. A gzip file
+is made from the raw part at publication, chunk by chunk.
 """
 
 import os
