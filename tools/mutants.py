@@ -176,6 +176,9 @@ def judged(mutant: Mutant, folder: Path) -> Verdict:
     try:
         # Where faults are a matter of chance all cases are scored, and the largest score counts.
         trial = tried(folder, [test_of(mutant, folder)], compiled, enough=not mutant.chance)
+        if not mutant.chance and not _evidence(mutant, trial)[0]:
+            # The first case may end in an error of its own, where a later one fails by what it asserts.
+            trial = tried(folder, [test_of(mutant, folder)], compiled, enough=False)
     finally:
         for path, status in times.items():
             path.write_text(before[path], encoding="utf-8")
