@@ -1,8 +1,9 @@
 """One block of a run: the step of the fold, and the only place from which rows are written.
 
-The way of a junction into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or
-`batch`, lets it live. `area` sums the live junctions at the ticks, for /trace. `slider` or `two_way` moves the slider under their
-force, for /slider. The sink takes all rows; where a run becomes a file it is `rubnoise.storage.writer.RunWriter`.
+The way of a junction into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or `batch`,
+lets it live. `area` sums the live junctions at the ticks, for /trace. `slider` or `two_way` moves the slider under
+their force, for /slider. The sink takes all rows; where a run becomes a file it is
+`rubnoise.storage.writer.RunWriter`.
 """
 
 from collections.abc import Callable, Sequence
