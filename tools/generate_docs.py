@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
+import package_map
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
@@ -20,7 +21,7 @@ from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
-PAGES = ("data-format.md", "scenarios.md")
+PAGES = ("data-format.md", "design.md", "scenarios.md")
 PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
@@ -154,7 +155,14 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-PARTS: dict[str, Callable[[], Iterator[str]]] = {"columns": columns, "keys": keys, "sweep": sweep}
+PARTS: dict[str, Callable[[], Iterator[str]]] = {
+    "columns": columns,
+    "keys": keys,
+    "sweep": sweep,
+    "layers": package_map.line,
+    "arrows": package_map.diagram,
+    "rooms": package_map.table,
+}
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from math import isnan
 from pathlib import Path
 
-from rubnoise.claims.catalogue import settle
+from rubnoise.claims.catalogue import evaluate_claims
 from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.figures.paper import FIGURES, paper_figure
 from rubnoise.figures.paper_sources import Sources
@@ -56,7 +56,7 @@ Two more limits follow from its equations:
 
 def main() -> int:
     """Settle the claims, draw the figures, and write the page; where a claim is unsettled only say which, return 1."""
-    claims = settle(lambda text: print(text, file=sys.stderr))
+    claims = evaluate_claims(lambda text: print(text, file=sys.stderr))
     if unsettled := [claim.name for claim in claims if claim.verdict is Verdict.UNSETTLED]:
         print(f"generate_paper: simulation and theory disagree: {', '.join(unsettled)}", file=sys.stderr)
         return 1

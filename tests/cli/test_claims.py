@@ -14,14 +14,14 @@ from tests.cli.test_json_contract import A_CLAIM, A_ROW
 
 
 @pytest.fixture
-def settled(monkeypatch: pytest.MonkeyPatch) -> list[Verdict]:
+def evaluated(monkeypatch: pytest.MonkeyPatch) -> list[Verdict]:
     """Settle one claim at once, with the verdict that stands in the list."""
     verdicts = [Verdict.HOLDS]
-    monkeypatch.setattr(catalogue, "settle", lambda tell: (replace(A_CLAIM, verdict=verdicts[0]),))
+    monkeypatch.setattr(catalogue, "evaluate_claims", lambda tell: (replace(A_CLAIM, verdict=verdicts[0]),))
     return verdicts
 
 
-def test_a_claim_is_told_with_its_numbers_and_verdict(settled: list[Verdict]) -> None:
+def test_a_claim_is_told_with_its_numbers_and_verdict(evaluated: list[Verdict]) -> None:
     done = call("claims")
     assert done.out.splitlines()[0] == "Eq. (1): holds"
     assert "mean (um)" in done.out
@@ -30,8 +30,8 @@ def test_a_claim_is_told_with_its_numbers_and_verdict(settled: list[Verdict]) ->
     assert done.err == ""
 
 
-def test_simulation_and_theory_that_disagree_are_told_by_the_exit_code(settled: list[Verdict]) -> None:
-    settled[0] = Verdict.UNSETTLED
+def test_simulation_and_theory_that_disagree_are_told_by_the_exit_code(evaluated: list[Verdict]) -> None:
+    evaluated[0] = Verdict.UNSETTLED
     done = call("claims", "--json")
     assert done.code == 3
     assert json.loads(done.out)["claims"][0]["verdict"] == "unsettled"
@@ -41,7 +41,7 @@ def test_simulation_and_theory_that_disagree_are_told_by_the_exit_code(settled: 
 def rows(monkeypatch: pytest.MonkeyPatch) -> list[FieldClaim]:
     """Settle the ledger at once, with the rows that stand in the list."""
     found = [A_ROW]
-    monkeypatch.setattr(ledger, "settle_field", lambda tell: tuple(found))
+    monkeypatch.setattr(ledger, "evaluate_field", lambda tell: tuple(found))
     return found
 
 
@@ -76,7 +76,7 @@ def test_no_ledger_is_written_where_simulation_and_theory_disagree(rows: list[Fi
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_paper_s_claims_go_to_no_folder(settled: list[Verdict], tmp_path: Path) -> None:
+def test_the_paper_s_claims_go_to_no_folder(evaluated: list[Verdict], tmp_path: Path) -> None:
     done = call("claims", "-o", str(tmp_path))
     assert done.code == 2
     assert "need --field" in done.err

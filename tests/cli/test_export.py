@@ -35,7 +35,7 @@ JUNCTIONS, TICKS = 57, 203
 def rows(here: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Return the rows of `run.h5`, of which every export takes several panels."""
     for module in (export_csv, export_netcdf, export_parquet):
-        monkeypatch.setattr(module, "PANEL_ROWS", 50)
+        monkeypatch.setattr(module, "CHUNK_ROWS", 50)
     description = describe(JUNCTIONS, TICKS)
     made = random_rows(description)
     made["trace"]["friction_force"][:3] = [1e300, 5e-324, -0.1 - 0.2]

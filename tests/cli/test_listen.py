@@ -179,7 +179,7 @@ def test_memory_holds_one_panel_at_a_time(result: Path, monkeypatch: pytest.Monk
         read.append(values.size)
         return values
 
-    monkeypatch.setattr(sound, "PANEL_ROWS", 50)
+    monkeypatch.setattr(sound, "CHUNK_ROWS", 50)
     monkeypatch.setattr(RunFile, "column", counted)
     assert call("listen", "x.h5").code == 0
     assert max(read) == 50

@@ -1,6 +1,6 @@
 """Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
 
-The daily tests leave two things to other folders: they do not settle claims again (tests/verification), and a film
+The daily tests leave two things to other folders: they do not evaluate claims again (tests/verification), and a film
 repeats its first frame (tests/figures). --all does both.
 """
 
@@ -46,8 +46,8 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.chdir(here)
     if not Wishes.everything:
-        monkeypatch.setattr(catalogue, "settle", lambda _: (A_CLAIM,))
-        monkeypatch.setattr(ledger, "settle_field", lambda _: (A_ROW,))
+        monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
+        monkeypatch.setattr(ledger, "evaluate_field", lambda _: (A_ROW,))
         monkeypatch.setattr(Film, "frames", _first_frames)
     return here
 

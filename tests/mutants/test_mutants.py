@@ -120,7 +120,7 @@ def test_a_small_score_is_no_kill() -> None:
     ("file", "feeds"),
     [
         ("simulation/kernels/taylor.py", True),
-        ("simulation/recurrence.py", True),
+        ("simulation/slider.py", True),
         ("compiling.py", True),
         ("simulation/run.py", False),
         ("contact/pulses.py", False),

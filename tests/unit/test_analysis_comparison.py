@@ -103,8 +103,8 @@ def test_an_empty_start_is_compared_from_where_it_is_forgotten() -> None:
     found = compared("empty")
     assert not any(figure.name.startswith("start") for figure in found.figures)
     assert {"real_contact_area_mean", "life_mean_area", "birth_count"} <= names(found)
-    settled = reading.settled_tick(RIGHT["empty"])
-    assert trace.read_trace(RIGHT["empty"], run("empty")).settled_ticks == RIGHT["empty"].tick_count + 1 - settled
+    settled = reading.first_stationary_tick(RIGHT["empty"])
+    assert trace.read_trace(RIGHT["empty"], run("empty")).stationary_ticks == RIGHT["empty"].tick_count + 1 - settled
     # The first life taken in, the run would not pass as stationary.
     taken = compare(replace(RIGHT["empty"], start="stationary"), run("empty"))
     assert "start_count" in taken.outside

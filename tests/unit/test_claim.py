@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from rubnoise.claims.claim import Estimate, Quantity, Verdict, difference, estimate, ratio, settled
+from rubnoise.claims.claim import Estimate, Quantity, Verdict, difference, estimate, ratio, verdict_if_agreed
 
 
 def test_an_estimate_is_the_mean_of_the_runs_with_student_s_interval() -> None:
@@ -47,4 +47,4 @@ def test_errors_of_differences_and_ratios_add_up() -> None:
 def test_a_verdict_needs_simulation_and_theory_to_agree(exact: float, verdict: Verdict) -> None:
     simulated = Estimate(value=1.0, standard_error=0.01, runs=50)
     quantity = Quantity(name="mean", unit="um", printed=1.0, simulated=simulated, exact=exact)
-    assert settled(quantities=(quantity,), verdict=Verdict.HOLDS) is verdict
+    assert verdict_if_agreed(quantities=(quantity,), verdict=Verdict.HOLDS) is verdict

@@ -15,7 +15,7 @@ from rubnoise.storage.reader import RunFile, open_run
 from tests.format.runs import Compression, describe, random_rows, write_run
 
 ROWS = 1000
-PANEL = 64
+CHUNK = 64
 
 
 @pytest.fixture(scope="module", params=["none", "gzip"])
@@ -35,7 +35,7 @@ def path(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureReques
 @pytest.fixture
 def file(path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunFile]:
     """That file, opened."""
-    monkeypatch.setattr(selection, "PANEL_ROWS", PANEL)
+    monkeypatch.setattr(selection, "CHUNK_ROWS", CHUNK)
     monkeypatch.setattr(selection, "NEAR", 5)
     with open_run(path) as opened:
         yield opened
@@ -69,7 +69,7 @@ def test_without_a_column_the_order_is_that_of_birth(file: RunFile, head: int | 
 @pytest.mark.parametrize("rows", [[], [3], [999, 0, 500, 500], list(range(1000)), list(range(999, -1, -3))])
 def test_columns_are_gathered_in_the_order_of_the_rows(file: RunFile, rows: list[int]) -> None:
     panels = list(gather(file, np.array(rows, dtype=np.int64), ["state", "junction", "birth_distance"]))
-    assert all(panel["state"].size <= PANEL for panel in panels)
+    assert all(panel["state"].size <= CHUNK for panel in panels)
     for name in ("state", "junction", "birth_distance"):
         told = np.concatenate([np.zeros(0), *(panel[name] for panel in panels)])
         assert told.tolist() == file.column("junctions", name)[rows].tolist()
@@ -86,7 +86,7 @@ def test_only_what_is_needed_is_read_a_panel_at_a_time(file: RunFile, monkeypatc
     monkeypatch.setattr(RunFile, "column", watched)
     rows, _ = select(file, condition("diameter > 2 and not ended_early"), sort="max_area", head=4)
     assert {name for name, _ in asked} == {"diameter", "state", "max_area"}
-    assert max(count for _, count in asked) == PANEL
+    assert max(count for _, count in asked) == CHUNK
     asked.clear()
     next(gather(file, rows, ["birth_distance"]))
     assert sum(count for _, count in asked) <= 4 * 6
@@ -94,8 +94,8 @@ def test_only_what_is_needed_is_read_a_panel_at_a_time(file: RunFile, monkeypatc
 
 def test_few_rows_are_held_where_few_are_wanted(file: RunFile) -> None:
     best = selection._Best(5, descending=False)
-    for first in range(0, ROWS, PANEL):
-        best.add(np.arange(first, first + PANEL), np.random.default_rng(first).random(PANEL))
+    for first in range(0, ROWS, CHUNK):
+        best.add(np.arange(first, first + CHUNK), np.random.default_rng(first).random(CHUNK))
         assert sum(map(len, best._rows)) <= 5
 
 

@@ -13,7 +13,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.model import Model
 from rubnoise.record.sink import Appender
 from rubnoise.scenario import Scenario, build
-from rubnoise.simulation.starts import BlockStarts
+from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.storage.reader import open_run
 
 KEYS = {

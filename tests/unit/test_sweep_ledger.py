@@ -52,7 +52,7 @@ def _left(point: Point, folder: SweepFolder) -> Path:
 
 
 def _recovered(point: Point, folder: SweepFolder, ledger: StatusLog) -> RunRow | None:
-    return found_run(point, root=folder.root, begun=point.run_id in ledger.stock.begun)
+    return found_run(point, root=folder.root, begun=point.run_id in ledger.status.begun)
 
 
 def _told(folder: SweepFolder) -> list[tuple[str, str]]:
@@ -104,7 +104,7 @@ def test_a_disk_that_fails_afterwards_makes_the_run_a_failed_one(
     monkeypatch.setattr(disk, "reopen", failing)
     assert ledger.sync()
     assert _told(folder)[2:] == [(good.stem, "done"), (bad.stem, "failed")]
-    assert (set(ledger.stock.done), set(ledger.stock.failed)) == ({good.stem}, {bad.stem})
+    assert (set(ledger.status.done), set(ledger.status.failed)) == ({good.stem}, {bad.stem})
     *_, last = entries(folder.journal(None))
     assert (good.exists(), bad.exists()) == (True, False)
     assert last.reason == f"{bad}: writing failed: Input/output error"
@@ -151,7 +151,7 @@ def test_a_result_with_a_flipped_bit_is_not_taken_for_the_run(
     ledger.begin(points)
     _recovered(points[0], folder, ledger)
     assert path.exists()  # it was there before, and may be anybody's
-    ledger.stock.begun.add(points[0].run_id)
+    ledger.status.begun.add(points[0].run_id)
     _recovered(points[0], folder, ledger)
     assert not path.exists()
 

@@ -1,4 +1,4 @@
-"""Every claim of the paper is settled, by runs and by theory that agree."""
+"""Every claim of the paper is verdict_if_agreed, by runs and by theory that agree."""
 
 import math
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 import scipy.special
 
 from rubnoise.claims import catalogue
-from rubnoise.claims.claim import Claim, Verdict, settled
+from rubnoise.claims.claim import Claim, Verdict, verdict_if_agreed
 from rubnoise.figures.paper import FIGURES
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
@@ -46,7 +46,7 @@ EXACT = {
 @pytest.fixture(scope="module")
 def claims() -> dict[str, Claim]:
     told: list[str] = []
-    found = {claim.name: claim for claim in catalogue.settle(told.append)}
+    found = {claim.name: claim for claim in catalogue.evaluate_claims(told.append)}
     assert told
     return found
 
@@ -57,7 +57,7 @@ def test_every_claim_is_settled_in_the_order_of_the_paper(claims: dict[str, Clai
 
 
 def test_all_of_them_are_told(claims: dict[str, Claim], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(catalogue, "settle", lambda _: tuple(claims.values()))
+    monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: tuple(claims.values()))
     answer = call("claims")
     assert (answer.code, answer.err) == (0, "")
     heads = [f"{claim.where}: {claim.verdict.value}" for claim in claims.values()]
@@ -138,7 +138,7 @@ def test_no_page_is_written_where_simulation_and_theory_disagree(
     claims: dict[str, Claim], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     wrong = (*list(claims.values())[:-1], replace(claims["few_or_many"], verdict=Verdict.UNSETTLED))
-    monkeypatch.setattr(generate_paper, "settle", lambda tell: wrong)
+    monkeypatch.setattr(generate_paper, "evaluate_claims", lambda tell: wrong)
     monkeypatch.setattr(generate_paper, "DOCS", tmp_path)
     monkeypatch.setattr(generate_paper, "PICTURES", tmp_path / "pictures")
     assert generate_paper.main() == 1
@@ -150,8 +150,8 @@ def test_no_page_is_written_where_simulation_and_theory_disagree(
 def test_a_wrong_theory_leaves_a_claim_unsettled(claims: dict[str, Claim], name: str) -> None:
     claim = claims[name]
     wrong = tuple(replace(each, exact=1.2 * each.exact + 0.01) for each in claim.quantities)
-    assert settled(quantities=wrong, verdict=claim.verdict) is Verdict.UNSETTLED
-    assert settled(quantities=claim.quantities, verdict=claim.verdict) is claim.verdict
+    assert verdict_if_agreed(quantities=wrong, verdict=claim.verdict) is Verdict.UNSETTLED
+    assert verdict_if_agreed(quantities=claim.quantities, verdict=claim.verdict) is claim.verdict
 
 
 def test_the_page_on_the_paper_is_what_the_claims_say(claims: dict[str, Claim]) -> None:

@@ -45,7 +45,7 @@ EXACT = {
 @pytest.fixture(scope="module")
 def claims() -> dict[str, FieldClaim]:
     told: list[str] = []
-    found = {claim.id: claim for claim in ledger.settle_field(told.append)}
+    found = {claim.id: claim for claim in ledger.evaluate_field(told.append)}
     assert told
     return found
 

@@ -9,7 +9,7 @@ from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation import draws, starts
+from rubnoise.simulation import block_starts, draws
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import extent, simulate
 from tests.models import bare, contents, model, recorded
@@ -152,7 +152,7 @@ def test_lives_and_landmarks_come_in_order_of_time(name):
 
 
 def test_a_two_way_run_that_goes_on_tells_the_rest(monkeypatch):
-    for each in (draws, starts):
+    for each in (draws, block_starts):
         monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
     run, whole, states = TWO_WAY["few, with reversals"], Log(), []
     simulate(run, 3, MemoryRecord(extent(run, 3)), observe=whole.observer, commit=states.append, alone=True)

@@ -10,7 +10,7 @@ import pytest
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation import draws, starts, ticks
+from rubnoise.simulation import block_starts, draws, ticks
 from rubnoise.simulation.coupled import fold, motion
 from rubnoise.simulation.run import Engine, extent, simulate
 from rubnoise.simulation.state import State
@@ -90,7 +90,7 @@ def test_rows_are_uniform_in_time_and_landmarks_take_turns() -> None:
 def test_resumed_after_any_block_it_has_equal_bits(
     monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], engine: Engine
 ) -> None:
-    for each in (draws, starts):
+    for each in (draws, block_starts):
         monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
     monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 700)
     run = two_way(model(**changes))
@@ -164,7 +164,7 @@ def test_a_block_that_leaves_no_junction_waiting_is_gone_on_from(
 ) -> None:
     """Of a contact that is empty now and then every row is known and written at the end of some blocks."""
     run = two_way(model(distance=6000.0, count=0.2, tick=1.0))
-    for each in (draws, starts):
+    for each in (draws, block_starts):
         monkeypatch.setattr(each, "births_per_block", lambda _model: 3)
     states: list[State] = []
     whole = MemoryRecord(extent(run, 3))

@@ -105,7 +105,7 @@ CLAIMS = (
         "first.standard_error / first.value",
     ),
     one(
-        "a claim settled against the theory",
+        "a claim verdict_if_agreed against the theory",
         "test_a_verdict_needs_simulation_and_theory_to_agree",
         "return verdict if all(quantity.agrees for quantity in quantities) else",
         "return verdict if any(quantity.agrees for quantity in (*quantities, *quantities)) or quantities else",

@@ -25,7 +25,7 @@ class Agreement:
 
     @property
     def z(self) -> float | None:
-        """Distance from the expected value in standard errors, or the deviate; None where it cannot be told."""
+        """Distance from the expected value in standard errors, or the deviate; None where it is not known."""
         if self.deviate is not None:
             return self.deviate
         if self.expected is None or not self.standard_error:

@@ -1,4 +1,4 @@
-"""A run held against the theory of its own scenario: from its stored rows alone, never from what it says of itself."""
+"""A run compared with the theory of its own scenario: from its stored rows alone, never from what it says of itself."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -29,7 +29,7 @@ COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "she
 
 
 def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
-    """Return everything that a run can be held against, with scores; ``bound`` replaces the family-wise bound on |z|.
+    """Return everything in which a run can be compared, with scores; ``bound`` replaces the family-wise bound on |z|.
 
     The run is read twice, /trace and /junctions once each (and /slider), in chunks. Raises RecordTooShort, carrying the
     mean area, for a run from which not even that can be judged, RunFileRefused for damaged rows.
@@ -86,7 +86,7 @@ def _trace_part(model: Model, trace: TraceSums) -> Findings:
         real_contact_area_autocovariance=lambda: covariance_findings(model, trace),
         spectrum=lambda: spectrum_findings(model, trace),
     )
-    return replace(part, begins=trace.layout.settled * model.tick)
+    return replace(part, begins=trace.layout.stationary_from * model.tick)
 
 
 def _part(heading: str, **parts: Callable[[], list[Finding]]) -> Findings:

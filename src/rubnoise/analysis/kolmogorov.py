@@ -8,7 +8,7 @@ from rubnoise.analysis.agreement import Agreement, normal_deviate
 from rubnoise.arrays import Doubles
 
 FEWEST = 10
-"""Independent values from which a distance is told at all."""
+"""Independent values from which a distance is given at all."""
 
 _BINS = 1 << 18
 _EXACT_UP_TO = 1000  # the limit's own error is some tenth of 1/sqrt(n)

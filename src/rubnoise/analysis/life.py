@@ -1,4 +1,4 @@
-"""One junction's life as its file tells it: the facts of its row, its curve, and the contact at its peak."""
+"""One junction's life as its file has it: the facts of its row, its curve, and the contact at its peak."""
 
 import json
 from dataclasses import dataclass
@@ -157,8 +157,8 @@ def life_of(file: Reader, number: int) -> Life:
     }
     even = "landmarks" not in file.columns
     # A two-way slider may never have come by: that time is no number.
-    told = row if even else {name: value for name, value in row.items() if name not in {"birth_time", "death_time"}}
-    check_lives(np.array([number]), {name: np.array([value], dtype=np.float64) for name, value in told.items()})
+    checked = row if even else {name: value for name, value in row.items() if name not in {"birth_time", "death_time"}}
+    check_lives(np.array([number]), {name: np.array([value], dtype=np.float64) for name, value in checked.items()})
     return Life(
         number=number,
         rows=rows,
@@ -180,7 +180,7 @@ def life_of(file: Reader, number: int) -> Life:
 def record_end(file: Reader) -> float:
     """Return the sliding distance in um at which a run stopped, from its own scenario; the last tick may lie before.
 
-    Raises RunFileRefused where its scenario does not tell.
+    Raises RunFileRefused where its scenario does not say.
     """
     try:
         return float(

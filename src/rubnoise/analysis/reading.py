@@ -186,6 +186,6 @@ def _check(group: str, name: str, first: int, values: NDArray[Any]) -> None:
         raise RunFileRefused(f"/{group} is damaged: row {first + row} has the {name} {values[row]:g}")
 
 
-def settled_tick(model: Model) -> int:
+def first_stationary_tick(model: Model) -> int:
     """Return the first tick from which the contact is stationary: after a longest life where the start was empty."""
     return 0 if model.start == "stationary" else ceil(longest_life(model) / model.tick)

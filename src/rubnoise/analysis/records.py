@@ -38,8 +38,8 @@ class RecordTooShort(Refused):
 
     def __str__(self) -> str:
         """Say what cannot be defended, and from which length on it can."""
-        told = f"{self.what}: {self.length:.6g} um of sliding are too short for it"
-        return f"{told}; it needs about {self.needed:.3g} um" if isfinite(self.needed) else told
+        message = f"{self.what}: {self.length:.6g} um of sliding are too short for it"
+        return f"{message}; it needs about {self.needed:.3g} um" if isfinite(self.needed) else message
 
 
 def longer(length: float, error: float, largest_error: float) -> float:
@@ -48,7 +48,7 @@ def longer(length: float, error: float, largest_error: float) -> float:
 
 
 FEWEST_BATCHES = 30
-"""Batches from which a standard error is told: it is then known to 13 %, 1/sqrt(2 n)."""
+"""Batches from which a standard error is given: it is then known to 13 %, 1/sqrt(2 n)."""
 
 MOST_BATCHES = 256
 LENGTHS_A_BATCH = 10.0
@@ -59,7 +59,7 @@ _FIRST_REACH = 256
 
 
 def integrated_autocorrelation(values: Doubles) -> float:
-    """Return 1 + 2 sum of the autocorrelation, in ticks: how many ticks tell as much about the mean as one alone.
+    """Return 1 + 2 sum of the autocorrelation, in ticks: how many ticks say as much about the mean as one alone.
 
     The sum ends at the first lag beyond five times itself, where noise would only add up; 1 for values that do not
     vary, inf where the record ends before that lag.

@@ -12,7 +12,7 @@ _NORMAL = 1.959963984540054
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pooled:
-    """A figure of so many runs taken together, and its standard error; inf where nothing tells it."""
+    """A figure of so many runs, and its standard error; inf where it is not known."""
 
     value: float
     standard_error: float
@@ -39,8 +39,8 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> P
     if not found.size:
         return Pooled(value=nan, standard_error=inf, runs=0)
     if found.size == 1:
-        told = isfinite(standard_error)
-        return Pooled(value=float(found[0]), standard_error=standard_error if told else inf, runs=1, from_theory=told)
+        known = isfinite(standard_error)
+        return Pooled(value=float(found[0]), standard_error=standard_error if known else inf, runs=1, from_theory=known)
     if not name.endswith("_std"):
         return Pooled(value=float(found.mean()), standard_error=_error(found), runs=found.size)
     squares = np.square(found)

@@ -1,4 +1,4 @@
-"""A record at another sample rate, band-limited: panels in, panels out, however long it is."""
+"""A record at another sample rate, band-limited: chunks in, chunks out, however long it is."""
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
@@ -37,17 +37,17 @@ def rate_ratio(source: float, target: float) -> Fraction:
     return 1 / rate_ratio(target, source)
 
 
-def resampled(panels: Iterable[Doubles], ratio: Fraction) -> Iterator[Doubles]:
-    """Yield a record that comes in panels at ``ratio`` times its rate: y_n = sum_j x_j h(n q - j p), ratio = p/q.
+def resampled(chunks: Iterable[Doubles], ratio: Fraction) -> Iterator[Doubles]:
+    """Yield a record that comes in chunks at ``ratio`` times its rate: y_n = sum_j x_j h(n q - j p), ratio = p/q.
 
     h is a sinc under a Kaiser window over 64 zero crossings on each side: up to 0.9 of the lower rate's half amplitudes
     are kept to 2e-5, from that half on they are held down to it. Output 0 lies at input 0, the last at or before the
-    last input; beyond its ends the record is taken to stay as it is there. Outputs hardly depend on the panels: by
+    last input; beyond its ends the record is taken to stay as it is there. Outputs hardly depend on the chunks: by
     rounding alone. Source: Oppenheim and Schafer, Discrete-Time Signal Processing (1989), chapters 3 and 7.
     """
     stream = _Stream(ratio)
-    for panel in panels:
-        stream.take(panel)
+    for chunk in chunks:
+        stream.take(chunk)
         yield from stream.ready()
     stream.end()
     yield from stream.ready()
@@ -79,11 +79,11 @@ class _Stream:
         self._outputs = 0
         self._ended = False
 
-    def take(self, panel: Doubles) -> None:
+    def take(self, chunk: Doubles) -> None:
         """Hold the inputs that follow those before."""
-        before = np.full(self._reach, panel[0]) if self._inputs == 0 and panel.size else panel[:0]
-        self._held = np.concatenate([self._held, before, panel])
-        self._inputs += panel.size
+        before = np.full(self._reach, chunk[0]) if self._inputs == 0 and chunk.size else chunk[:0]
+        self._held = np.concatenate([self._held, before, chunk])
+        self._inputs += chunk.size
 
     def end(self) -> None:
         """Let the last input stand for all after it."""

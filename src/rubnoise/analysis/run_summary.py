@@ -52,8 +52,8 @@ _CORRELATIONS_A_BATCH: Final = 10.0
 class RunLayout:
     """Edges of a histogram in um^2, lags and segments for every ``stride``-th tick, and ticks of an independent batch.
 
-    ``lags`` and ``segment`` count those ticks, ``step`` um apart: fine ticks cost no more than they tell. Bands of a
-    spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but of one bin at the least.
+    ``lags`` and ``segment`` count those ticks, ``step`` um apart: fine ticks cost no more than they are worth. Bands of
+    a spectrum begin at its bins ``starts`` and are ``widths`` bins wide: of equal ratio, but of one bin at the least.
     """
 
     edges: Doubles
@@ -116,7 +116,7 @@ def _edges(model: Model) -> Doubles:
 
 
 def _correlation_length(model: Model) -> float:
-    """Return how many um tell as much of a mean as one independent value, S(0)/R(0); a life for regular births."""
+    """Return how many um say as much of a mean as one independent value, S(0)/R(0); a life for regular births."""
     variance = area_cumulants(model).variance
     if not are_at_random(model) or variance == 0.0:
         return model.mean_life_distance
@@ -224,19 +224,19 @@ def curve_theory(model: Model) -> dict[str, CurveTheory]:
     }
 
 
-def _made(place: Doubles, count: int, model: Model, tell: Callable[[], tuple[Doubles, Doubles]]) -> CurveTheory:
+def _made(place: Doubles, count: int, model: Model, theory: Callable[[], tuple[Doubles, Doubles]]) -> CurveTheory:
     expected = error = np.empty(0)
     if model.start == "stationary":
         with suppress(Refused):
-            expected, error = tell()
+            expected, error = theory()
     return CurveTheory(
         place=filled_up(place, count),
         expected=filled_up(expected, count),
-        standard_error=filled_up(error if _told(model) else np.empty(0), count),
+        standard_error=filled_up(error if _has_errors(model) else np.empty(0), count),
     )
 
 
-def _told(model: Model) -> bool:
+def _has_errors(model: Model) -> bool:
     """Whether a run is long, its births at random and its ticks fine enough for errors of a spectrum and the like."""
     life = model.mean_life_distance
     return (
@@ -258,7 +258,7 @@ def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the mean expected density of each band, aliases and leakage included, and its standard error."""
     wavenumber, expected = expected_periodogram(model, layout.step, hann(layout.segment))
     means = layout.banded(expected)
-    if not means.size or not _told(model):
+    if not means.size or not _has_errors(model):
         return means, np.empty(0)
     shown = Spectrum(
         wavenumber=wavenumber,
@@ -279,5 +279,5 @@ def _covariance(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
     """Return the expected autocovariance about the record's own mean, and its standard error."""
     lags = layout.distances
     expected = autocovariance(model, lags) - variance_of_time_mean(model)
-    errors = covariance_errors(model, lags, model.distance, layout.step) if _told(model) else np.empty(0)
+    errors = covariance_errors(model, lags, model.distance, layout.step) if _has_errors(model) else np.empty(0)
     return expected, errors

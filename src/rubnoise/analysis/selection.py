@@ -18,7 +18,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows
 from rubnoise.storage.life_curve import stored_pulse
 
-PANEL_ROWS: Final = 1 << 18
+CHUNK_ROWS: Final = 1 << 18
 NEAR: Final = 4096
 """Rows nearer to each other than this are read together with what lies between them."""
 
@@ -36,11 +36,11 @@ def select(
     """Return the first ``head`` (all when None) row numbers that a condition chooses, and how many it chooses.
 
     Rows of equal ``sort`` stay in order of birth, also when ``descending``; without ``sort`` all are. Only the columns
-    of the condition and of the order are read. With ``head`` no more than it and a panel are held at a time.
+    of the condition and of the order are read. With ``head`` no more than it and a chunk are held at a time.
     """
     best = _Best(head, descending=descending)
     total = 0
-    for first, columns, size in _panels(file, where, sort):
+    for first, columns, size in _chunks(file, where, sort):
         rows = np.arange(size) if where is None else np.flatnonzero(where.chosen(columns))
         total += rows.size
         best.add(rows + first, rows + first if sort is None else columns[sort][rows])
@@ -48,25 +48,25 @@ def select(
 
 
 def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """Yield columns of the rows, in their order, a panel of them at a time."""
-    for first in range(0, rows.size, PANEL_ROWS):
-        panel = rows[first : first + PANEL_ROWS]
-        order = np.argsort(panel, kind="stable")
-        spans = list(_spans(panel[order]))
-        yield {name: _gathered(file, name, panel, order, spans) for name in names}
+    """Yield columns of the rows, in their order, a chunk of them at a time."""
+    for first in range(0, rows.size, CHUNK_ROWS):
+        chunk = rows[first : first + CHUNK_ROWS]
+        order = np.argsort(chunk, kind="stable")
+        spans = list(_spans(chunk[order]))
+        yield {name: _gathered(file, name, chunk, order, spans) for name in names}
 
 
-def _panels(file: Rows, where: Node | None, sort: str | None) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
-    """Yield the first row, the columns needed and the number of rows of each panel of the file."""
+def _chunks(file: Rows, where: Node | None, sort: str | None) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
+    """Yield the first row, the columns needed and the number of rows of each chunk of the file."""
     names = (frozenset() if where is None else where.columns) | ({sort} if sort else frozenset())
     total = file.rows("junctions")
-    for first in range(0, total, PANEL_ROWS):
-        last = min(first + PANEL_ROWS, total)
+    for first in range(0, total, CHUNK_ROWS):
+        last = min(first + CHUNK_ROWS, total)
         yield first, {name: file.column("junctions", name, first, last) for name in names}, last - first
 
 
 class _Best:
-    """The first rows in some order, of panels that come in order of birth."""
+    """The first rows in some order, of chunks that come in order of birth."""
 
     def __init__(self, head: int | None, *, descending: bool) -> None:
         self._head = head
@@ -86,14 +86,14 @@ class _Best:
         self._keys.append(signed)
         self._held += rows.size
         if self._head is not None and self._held > self._head:
-            self._settle()
+            self._keep_first()
 
     def rows(self) -> RowNumbers:
         """Return the rows in order."""
-        self._settle()
+        self._keep_first()
         return self._rows[0]
 
-    def _settle(self) -> None:
+    def _keep_first(self) -> None:
         rows = np.concatenate([np.zeros(0, dtype=np.int64), *self._rows])
         keys = np.concatenate([np.zeros(0), *self._keys])
         order = np.argsort(keys, kind="stable")[: self._head]
@@ -104,8 +104,8 @@ def _spans(rows: RowNumbers) -> Iterator[tuple[int, int]]:
     """Yield where to cut ascending rows into runs that are each read at once."""
     cuts = [0, *(np.flatnonzero(np.diff(rows) > NEAR) + 1).tolist(), rows.size]
     for start, stop in pairwise(cuts):
-        while rows[stop - 1] - rows[start] >= PANEL_ROWS:
-            middle = int(np.searchsorted(rows, rows[start] + PANEL_ROWS))
+        while rows[stop - 1] - rows[start] >= CHUNK_ROWS:
+            middle = int(np.searchsorted(rows, rows[start] + CHUNK_ROWS))
             yield start, middle
             start = middle  # noqa: PLW2901  (the rest of this run)
         yield start, stop
@@ -146,7 +146,7 @@ class Neighbours:
     def total_area(self, distance: Doubles) -> Doubles:
         """Return the sum of their areas in um^2 at sliding distances in um, some junctions at a time."""
         total = np.zeros(distance.size)
-        step = max(1, PANEL_ROWS // max(1, distance.size))
+        step = max(1, CHUNK_ROWS // max(1, distance.size))
         for first in range(0, self.rows.size, step):
             some = self._chosen(slice(first, first + step))
             birth, death = some.birth[:, np.newaxis], some.death[:, np.newaxis]
@@ -166,15 +166,15 @@ class Neighbours:
 
 
 def neighbours(file: Reader, number: int, start: float, stop: float) -> Neighbours:
-    """Return all rows but ``number`` that live anywhere between two distances in um; a panel is held at a time.
+    """Return all rows but ``number`` that live anywhere between two distances in um; a chunk is held at a time.
 
     Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
     RunFileRefused where one of the rows found is no life.
     """
     total = file.rows("junctions")
     found = [np.zeros(0, dtype=np.int64)]
-    for first in range(0, total, PANEL_ROWS):
-        last = min(first + PANEL_ROWS, total)
+    for first in range(0, total, CHUNK_ROWS):
+        last = min(first + CHUNK_ROWS, total)
         birth = file.column("junctions", "birth_distance", first, last)
         death = file.column("junctions", "death_distance", first, last)
         found.append(np.flatnonzero((birth <= stop) & (death >= start)) + first)
@@ -194,8 +194,8 @@ def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None
 def _read(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
     names = ["birth_distance", "death_distance", "diameter"]
     names += ["shear_strength"] if "shear_strength" in file.columns["junctions"] else []
-    panels = list(gather(file, rows, names))
-    columns = {name: np.concatenate([np.zeros(0), *(panel[name] for panel in panels)]) for name in names}
+    chunks = list(gather(file, rows, names))
+    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
     check_lives(rows, columns)
     return Neighbours(
         rows=rows,

@@ -69,7 +69,7 @@ COLUMNS: Final[dict[What, str]] = {
 PEAK: Final = 10.0 ** (-3.0 / 20.0)
 """How far the loudest sample goes of full scale: 3 dB below it."""
 
-PANEL_ROWS: Final = 65_536
+CHUNK_ROWS: Final = 65_536
 _SEGMENTS: Final = 8
 _MOST_TICKS: Final = 1 << 17
 _NOTHING: Final = 1e-9  # of the mean: what varies less is rounding
@@ -141,14 +141,14 @@ class Sound:
         """How long the sound lasts."""
         return self.samples / self.rate
 
-    def panels(self) -> Iterator[Doubles]:
+    def chunks(self) -> Iterator[Doubles]:
         """Yield the rows as they are in the run."""
-        for first in range(0, self.rows, PANEL_ROWS):
-            yield self.file.column(self.group, self.column, first, min(first + PANEL_ROWS, self.rows))
+        for first in range(0, self.rows, CHUNK_ROWS):
+            yield self.file.column(self.group, self.column, first, min(first + CHUNK_ROWS, self.rows))
 
     def about(self, mean: float) -> Iterator[Doubles]:
         """Yield the samples less a mean, in the unit of the column."""
-        return resampled((panel - mean for panel in self.panels()), self.ratio)
+        return resampled((chunk - mean for chunk in self.chunks()), self.ratio)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,15 +166,15 @@ class Level:
 def level_of(sound: Sound, between: Between) -> Level:
     """Return the mean of a sound's rows and the scale that leaves its loudest sample 3 dB below full scale.
 
-    ``between`` is called after each panel and may raise to stop. Raises Refused for a column that does not vary.
+    ``between`` is called after each chunk and may raise to stop. Raises Refused for a column that does not vary.
     """
     moments, total = Moments(powers=2), _welch_sum(sound)
-    for panel in sound.panels():
-        if not np.isfinite(panel).all():
+    for chunk in sound.chunks():
+        if not np.isfinite(chunk).all():
             raise RunFileRefused(f"/{sound.group}/{sound.column} is damaged: it holds what is no number")
-        moments.add(panel)
+        moments.add(chunk)
         if total is not None:
-            total.add(panel)
+            total.add(chunk)
         between()
     loudest = _loudest(sound, moments.mean, between)
     if loudest <= _NOTHING * abs(moments.mean):
@@ -185,16 +185,16 @@ def level_of(sound: Sound, between: Between) -> Level:
 
 def _loudest(sound: Sound, mean: float, between: Between) -> float:
     loudest = 0.0
-    for panel in sound.about(mean):
-        loudest = max(loudest, float(np.abs(panel).max()))
+    for chunk in sound.about(mean):
+        loudest = max(loudest, float(np.abs(chunk).max()))
         between()
     return loudest
 
 
 def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles]:
-    """Yield the samples of a sound, from -1 to 1; ``between`` is called after each panel and may raise to stop."""
-    for panel in sound.about(level.mean):
-        yield panel / level.full_scale
+    """Yield the samples of a sound, from -1 to 1; ``between`` is called after each chunk and may raise to stop."""
+    for chunk in sound.about(level.mean):
+        yield chunk / level.full_scale
         between()
 
 

@@ -173,7 +173,7 @@ def _motion(place: Moments, speed: Moments, theory: Theory) -> list[Agreement]:
 
 
 def _two_way_motion(model: Model, tally: Tally, theory: Theory) -> list[Agreement]:
-    """Return what /balance and /landmarks tell of a two-way slider, over its whole time.
+    """Return what /balance and /landmarks say of a two-way slider, over its whole time.
 
     Spreads have an expected value while coupling is weak; the excess of the mean force and the residual of energy have
     one always, which a right run meets within the steps' errors.

@@ -30,7 +30,7 @@ from rubnoise.storage.inventory import Inventory
 
 
 class ResultFile(HashedReader, Protocol):
-    """A result that tells all that there is in it, known or not."""
+    """A result that lists all that there is in it, known or not."""
 
     def inventory(self) -> Inventory:
         """Return every group, column and attribute, as HDF5 has them."""

@@ -41,7 +41,7 @@ _PATTERN: Final = re.compile(
     rf"|(?P<comparison><=|>=|==|!=|<(?!>)|>(?!<))"
     rf"|(?P<bracket>[()])"
     rf"|(?P<end>$))",
-    re.IGNORECASE,  # a shouted AND is no unit, and is then told how it is written
+    re.IGNORECASE,  # a shouted AND is no unit, and the message says how it is written
 )
 _SLIPS: Final = (
     (re.compile(r"=[<>]|<>|=~"), "no comparison", "the comparisons are < <= > >= == !="),

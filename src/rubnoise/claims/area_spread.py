@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, difference, settled
-from rubnoise.claims.evidence import Evidence, Tell, gather
+from rubnoise.claims.claim import Claim, Quantity, Verdict, difference, verdict_if_agreed
+from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -16,9 +16,9 @@ _PRINTED = ((100.0, 22.0, 1.0), (500.0, 110.0, 10.0))
 """A_rm in um^2, the printed drop from 10 to 50 junctions in um^2, and the unit of its last digit."""
 
 
-def claims(tell: Tell) -> Sequence[Claim]:
-    """Run the points and settle the claim that Figure 7 makes."""
-    found = gather(SCENARIO, _measured, tell)
+def claims(report: Report) -> Sequence[Claim]:
+    """Run the points and evaluate the claim that Figure 7 makes."""
+    found = gather(SCENARIO, _measured, report)
     quantities = tuple(_drop(found, area, printed, 10, 50) for area, printed, _ in _PRINTED)
     early, late = (_drop(found, 500.0, None, *counts) for counts in ((10, 30), (30, 50)))
     near = all(
@@ -37,7 +37,7 @@ def claims(tell: Tell) -> Sequence[Claim]:
             "straight line. From 10 to 50 junctions it falls by 22 um^2 at a mean of 100 um^2, and by 110 um^2 at "
             "500 um^2.",
             quantities=everything,
-            verdict=settled(quantities=everything, verdict=verdict),
+            verdict=verdict_if_agreed(quantities=everything, verdict=verdict),
             because="The exact drops round to the printed ones. They follow 1/sqrt(N_jm), which falls fast at first. "
             "For equal sizes the spread is 1.2298/sqrt(N_jm) of the mean. Equal sizes would give "
             f"{plain[0]:.2f} and {plain[1]:.2f} um^2; the printed digits cannot distinguish these.",

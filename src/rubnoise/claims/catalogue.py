@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 from rubnoise.claims import area_spread, contact_and_slider, rabinowicz, spectrum, unequal_sizes
 from rubnoise.claims.claim import Claim
-from rubnoise.claims.evidence import Tell
+from rubnoise.claims.evidence import Report
 
-_SOURCES: tuple[Callable[[Tell], Sequence[Claim]], ...] = (
+_SOURCES: tuple[Callable[[Report], Sequence[Claim]], ...] = (
     contact_and_slider.claims,
     rabinowicz.claims,
     area_spread.claims,
@@ -30,14 +30,14 @@ ORDER = (
 )
 
 
-def settle(tell: Tell) -> tuple[Claim, ...]:
+def evaluate_claims(report: Report) -> tuple[Claim, ...]:
     """Run what the claims rest on, from fixed seeds, and return every claim with its verdict.
 
-    ``tell`` is called with a text on the run that begins.
+    ``report`` is called with a text on the run that begins.
     """
-    return tuple(sorted(_all(tell), key=lambda claim: ORDER.index(claim.name)))
+    return tuple(sorted(_all(report), key=lambda claim: ORDER.index(claim.name)))
 
 
-def _all(tell: Tell) -> Iterator[Claim]:
+def _all(report: Report) -> Iterator[Claim]:
     for claims in _SOURCES:
-        yield from claims(tell)
+        yield from claims(report)

@@ -113,7 +113,7 @@ class Claim:
     scenario: str
 
 
-def settled(*, quantities: tuple[Quantity, ...], verdict: Verdict) -> Verdict:
+def verdict_if_agreed(*, quantities: tuple[Quantity, ...], verdict: Verdict) -> Verdict:
     """Return the verdict, or unsettled where simulation and theory disagree about any number it rests on."""
     return verdict if all(quantity.agrees for quantity in quantities) else Verdict.UNSETTLED
 

@@ -5,8 +5,8 @@ from math import nan, sqrt
 
 import numpy as np
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, ratio, settled
-from rubnoise.claims.evidence import Evidence, Found, Tell, gather
+from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, ratio, verdict_if_agreed
+from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.exact import exact
@@ -17,9 +17,9 @@ STUCK = 1
 """The phase of a slider that sticks."""
 
 
-def claims(tell: Tell) -> Sequence[Claim]:
-    """Run the points and settle the claims that rest on them."""
-    found = gather(SCENARIO, _measured, tell)
+def claims(report: Report) -> Sequence[Claim]:
+    """Run the points and evaluate the claims that rest on them."""
+    found = gather(SCENARIO, _measured, report)
     paper = found.at(count=20)
     return [_life_mean(paper), _mean_area(paper), _live_count(paper), _few_or_many(found), _constant_speed(found)]
 
@@ -54,7 +54,7 @@ def _life_mean(paper: Found) -> Claim:
         where="Eq. (6)",
         says="The mean area of a junction during its life is about 0.327 d^2.",
         quantities=(quantity,),
-        verdict=settled(quantities=(quantity,), verdict=nearness(quantity, step=0.001)),
+        verdict=verdict_if_agreed(quantities=(quantity,), verdict=nearness(quantity, step=0.001)),
         because="The integral of the lens over a life is (2/3) d^3, so its mean over 2d is d^2/3. The printed number "
         f"is {100.0 * (1.0 - 0.327 / quantity.exact):.1f} % low.",
         scenario=SCENARIO,
@@ -74,7 +74,7 @@ def _mean_area(paper: Found) -> Claim:
         where="Eqs. (10) to (12)",
         says="The diameter of Eq. (12) gives the specified mean real contact area, 200 um^2.",
         quantities=(quantity,),
-        verdict=settled(quantities=(quantity,), verdict=nearness(quantity, step=1.0)),
+        verdict=verdict_if_agreed(quantities=(quantity,), verdict=nearness(quantity, step=1.0)),
         because="0.327 makes the junctions too large, and the spread of sizes adds to the mean of d^3. The calibration "
         "`matched` gives the specified area.",
         scenario=SCENARIO,
@@ -100,7 +100,7 @@ def _live_count(paper: Found) -> Claim:
         says="Exponential intervals of mean L_jm/N_jm keep N_jm junctions in contact on average. Their number is "
         "Poisson distributed.",
         quantities=quantities,
-        verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.CORRECTED),
+        verdict=verdict_if_agreed(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.CORRECTED),
         because="Births at random, with lives of any length, give a Poisson number of live junctions (M/G/infinity "
         "queue). Its variance equals its mean.",
         scenario=SCENARIO,
@@ -137,7 +137,7 @@ def _few_or_many(found: Evidence) -> Claim:
         where="Sections 4 and 5",
         says="At equal real contact area, many small junctions vibrate less than few large ones.",
         quantities=quantities,
-        verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
+        verdict=verdict_if_agreed(quantities=quantities, verdict=Verdict.HOLDS if holds else Verdict.FAILS),
         because="The spread of the force falls as 1/sqrt(N_jm). From 10 to 50 junctions of equal size it falls to "
         "1/sqrt(5) = 0.447. Shorter lives move its spectrum to higher frequencies. Depending on the speed, the "
         "slider's resonance then gets more or less of it. A slider that pushes back sticks and slips at this speed. "
@@ -184,7 +184,7 @@ def _constant_speed(found: Evidence) -> Claim:
         where="Fig. 5, implied",
         says="The paper assumes, without saying so, a constant sliding speed of 1 mm/s while the slider vibrates.",
         quantities=quantities,
-        verdict=settled(quantities=quantities, verdict=Verdict.HOLDS if steady else Verdict.FAILS),
+        verdict=verdict_if_agreed(quantities=quantities, verdict=Verdict.HOLDS if steady else Verdict.FAILS),
         because=f"With one-way coupling, the slider moves {one_way.exact:.0f} times as fast as the surface under it. "
         "Its motion must change the sliding distance, and so the births and deaths. Two-way coupling does this. The "
         f"slider then sticks for {100.0 * stuck.simulated.value:.0f} % of the time. It still moves "

@@ -14,7 +14,7 @@ from rubnoise.sweep.execution import Measure, run_points
 Read = Callable[[Model, MemoryRecord], dict[str, float]]
 """Finds named numbers in the record of one run."""
 
-Tell = Callable[[str], None]
+Report = Callable[[str], None]
 """Called with a text on each run before it begins."""
 
 
@@ -65,14 +65,14 @@ class Evidence:
         return found
 
 
-def gather(name: str, read: Read, tell: Tell) -> Evidence:
+def gather(name: str, read: Read, report: Report) -> Evidence:
     """Run every point of a sweep that comes with rubnoise, in memory, and measure each run."""
     found: dict[int, list[dict[str, float]]] = {}
     cases: dict[int, tuple[Model, Mapping[str, Any]]] = {}
     measure = Measure(sink=MemoryRecord, read=read)
     points = expand(load_sweep(shipped(name)))
     for number, (point, numbers) in enumerate(run_points(points, measure), 1):
-        tell(f"{name}: run {number} of {len(points)}")
+        report(f"{name}: run {number} of {len(points)}")
         case = number - 1 - point.replicate
         cases.setdefault(case, (point.scenario.model(), point.values))
         found.setdefault(case, []).append(numbers)

@@ -5,7 +5,7 @@ from math import inf, log10, nan
 
 from rubnoise.claims import sources
 from rubnoise.claims.claim import Estimate, Quantity, ratio
-from rubnoise.claims.evidence import Evidence, Found, Tell, gather
+from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.exponents import exponent_of
 from rubnoise.claims.field import FieldClaim
 from rubnoise.claims.field_peaks import FAST, NORMAL, SLOW, frequencies, jerks
@@ -37,10 +37,10 @@ def measured(model: Model, record: MemoryRecord) -> dict[str, float]:
     }
 
 
-def claims(tell: Tell) -> Sequence[FieldClaim]:
+def claims(report: Report) -> Sequence[FieldClaim]:
     """Run the points and return the rows."""
-    fast, slow = gather(FAST, measured, tell), gather(SLOW, measured, tell)
-    damping = gather(DAMPING, measured, tell)
+    fast, slow = gather(FAST, measured, report), gather(SLOW, measured, report)
+    damping = gather(DAMPING, measured, report)
     return [
         *_identity(slow),
         *_against_speed(fast, slow),

@@ -9,7 +9,7 @@ from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
 from rubnoise.claims.claim import Quantity
-from rubnoise.claims.evidence import Found, Tell, gather
+from rubnoise.claims.evidence import Found, Report, gather
 from rubnoise.claims.exponents import exponent_of
 from rubnoise.claims.field import FieldClaim
 from rubnoise.model import Model
@@ -33,13 +33,13 @@ _FREE_BANDS: tuple[Band, Band] = ((0.01, 0.02), (0.08, 0.16))
 """Wavenumbers in rad/um, 10 to 160 rad/s: above the soft spring's resonance, below V/d."""
 
 
-def claims(tell: Tell) -> Sequence[FieldClaim]:
+def claims(report: Report) -> Sequence[FieldClaim]:
     """Run the points and return the rows."""
-    contact = gather(CONTACT, lambda model, record: _of_area(model, record, _SEGMENT, _PLATEAU), tell).at(
+    contact = gather(CONTACT, lambda model, record: _of_area(model, record, _SEGMENT, _PLATEAU), report).at(
         area=200.0, count=20
     )
-    wide = gather(POWER_LAW, lambda model, record: _of_area(model, record, _WIDE_SEGMENT, _WIDE), tell).at(count=20)
-    free = gather(FREE, _of_velocity, tell).at(count=20)
+    wide = gather(POWER_LAW, lambda model, record: _of_area(model, record, _WIDE_SEGMENT, _WIDE), report).at(count=20)
+    free = gather(FREE, _of_velocity, report).at(count=20)
     return [*_kilburn(contact), *_fingers(contact, wide), *_blocks(free), _band()]
 
 
@@ -53,8 +53,8 @@ def _of_area(model: Model, record: MemoryRecord, segment: float, bands: tuple[Ba
 def _of_velocity(model: Model, record: MemoryRecord) -> dict[str, float]:
     # The spectrum of velocity is less steep than that of displacement by 2, so less leaks from low wavenumbers.
     velocity = record["slider"]["velocity"]
-    settled = velocity[velocity.size // 5 :]
-    spectrum = welch(settled, model.tick, _ticks(model, _FREE_SEGMENT))
+    moving = velocity[velocity.size // 5 :]
+    spectrum = welch(moving, model.tick, _ticks(model, _FREE_SEGMENT))
     low, high = (_power(spectrum.wavenumber, spectrum.density, band) for band in _FREE_BANDS)
     return {"low": low, "high": high}
 

@@ -10,7 +10,7 @@ from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
 from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
 from rubnoise.claims.claim import Estimate, Quantity
-from rubnoise.claims.evidence import Found, Tell, gather
+from rubnoise.claims.evidence import Found, Report, gather
 from rubnoise.claims.exponents import exponent_of
 from rubnoise.claims.field import FieldClaim
 from rubnoise.contact.births import PoissonBirths
@@ -25,10 +25,10 @@ _LENS = 2.25 * (2.0 * pi / 3.0 - 64.0 / 45.0)
 """Variance over the squared mean, times N_jm, of equal lenses, from closed integrals of the lens and its square."""
 
 
-def claims(tell: Tell) -> Sequence[FieldClaim]:
+def claims(report: Report) -> Sequence[FieldClaim]:
     """Run the points and return the rows."""
-    found = gather(CONTACT, _of_area, tell)
-    strengths = gather(STRENGTHS, _of_force, tell).at(count=20)
+    found = gather(CONTACT, _of_area, report)
+    strengths = gather(STRENGTHS, _of_force, report).at(count=20)
     paper, loaded, fine = (found.at(area=area, count=count) for area, count in ((200, 20), (800, 80), (200, 80)))
     return [
         *_rabinowicz_1956(strengths, paper),

@@ -3,22 +3,22 @@
 from collections.abc import Callable, Iterator, Sequence
 
 from rubnoise.claims import field_levels, field_spectra, field_traces
-from rubnoise.claims.evidence import Tell
+from rubnoise.claims.evidence import Report
 from rubnoise.claims.field import FieldClaim
 
-_SOURCES: tuple[Callable[[Tell], Sequence[FieldClaim]], ...] = (
+_SOURCES: tuple[Callable[[Report], Sequence[FieldClaim]], ...] = (
     field_levels.claims,
     field_spectra.claims,
     field_traces.claims,
 )
 
 
-def settle_field(tell: Tell) -> tuple[FieldClaim, ...]:
+def evaluate_field(report: Report) -> tuple[FieldClaim, ...]:
     """Run what the ledger rests on, from fixed seeds, and return every row.
 
-    ``tell`` is told what is being run.
+    ``report`` is called with a text on the run that begins.
     """
-    return tuple(_all(tell))
+    return tuple(_all(report))
 
 
 def disagreeing(claims: Sequence[FieldClaim]) -> list[str]:
@@ -26,6 +26,6 @@ def disagreeing(claims: Sequence[FieldClaim]) -> list[str]:
     return [claim.id for claim in claims if claim.quantity is not None and not claim.quantity.agrees]
 
 
-def _all(tell: Tell) -> Iterator[FieldClaim]:
+def _all(report: Report) -> Iterator[FieldClaim]:
     for claims in _SOURCES:
-        yield from claims(tell)
+        yield from claims(report)

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, settled
-from rubnoise.claims.evidence import Evidence, Tell, gather
+from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
+from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.campbell import area_cumulants
@@ -13,9 +13,9 @@ _CONSTANT = 1e-12
 """Relative spread that rounding leaves of a constant area."""
 
 
-def claims(tell: Tell) -> Sequence[Claim]:
-    """Run the points and settle the claim."""
-    found = gather(SCENARIO, _measured, tell)
+def claims(report: Report) -> Sequence[Claim]:
+    """Run the points and evaluate the claim."""
+    found = gather(SCENARIO, _measured, report)
     constant, odd, lens = (
         _ripple(found, shape, count, words)
         for shape, count, words in (
@@ -35,7 +35,7 @@ def claims(tell: Tell) -> Sequence[Claim]:
             says="In Rabinowicz's model, identical junctions are born at regular spacing. Their contact area is "
             "constant.",
             quantities=quantities,
-            verdict=settled(quantities=quantities, verdict=verdict),
+            verdict=verdict_if_agreed(quantities=quantities, verdict=verdict),
             because="This is true for triangles and an even number of junctions. An odd number leaves a ripple of "
             "1/(sqrt(3) N_jm^2) of the mean. The lens, which is not a triangle, also leaves a ripple.",
             scenario=SCENARIO,

@@ -51,11 +51,11 @@ def command(
 
 
 def _paper(*, as_json: bool, quiet: bool) -> None:
-    from rubnoise.claims.catalogue import settle
+    from rubnoise.claims.catalogue import evaluate_claims
     from rubnoise.claims.claim import Verdict
 
     with StatusLine(shown=on_terminal() and not quiet) as status:
-        claims = settle(status.show)
+        claims = evaluate_claims(status.show)
     print(
         json.dumps({"claims": [claim_as_json(claim) for claim in claims]})
         if as_json
@@ -74,7 +74,7 @@ def _field(folder: Path | None, *, force: bool, as_json: bool, quiet: bool) -> N
     if folder is not None:
         check_places(folder, force=force)
     with StatusLine(shown=on_terminal() and not quiet) as status:
-        claims = ledger.settle_field(status.show)
+        claims = ledger.evaluate_field(status.show)
     if as_json:
         print(json.dumps({"claims": [row_as_json(claim) for claim in claims]}))
     elif folder is None:

@@ -1,4 +1,8 @@
-"""Scenario files: TOML in, a checked scenario or every problem of the file at once out."""
+"""Scenario files: TOML in, a checked scenario or every problem of the file at once out.
+
+A text becomes data with places, the layers of a file are merged, each key is checked, and then the whole. Begin with
+`document`, which has every key, then `reading`; a file that stands for many runs is read by `sweep`.
+"""
 
 from rubnoise.scenario.reading import build, load, loads
 from rubnoise.scenario.scenario import Scenario

@@ -1,4 +1,10 @@
-"""One block of a run: the step of the fold, and the only place from which rows are written."""
+"""One block of a run: the step of the fold, and the only place from which rows are written.
+
+The way of a junction into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or `batch`,
+lets it live. `area` sums the live junctions at the ticks, for /trace. `slider` or `two_way` moves the slider under
+their force, for /slider. The sink takes all rows; where a run becomes a file it is
+`rubnoise.storage.writer.RunWriter`.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,11 +18,11 @@ from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
+from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.slider import Propagator, SliderMotion
-from rubnoise.simulation.starts import BlockStarts
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, TickRange, tick_ranges
 

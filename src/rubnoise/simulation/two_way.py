@@ -18,13 +18,13 @@ from rubnoise.errors import RubnoiseError
 from rubnoise.model import Model
 from rubnoise.record.rows import junction_columns, junction_states, natural_death
 from rubnoise.record.sink import Appender, Sink
+from rubnoise.simulation.block_starts import TWO_WAY, BlockStarts
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.starts import TWO_WAY, BlockStarts
 from rubnoise.simulation.state import LiveRows, State
 
 _HEADER: Final = struct.Struct("<qqq5d")

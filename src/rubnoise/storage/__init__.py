@@ -1,1 +1,5 @@
-"""Result files: their schema, a writer that leaves either a whole file or none, and a reader that trusts nothing."""
+"""Result files: written so that a final name means a complete file, and read so that no file can do harm.
+
+Only this package knows HDF5. Begin with `schema`, what is in a file; then `writer` and `part` for writing, `reader` and
+`sandbox` for reading, `index` for the index of a sweep.
+"""

@@ -96,8 +96,8 @@ class ColumnFile:
         for number, (before, mark) in enumerate(pairwise([Mark(rows=0, digest=b""), *marks])):
             if not before.rows <= mark.rows <= self._place.held:
                 return number
-            for panel in self._read(before.rows, mark.rows):
-                running.update(panel.data)
+            for chunk in self._read(before.rows, mark.rows):
+                running.update(chunk.data)
             if running.digest() != mark.digest:
                 return number
             self._hash, self.rows_written = running.copy(), mark.rows
@@ -126,7 +126,7 @@ class ColumnFile:
             left, begin = left - len(piece), begin + len(piece)
         return running.hexdigest()
 
-    def panels(self, size: int, rows: int | None = None) -> Iterator[NDArray[Any]]:
+    def chunks(self, size: int, rows: int | None = None) -> Iterator[NDArray[Any]]:
         """Read the column back, or its first ``rows``, ``size`` rows at a time."""
         self.flush()
         yield from self._read(0, self.rows if rows is None else rows, size)
@@ -176,8 +176,8 @@ class ColumnFile:
         """Return the hash of the rows so far, read once more where some were replaced."""
         if self._hash is None:
             running = xxhash.xxh3_128()
-            for panel in self._read(0, self.rows_written):
-                running.update(panel.data)
+            for chunk in self._read(0, self.rows_written):
+                running.update(chunk.data)
             self._hash = running
         return self._hash
 
@@ -185,16 +185,16 @@ class ColumnFile:
         """Return the hash of the first rows, from the last mark on unless rows before it may have been replaced."""
         first, hashed = self._marked if self._hash is not None else (0, xxhash.xxh3_128())
         running = hashed.copy()
-        for panel in self._read(first, rows):
-            running.update(panel.data)
+        for chunk in self._read(first, rows):
+            running.update(chunk.data)
         return running
 
     def _read(self, first: int, end: int, size: int | None = None) -> Iterator[NDArray[Any]]:
         size = size or PIECE_BYTES // self._dtype.itemsize
         for start in range(first, end, size):
-            panel = np.empty(min(size, end - start), dtype=self._dtype)
-            self._fill(panel.view(np.uint8).data, self._bytes(start))
-            yield panel
+            chunk = np.empty(min(size, end - start), dtype=self._dtype)
+            self._fill(chunk.view(np.uint8).data, self._bytes(start))
+            yield chunk
 
     def _fill(self, target: memoryview, offset: int) -> None:
         done = 0

@@ -51,7 +51,7 @@ def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | 
 def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Callable[[], None]) -> None:
     """Write files from an open run, each named when it is whole; memory does not depend on the length of the run.
 
-    ``between`` is called after each panel of rows and may raise to stop. Raises, before anything is created, Refused
+    ``between`` is called after each chunk of rows and may raise to stop. Raises, before anything is created, Refused
     for a run that is not finished, an output that exists already (unless ``force``) or is the run itself, and
     ExtraMissing; RubnoiseError where the disk fails.
     """

@@ -7,7 +7,7 @@ from typing import Final, TextIO
 from rubnoise.storage.schema import Column, Scalar
 from rubnoise.storage.table import Table
 
-PANEL_ROWS: Final = 65_536
+CHUNK_ROWS: Final = 65_536
 
 
 def heading(column: Column) -> str:
@@ -28,9 +28,9 @@ def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], betwee
 
 
 def write_lines(stream: TextIO, table: Table, between: Callable[[], None]) -> None:
-    """Write the lines of one table to an open text stream, a panel of rows at a time."""
+    """Write the lines of one table to an open text stream, a chunk of rows at a time."""
     row = ",".join(["%r"] * len(table.columns)) + "\n"
     stream.write(",".join(map(heading, table.columns)) + "\n")
-    for _, panel in table.panels(PANEL_ROWS):
-        stream.write("".join(map(row.__mod__, zip(*(values.tolist() for values in panel), strict=True))))
+    for _, chunk in table.chunks(CHUNK_ROWS):
+        stream.write("".join(map(row.__mod__, zip(*(values.tolist() for values in chunk), strict=True))))
         between()

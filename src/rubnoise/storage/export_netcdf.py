@@ -10,7 +10,7 @@ import numpy as np
 from rubnoise.storage.schema import Column, Scalar
 from rubnoise.storage.table import Table
 
-PANEL_ROWS: Final = 65_536
+CHUNK_ROWS: Final = 65_536
 
 
 def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
@@ -26,8 +26,8 @@ def _write_table(owner: Any, table: Table, between: Callable[[], None]) -> None:
     owner.attrs["long_name"] = table.group.long_name
     owner.dimensions = {dimension: table.rows}
     variables = [_variable(owner, column, dimension) for column in table.columns]
-    for first, panel in table.panels(PANEL_ROWS):
-        for variable, values in zip(variables, panel, strict=True):
+    for first, chunk in table.chunks(CHUNK_ROWS):
+        for variable, values in zip(variables, chunk, strict=True):
             variable[first : first + values.size] = values
         between()
 

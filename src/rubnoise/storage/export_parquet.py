@@ -10,17 +10,17 @@ import pyarrow.parquet as pq  # type: ignore[import-untyped]
 from rubnoise.storage.schema import Column, Scalar
 from rubnoise.storage.table import Table
 
-PANEL_ROWS: Final = 262_144
+CHUNK_ROWS: Final = 262_144
 
 
 def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
-    """Write one table, a panel to a row group; its origin goes into the metadata of the schema."""
+    """Write one table, a chunk to a row group; its origin goes into the metadata of the schema."""
     (table,) = tables
     about = {"group": table.group.name, "long_name": table.group.long_name} | origin
     schema = pa.schema(map(_field, table.columns), metadata={name: str(value) for name, value in about.items()})
     with pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=False) as writer:
-        for _, panel in table.panels(PANEL_ROWS):
-            writer.write_table(pa.table(list(map(pa.array, panel)), schema=schema))
+        for _, chunk in table.chunks(CHUNK_ROWS):
+            writer.write_table(pa.table(list(map(pa.array, chunk)), schema=schema))
             between()
 
 

@@ -63,7 +63,7 @@ def _read_attributes(_name: str, found: h5py.HLObject) -> None:
 
 
 def _hash(dataset: h5py.Dataset) -> xxhash.xxh3_128:
-    """Return the hash of a dataset, read in panels of its rows."""
+    """Return the hash of a dataset, read in chunks of its rows."""
     digest = xxhash.xxh3_128()
     if dataset.ndim == 1:
         places: Iterable[Any] = (slice(first, first + CHUNK_ROWS) for first in range(0, dataset.size, CHUNK_ROWS))
@@ -165,7 +165,7 @@ def _write_junctions(file: h5py.File, results: dict[int, _Result], filling: _Fil
 
 
 def _panels(run: RunFile, group: str, name: str) -> Iterator[tuple[int, NDArray[Any]]]:
-    """Yield a column with the first row of each panel; raises RunFileRefused at the end of one that is damaged."""
+    """Yield a column with the first row of each chunk; raises RunFileRefused at the end of one that is damaged."""
     digest = xxhash.xxh3_128()
     for first in range(0, run.rows(group), CHUNK_ROWS):
         values = run.column(group, name, first, first + CHUNK_ROWS)

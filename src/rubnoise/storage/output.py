@@ -210,7 +210,7 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     paths = check_output(path, force=force)
     with sole_writer(paths):
         check_output(path, force=force)
-        with _telling(paths), _new(paths.part) as descriptor:
+        with _naming_file(paths), _new(paths.part) as descriptor:
             yield paths.part
             disk.sync(descriptor)
             give_final_name(paths, descriptor, force=force)
@@ -233,7 +233,7 @@ def _new(part: Path) -> Iterator[int]:
 
 
 @contextmanager
-def _telling(paths: OutputPaths) -> Iterator[None]:
+def _naming_file(paths: OutputPaths) -> Iterator[None]:
     """Say of a disk that fails which file it is about."""
     try:
         yield

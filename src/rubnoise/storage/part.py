@@ -1,6 +1,7 @@
 """The unfinished file: made with its final structure, filled column by column while HDF5 is not open, then compressed.
 
-A gzip file is made from the raw part at publication, chunk by chunk.
+Rows of each column go through a `ColumnFile` (see columns), which hashes them and puts them in their place. A gzip file
+is made from the raw part at publication, chunk by chunk.
 """
 
 import os
@@ -205,11 +206,11 @@ class Part:
         """Hand the rows so far of the watched columns, by group and name, to a sink once more."""
         for group, names in watched.items():
             files = {name: file for name, file in self._columns.get(group, {}).items() if name in names}
-            readers = [file.panels(CHUNK_ROWS, file.rows_written) for file in files.values()]
+            readers = [file.chunks(CHUNK_ROWS, file.rows_written) for file in files.values()]
             first = 0
-            for panels in zip(*readers, strict=True):
-                sink.write(group, first, dict(zip(files, panels, strict=True)))
-                first += len(panels[0])
+            for chunks in zip(*readers, strict=True):
+                sink.write(group, first, dict(zip(files, chunks, strict=True)))
+                first += len(chunks[0])
 
     def completion(self, summary: Mapping[str, Scalar], finished: str) -> Ending:
         """Return the file with hashes, summary and the time of the end filled in, of which nothing is written yet.
@@ -290,9 +291,9 @@ def compressed(
 def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
     for (group, name), column in part.columns():
         first = 0
-        for panel in column.panels(CHUNK_ROWS):
-            file[group][name][first : first + panel.size] = panel
-            first += panel.size
+        for chunk in column.chunks(CHUNK_ROWS):
+            file[group][name][first : first + chunk.size] = chunk
+            first += chunk.size
             between()
 
 

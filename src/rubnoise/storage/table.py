@@ -1,4 +1,4 @@
-"""A group of a result as a table that other formats are written from, panel by panel."""
+"""A group of a result as a table that other formats are written from, chunk by chunk."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Table:
         group = next(group for group in stored_groups(file.features) if group.name == name)
         return cls(file=file, group=group, columns=stored_columns(group, file.features), rows=file.rows(name))
 
-    def panels(self, rows: int) -> Iterator[tuple[int, list[NDArray[Any]]]]:
+    def chunks(self, rows: int) -> Iterator[tuple[int, list[NDArray[Any]]]]:
         """Yield the first row and the columns of each stretch of at most so many rows."""
         for first in range(0, self.rows, rows):
             stop = min(first + rows, self.rows)

@@ -27,10 +27,10 @@ def check_length(samples: int) -> None:
         raise Refused(f"{samples:,} samples are more than the {MOST:,} that a WAV file holds; --seconds takes some")
 
 
-def write_wave(path: Path, panels: Iterable[Doubles], *, samples: int, rate: int, texts: Mapping[str, str]) -> None:
+def write_wave(path: Path, pieces: Iterable[Doubles], *, samples: int, rate: int, texts: Mapping[str, str]) -> None:
     """Write samples from -1 to 1 as whole numbers of 24 bits, rounded; full scale is 2^23.
 
-    ``samples`` of them come in panels; ``texts`` are those of the chunk LIST INFO by their names of four letters (INAM
+    ``samples`` of them come in pieces; ``texts`` are those of the chunk LIST INFO by their names of four letters (INAM
     the title, ICMT a comment, ISFT the software). Raises Refused for more than fit, OSError where the disk
     fails. Source: Multimedia Programming Interface and Data Specifications 1.0 (IBM and Microsoft, 1991).
     """
@@ -38,7 +38,7 @@ def write_wave(path: Path, panels: Iterable[Doubles], *, samples: int, rate: int
     with path.open("wb") as stream:
         stream.write(_head(samples, rate, texts))
         written = 0
-        for part in _cut(panels, samples):
+        for part in _cut(pieces, samples):
             stream.write(_packed(part))
             written += part.size
         stream.write(bytes(samples * _BYTES % 2))
@@ -46,12 +46,12 @@ def write_wave(path: Path, panels: Iterable[Doubles], *, samples: int, rate: int
         raise AssertionError(f"{written} samples came of {samples}")
 
 
-def _cut(panels: Iterable[Doubles], samples: int) -> Iterator[Doubles]:
-    """Yield panels up to a number of samples in all."""
+def _cut(pieces: Iterable[Doubles], samples: int) -> Iterator[Doubles]:
+    """Yield pieces up to a number of samples in all."""
     rest = samples
-    for panel in panels:
-        yield panel[:rest]
-        rest -= min(rest, panel.size)
+    for piece in pieces:
+        yield piece[:rest]
+        rest -= min(rest, piece.size)
 
 
 def _packed(values: Doubles) -> bytes:

@@ -35,9 +35,9 @@ COMMIT_SECONDS: Final = 1.0
 class RunWriter:
     """Writes one run to ``path``: enter it, write every row, publish.
 
-    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name. Told of
-    states by ``commit``, it writes them to ``NAME.h5.part.journal``, at most once a second and with all rows on the
-    disk before. Left without having published, it keeps both where there was a commit, or where a signal stopped a run
+    Rows go to ``NAME.h5.part``, which has its final size from the start; ``publish`` gives it the final name. On
+    ``commit`` it writes the state to ``NAME.h5.part.journal``, at most once a second and with all rows on the disk
+    before. Left without having published, it keeps both where there was a commit, or where a signal stopped a run
     that had finished a block; else it removes the part. An older file at the path is as it was. Memory does not depend
     on the length of the run.
 
@@ -93,14 +93,14 @@ class RunWriter:
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
         """Write rows of a group (see Sink)."""
-        with self._telling():
+        with self._naming_file():
             self._part.write(group, first_row, columns)
 
     def commit(self, state: State) -> None:
-        """Note that all rows before a state have been written; once a second see it all onto the disk."""
+        """Note that all rows before a state have been written; once a second flush it all to disk (fsync)."""
         self.state, self._rows = state, self._part.rows()
         if self._safe and monotonic() - self._committed_at >= COMMIT_SECONDS:
-            with self._telling():
+            with self._naming_file():
                 self._commit(state)
 
     def replay(self, sink: Sink) -> None:
@@ -114,7 +114,7 @@ class RunWriter:
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
         ``written`` then tells which file it is.
         """
-        with self._telling():
+        with self._naming_file():
             if self._journal.begun and self.state is not None:
                 self._commit(self.state)
             finished, durable = now(), self._durable or self._journal.begun
@@ -212,7 +212,7 @@ class RunWriter:
                 disk.remove(self._paths.part)
 
     @contextmanager
-    def _telling(self) -> Iterator[None]:
+    def _naming_file(self) -> Iterator[None]:
         """Say of a disk that fails which file it is about, and what can be done."""
         try:
             yield

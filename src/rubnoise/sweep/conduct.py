@@ -46,8 +46,8 @@ class FindUnrecorded(Protocol):
 class SweepMeans:
     """How the runs of a sweep are made.
 
-    ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that nobody
-    wrote down, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
+    ``work`` makes one, ``workers`` are called once there is work, ``recover`` finds what a run has left that no
+    journal lists, where work leaves anything, ``affordable`` raises where the runs to be made need more than there is,
     ``watch`` is called with the progress of the sweep, several times a second, and may raise RunStopped. Unless it is
     ``synced``, work leaves its files to the sweep to be flushed to disk.
     """
@@ -80,24 +80,24 @@ def conduct(
     """
     with folder.writing(shard):
         folder.claim(sweep)
-        further = AdaptiveReplicates(sweep)
-        renewal = IndexRefresh(folder, sweep, further, command, alone=shard is None)
+        adaptive = AdaptiveReplicates(sweep)
+        refresh = IndexRefresh(folder, sweep, adaptive, command, alone=shard is None)
         with Journal(folder.journal(shard)) as journal:
-            ledger = StatusLog(folder, journal, RunStatus.of(folder, sweep.precision))
-            conductor = _Conductor(_part(further, sweep, shard), means, ledger, renewal, shard)
+            log = StatusLog(folder, journal, RunStatus.of(folder, sweep.precision))
+            conductor = _Conductor(_part(adaptive, sweep, shard), means, log, refresh, shard)
             try:
                 conductor.carry_out()
             except RunStopped as stopped:
-                renewal.now()
+                refresh.now()
                 raise SweepStopped(stopped.exit_code - 128) from stopped
-        points, known = renewal.now()
+        points, known = refresh.now()
         return SweepOutcome(points=points, known=known, imprecise=conductor.imprecise)
 
 
-def _part(further: AdaptiveReplicates, sweep: Sweep, shard: Shard | None) -> AdaptiveReplicates:
+def _part(adaptive: AdaptiveReplicates, sweep: Sweep, shard: Shard | None) -> AdaptiveReplicates:
     """Return what a shard goes through of a sweep with a precision: whole points, since it decides on them."""
     if shard is None or sweep.precision is None:
-        return further
+        return adaptive
     return AdaptiveReplicates(replace(sweep, cases=shard.of_cases(sweep.cases)))
 
 
@@ -106,92 +106,92 @@ class _Conductor:
 
     def __init__(
         self,
-        further: AdaptiveReplicates,
+        adaptive: AdaptiveReplicates,
         means: SweepMeans,
-        ledger: StatusLog,
-        renewal: IndexRefresh,
+        log: StatusLog,
+        refresh: IndexRefresh,
         shard: Shard | None,
     ) -> None:
-        self.further = further
+        self.adaptive = adaptive
         self._means = means
-        self._ledger = ledger
-        self._renewal = renewal
-        self._shard = None if further.precision else shard
+        self._log = log
+        self._refresh = refresh
+        self._shard = None if adaptive.precision else shard
         self._before = 0
         self._now = SweepProgress(runs=0, done=0, failed=0, before=0)
 
     def carry_out(self) -> None:
-        """Take stock, then make what is missing, as long as anything is."""
-        self._take_in()
+        """Record what is there, then make what is missing, as long as anything is."""
+        self._record_found()
         if not (points := self._wanted()):
             return
         self._means.affordable(points)
-        self._before = self._standing().done
+        self._before = self._progress().done
         with self._means.workers() as workers:
             while points:
                 self._make(points, workers)
                 points = self._wanted()
 
-    def _take_in(self) -> None:
+    def _record_found(self) -> None:
         """Write down what is there of runs that no journal lists."""
-        self._now = self._standing()
+        self._now = self._progress()
         try:
             for point in self._wanted():
                 if (row := self._recover(point)) is not None:
-                    self._ledger.done(row, synced=not row.file)
-                    self._look_up()
+                    self._log.done(row, synced=not row.file)
+                    self._update()
         finally:
-            self._ledger.sync()
+            self._log.sync()
 
     @property
     def imprecise(self) -> list[Unmet]:
         """The points that have all the replicates they may have, and too few for their precision."""
-        return self.further.unmet(self._ledger.stock.ended)
+        return self.adaptive.unmet(self._log.status.ended)
 
     def _wanted(self) -> tuple[Point, ...]:
-        points = self.further(self._ledger.stock.ended)
-        return points if self._shard is None else self._shard.of_points(points, self.further.points)
+        points = self.adaptive(self._log.status.ended)
+        return points if self._shard is None else self._shard.of_points(points, self.adaptive.points)
 
-    def _standing(self) -> SweepProgress:
+    def _progress(self) -> SweepProgress:
         """Count the runs of this shard as they are planned by now."""
-        points = self.further.points
+        points = self.adaptive.points
         own = points if self._shard is None else self._shard.of_points(points, points)
-        stock = self._ledger.stock
-        done, failed = (sum(point.run_id in ended for point in own) for ended in (stock.done, stock.failed))
+        status = self._log.status
+        done, failed = (sum(point.run_id in ended for point in own) for ended in (status.done, status.failed))
         return SweepProgress(runs=len(own), done=done, failed=failed, before=self._before)
 
     def _make(self, points: tuple[Point, ...], workers: Workers) -> None:
         """Carry out the points of a round."""
-        self._now = self._standing()
+        self._now = self._progress()
         self._means.watch(self._now)
         if not self._means.synced:
-            self._ledger.begin(points)
-        course = Execution(points, self._means.work, workers, recover=self._recover, watch=self._look_up)
+            self._log.begin(points)
+        execution = Execution(points, self._means.work, workers, recover=self._recover, watch=self._update)
         try:
-            for outcome in course.outcomes():
-                self._write_down(outcome)
-                self._renewal.if_due()
+            for outcome in execution.outcomes():
+                self._record(outcome)
+                self._refresh.if_due()
         finally:
-            self._ledger.sync()
-        self._now = self._standing()
+            self._log.sync()
+        self._now = self._progress()
         self._means.watch(self._now)
 
     def _recover(self, point: Point) -> RunRow | None:
         if self._means.recover is None:
             return None
-        return self._means.recover(point, begun=point.run_id in self._ledger.stock.begun)
+        return self._means.recover(point, begun=point.run_id in self._log.status.begun)
 
-    def _look_up(self) -> None:
-        if self._ledger.sync_if_due():
-            self._now = self._standing()
+    def _update(self) -> None:
+        if self._log.sync_if_due():
+            self._now = self._progress()
         self._means.watch(self._now)
 
-    def _write_down(self, outcome: Outcome[RunRow]) -> None:
+    def _record(self, outcome: Outcome[RunRow]) -> None:
         if outcome.result is not None:
-            self._ledger.done(outcome.result, synced=self._means.synced)
+            self._log.done(outcome.result, synced=self._means.synced)
             self._now = replace(self._now, done=self._now.done + 1)
         else:
-            self._ledger.failed(outcome.point.run_id, _reason(outcome.problem))
+            self._log.failed(outcome.point.run_id, _reason(outcome.problem))
             self._now = replace(self._now, failed=self._now.failed + 1)
 
 

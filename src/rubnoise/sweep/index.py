@@ -176,14 +176,14 @@ class IndexRefresh:
     """The index of a whole sweep, rewritten from time to time; a shard writes it at its end alone."""
 
     def __init__(
-        self, folder: SweepFolder, sweep: Sweep, further: AdaptiveReplicates, command: str, *, alone: bool
+        self, folder: SweepFolder, sweep: Sweep, adaptive: AdaptiveReplicates, command: str, *, alone: bool
     ) -> None:
         """Stand before the first index."""
         self._folder = folder
         self._sweep = sweep
         self._command = command
         self._alone = alone
-        self._further = further
+        self._adaptive = adaptive
         self._due = time.monotonic() + EVERY
 
     def if_due(self) -> None:
@@ -201,8 +201,8 @@ class IndexRefresh:
 
     def _points(self) -> Sequence[Point]:
         if self._sweep.precision is not None:
-            self._further(RunStatus.of(self._folder, self._sweep.precision).ended)
-        return self._further.points
+            self._adaptive(RunStatus.of(self._folder, self._sweep.precision).ended)
+        return self._adaptive.points
 
 
 def merge(folder: SweepFolder) -> Path:

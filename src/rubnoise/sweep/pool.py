@@ -240,7 +240,7 @@ class Pool:
             future.set_exception(problem)
 
     def _stop(self) -> None:
-        """Ask every worker to leave its run at the next panel; kill those that do not."""
+        """Ask every worker to leave its run at the next range of ticks; kill those that do not."""
         self._stopped = True
         for worker in self._workers:
             worker.process.terminate()

@@ -45,13 +45,13 @@ class RunStatus:
         Another file in such a place is to be looked at first. Runs that failed before are not among them either: they
         are to be tried again.
         """
-        stock = cls(None if precision is None else precision.quantity)
+        status = cls(None if precision is None else precision.quantity)
         for entry in folder.entries():
             if entry.state == "begun":
-                stock.begun.add(entry.run_id)
+                status.begun.add(entry.run_id)
             if entry.row is not None and folder.holds(entry):
-                stock.add(entry.row)
-        return stock
+                status.add(entry.row)
+        return status
 
     def add(self, row: RunRow) -> None:
         """Take in a run that is done."""
@@ -176,15 +176,15 @@ def _told(resolved: dict[str, Any]) -> dict[str, Any]:
 
 
 class StatusLog:
-    """The journal of a sweep and the stock of what has ended, kept in step.
+    """The journal of a sweep and the status of its runs, kept in step.
 
     A kill between a run's end and its line in the journal costs nothing: its file is found, and compared with its
     hashes. A power cut may leave files that are torn; those of runs that had been begun here are cleared away.
     """
 
-    def __init__(self, folder: SweepFolder, journal: Journal, stock: RunStatus) -> None:
+    def __init__(self, folder: SweepFolder, journal: Journal, status: RunStatus) -> None:
         """Continue with what is there."""
-        self.stock: Final = stock
+        self.status: Final = status
         self._folder = folder
         self._journal = journal
         self._waiting: list[RunRow] = []
@@ -193,14 +193,14 @@ class StatusLog:
     def begin(self, points: Iterable[Point]) -> None:
         """Write down, on the disk, that runs are to be made whose files the disk will have only later."""
         names = [point.run_id for point in points]
-        fresh = [name for name in names if name not in self.stock.begun and not self._folder.run(name).exists()]
-        self.stock.begun.update(fresh)
+        fresh = [name for name in names if name not in self.status.begun and not self._folder.run(name).exists()]
+        self.status.begun.update(fresh)
         self._journal.add(*(Entry(run_id=name, state="begun") for name in fresh))
         self._journal.sync()
 
     def done(self, row: RunRow, *, synced: bool) -> None:
         """Take in a run that is done; unless it is ``synced``, its line waits until the disk has its file."""
-        self.stock.add(row)
+        self.status.add(row)
         if synced:
             self._journal.add(self._entry(row))
         else:
@@ -208,7 +208,7 @@ class StatusLog:
 
     def failed(self, run_id: str, reason: str) -> None:
         """Take in a run that could not be made."""
-        self.stock.fail(run_id)
+        self.status.fail(run_id)
         self._journal.add(Entry(run_id=run_id, state="failed", reason=reason))
 
     def sync_if_due(self) -> bool:

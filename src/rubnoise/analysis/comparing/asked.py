@@ -34,7 +34,7 @@ class Cubes:
         self.total = 0.0
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
-        """Take in a panel of /junctions."""
+        """Take in a chunk of /junctions."""
         born = columns["diameter"][~np.signbit(columns["birth_distance"])]
         self.count += born.size
         self.total += float((born**3).sum())

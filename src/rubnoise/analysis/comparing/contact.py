@@ -19,15 +19,15 @@ _ROUNDING = 2.0**-50
 _CONSTANT = 1e-9
 
 
-def settled_length(model: Model, trace: TraceSums) -> float:
+def stationary_length(model: Model, trace: TraceSums) -> float:
     """Return the length in um of the stationary part of a trace."""
-    return trace.settled_ticks * model.tick
+    return trace.stationary_ticks * model.tick
 
 
 def missing_length(model: Model, trace: TraceSums) -> float | None:
     """Return what sliding in um a mean needs from the start on, or None where the trace has it."""
     needed = needed_for_mean(model)
-    return None if settled_length(model, trace) >= needed else trace.layout.settled * model.tick + needed
+    return None if stationary_length(model, trace) >= needed else trace.layout.stationary_from * model.tick + needed
 
 
 def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
@@ -35,12 +35,12 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
 
     Raises Refused where theory has no errors for its births.
     """
-    expected, seen, length = area_cumulants(model), trace.area, settled_length(model, trace)
+    expected, seen, length = area_cumulants(model), trace.area, stationary_length(model, trace)
     if expected.variance == 0.0:
         away, allowed = max(abs(seen.mean - expected.mean), seen.std), _CONSTANT * expected.mean
         return [Identity(name="real_contact_area", deviation=away, allowed=allowed, units="um^2")]
     need_random_births(model, "the standard error of a mean area")
-    errors = standard_errors(over_ticks(model, trace.settled_ticks, model.tick))
+    errors = standard_errors(over_ticks(model, trace.stationary_ticks, model.tick))
     # A junction brings d^(2n + 1) to the n-th power of the area.
     tails = {n: tail_of(model, length, 2 * n + 1) for n in range(1, 5)}
     return [
@@ -68,12 +68,12 @@ def count_findings(model: Model, trace: TraceSums) -> list[Finding]:
     C = lam E[(2d - tau)+]: Cov[(N - mean)^2, (N_tau - mean)^2] = C + 2 C^2.
     """
     need_random_births(model, "the standard error of a mean count")
-    stretch = over_ticks(model, trace.settled_ticks, model.tick)
+    stretch = over_ticks(model, trace.stationary_ticks, model.tick)
     lags, weights = lag_rule(stretch)
     shared = count_covariance(model, lags)
     expected, seen = mean_count(model), trace.count
     error = sqrt(float(weights @ (shared + 2.0 * shared**2)))
-    length = settled_length(model, trace)
+    length = stationary_length(model, trace)
     tail = tail_of(model, length, 1)
     return [
         judged_mean("junction_count_mean", seen.mean, expected, mean_count_error(stretch), length=length, tail=tail),
@@ -99,8 +99,8 @@ def force_findings(model: Model, trace: TraceSums) -> list[Finding]:
 
 def _unequal_strengths(model: Model, trace: TraceSums) -> list[Finding]:
     expected, seen = force_cumulants(model), trace.force
-    stretch = over_ticks(model, trace.settled_ticks, model.tick)
-    length = settled_length(model, trace)
+    stretch = over_ticks(model, trace.stationary_ticks, model.tick)
+    length = stationary_length(model, trace)
     error = _variance_error(stretch) / (2.0 * expected.std)
     return [
         judged_mean(

@@ -111,7 +111,7 @@ class Identity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeftOut:
-    """Figures that a run cannot be held against, and why."""
+    """Figures that a run cannot be compared in, and why."""
 
     name: str
     reason: str
@@ -246,8 +246,8 @@ def judged_mean(name: str, observed: float, expected: float, error: float, *, le
 
 def too_short(name: str, needed: float) -> LeftOut:
     """Return that a run is too short for a figure, and how long it should be in um."""
-    told = f"it needs about {needed:.3g} um" if isfinite(needed) else "no length would do"
-    return LeftOut(name=name, reason=f"the run is too short; {told}")
+    needs = f"it needs about {needed:.3g} um" if isfinite(needed) else "no length would do"
+    return LeftOut(name=name, reason=f"the run is too short; {needs}")
 
 
 def poisson_figure(name: str, observed: int, mean: float) -> Agreement:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.balance import Balance, FrictionIntegral
 from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.moments import needed_for_mean
-from rubnoise.analysis.reading import checked_chunks, settled_tick
+from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
 from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
@@ -60,7 +60,7 @@ def motion_findings(model: Model, rows: Rows) -> list[Finding]:
 
 def first_tick(model: Model, exact: Response) -> int:
     """Return the first tick at which the contact is stationary and the slider's start forgotten."""
-    return settled_tick(model) + int(_forgetting(model, exact) * drive_of(model).speed / model.tick)
+    return first_stationary_tick(model) + int(_forgetting(model, exact) * drive_of(model).speed / model.tick)
 
 
 def _forgetting(model: Model, exact: Response) -> float:
@@ -78,9 +78,9 @@ def _read(rows: Rows, begin: float) -> tuple[Moments, Moments]:
     """Return the moments of displacement (um) and velocity (um/s) in the rows from a distance (um) on."""
     place, speed = Moments(powers=2), Moments(powers=2)
     for columns in checked_chunks(rows, "slider", ("distance", "displacement", "velocity")):
-        settled = columns["distance"] >= begin
-        place.add(columns["displacement"][settled])
-        speed.add(columns["velocity"][settled])
+        forgotten = columns["distance"] >= begin
+        place.add(columns["displacement"][forgotten])
+        speed.add(columns["velocity"][forgotten])
     return place, speed
 
 

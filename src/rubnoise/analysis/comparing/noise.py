@@ -4,7 +4,7 @@ from math import inf
 
 import numpy as np
 
-from rubnoise.analysis.comparing.contact import settled_length
+from rubnoise.analysis.comparing.contact import stationary_length
 from rubnoise.analysis.comparing.findings import (
     LARGEST_ERROR,
     LARGEST_TAIL_SKEWNESS,
@@ -46,9 +46,11 @@ def covariance_findings(model: Model, trace: TraceSums) -> list[Finding]:
     need_random_births(model, "the error of an autocovariance")
     if _coarse(model):
         return [_too_coarse("real_contact_area_autocovariance")]
-    length, step = settled_length(model, trace), trace.layout.stride * model.tick
+    length, step = stationary_length(model, trace), trace.layout.stride * model.tick
     lags = step * np.array(trace.layout.lags, dtype=np.float64)
-    expected = autocovariance(model, lags) - variance_of_time_mean(over_ticks(model, trace.settled_ticks, model.tick))
+    expected = autocovariance(model, lags) - variance_of_time_mean(
+        over_ticks(model, trace.stationary_ticks, model.tick)
+    )
     errors = covariance_errors(model, lags, length, step)
     variance, tail = float(autocovariance(model, np.zeros(1))[0]), tail_of(model, length, 5)
     return [
@@ -69,10 +71,10 @@ def spectrum_findings(model: Model, trace: TraceSums) -> list[Finding]:
     if _coarse(model):
         return [_too_coarse("spectrum")]
     seen = trace.spectrum.spectrum()
-    length, step = settled_length(model, trace), trace.layout.stride * model.tick
+    length, step = stationary_length(model, trace), trace.layout.stride * model.tick
     if seen.segments < FEWEST_SEGMENTS:
         ticks = seen.ticks + (FEWEST_SEGMENTS - 1) * half_of(seen.ticks)
-        return [too_short("spectrum", (trace.layout.settled + trace.layout.stride * ticks) * model.tick)]
+        return [too_short("spectrum", (trace.layout.stationary_from + trace.layout.stride * ticks) * model.tick)]
     _, expected = expected_periodogram(model, step, hann(seen.ticks))
     # A life's energy |A^(k)|^2 goes with d^6 while a wave is longer than it, and with d^2 beyond.
     tails = {power: tail_of(model, length, power) for power in (2, 6)}
@@ -95,20 +97,20 @@ def distribution_findings(model: Model, trace: TraceSums) -> list[Finding]:
     exact = distribution(model)
     share = _zero_share(model, trace)
     if isinstance(share, LeftOut):
-        told = [share] if exact.atom_at_zero > SMALLEST_ATOM else []
-        return [_distance(model, trace, exact, in_contact=False), *told]
+        shares = [share] if exact.atom_at_zero > SMALLEST_ATOM else []
+        return [_distance(model, trace, exact, in_contact=False), *shares]
     return [share, _distance(model, trace, exact, in_contact=True)]
 
 
 def _zero_share(model: Model, trace: TraceSums) -> Finding:
     """Return the share of ticks at which no junction is alive, all ticks of the stationary part."""
-    law = zero_share(over_ticks(model, trace.settled_ticks, model.tick))
-    length, rarer = settled_length(model, trace), min(law.expected, 1.0 - law.expected)
+    law = zero_share(over_ticks(model, trace.stationary_ticks, model.tick))
+    length, rarer = stationary_length(model, trace), min(law.expected, 1.0 - law.expected)
     relative = law.standard_error / rarer if law.standard_error else inf
     needed = max(longer(length, relative, LARGEST_ERROR), longer(length, abs(law.skewness), LARGEST_TAIL_SKEWNESS))
     return judged_mean(
         "junction_count_zero_share",
-        trace.zero_ticks / trace.settled_ticks,
+        trace.zero_ticks / trace.stationary_ticks,
         law.expected,
         law.standard_error,
         length=length,
@@ -122,13 +124,13 @@ def _distance(model: Model, trace: TraceSums, exact: Distribution, *, in_contact
     Ticks farther apart than the longest life share no junction: their areas are independent.
     """
     name = "real_contact_area_kolmogorov"
-    chosen = trace.column("distance") >= (trace.layout.settled - 0.5) * model.tick
+    chosen = trace.column("distance") >= (trace.layout.stationary_from - 0.5) * model.tick
     if in_contact:
         chosen &= trace.column("junction_count") > 0
     areas, atom = trace.column("real_contact_area")[chosen], exact.atom_at_zero
     share = 1.0 - atom if in_contact else 1.0
     if areas.size < FEWEST:
-        return too_short(name, (trace.layout.settled + trace.layout.apart * FEWEST / share) * model.tick)
+        return too_short(name, (trace.layout.stationary_from + trace.layout.apart * FEWEST / share) * model.tick)
     heights = np.asarray(exact.cdf(areas), dtype=np.float64)
     if in_contact:
         return kolmogorov_figure(name, sample_distance(areas, (heights - atom) / share), areas.size)

@@ -139,7 +139,7 @@ def _spread(name: str, seen: Moments, law: _Law, model: Model) -> list[Finding]:
     if skewness > LARGEST_SKEWNESS:
         found = too_short(f"{name}_mean", longer(length, skewness, LARGEST_SKEWNESS))
     if std < _NARROW * mean:
-        return [found, LeftOut(name=f"{name}_std", reason="the law is too narrow for its moments to tell it")]
+        return [found, LeftOut(name=f"{name}_std", reason="the law is too narrow for its moments to show it")]
     error = sqrt((fourth - second**2) / seen.count) / (2.0 * std)
     tail = tail_of_squares(law, mean, seen.count, length)
     return [found, judged(f"{name}_std", seen.std, std, error, length=length, tail=tail)]

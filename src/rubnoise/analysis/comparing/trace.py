@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.reading import checked_chunks, settled_tick
+from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
 from rubnoise.analysis.spectra import WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
@@ -28,13 +28,13 @@ _FEWEST_TICKS = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layout:
-    """Where a pass looks: ``settled`` is the first stationary tick, ``apart`` the ticks between independent ones.
+    """Where a pass looks: ``stationary_from`` is the first stationary tick, ``apart`` ticks separate independent ones.
 
-    Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they tell;
+    Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
     ``segment`` and ``lags`` count those.
     """
 
-    settled: int
+    stationary_from: int
     apart: int
     stride: int
     segment: int
@@ -50,7 +50,7 @@ class Layout:
         segment = max(_FEWEST_TICKS, 2 ** ceil(np.log2(max(ticks_a_segment, 1.0))))
         lags = {max(1, round(share * model.mean_life_distance / step)) for share in _LAG_SHARES}
         return cls(
-            settled=settled_tick(model),
+            stationary_from=first_stationary_tick(model),
             apart=int(longest / model.tick) + 2,
             stride=stride,
             segment=segment,
@@ -82,7 +82,7 @@ class TraceSums:
     sampled: dict[str, list[Doubles]] = field(default_factory=dict)
 
     @property
-    def settled_ticks(self) -> int:
+    def stationary_ticks(self) -> int:
         """How many ticks the stationary part has."""
         return self.area.count
 
@@ -92,7 +92,7 @@ class TraceSums:
 
     def add(self, columns: dict[str, NDArray[Any]], strength: float | None) -> None:
         """Take in a chunk of the trace."""
-        first = max(self.layout.settled - self.ticks, 0)
+        first = max(self.layout.stationary_from - self.ticks, 0)
         area = columns["real_contact_area"]
         self.area.add(area[first:])
         self.count.add(columns["junction_count"][first:].astype(np.float64))
@@ -104,7 +104,9 @@ class TraceSums:
                 away = np.abs(columns["friction_force"] - strength * area)
                 self.force_deviation = max(self.force_deviation, float(away.max()))
         self._sample(columns)
-        thinned = area[first + (-(self.ticks + first - self.layout.settled)) % self.layout.stride :: self.layout.stride]
+        thinned = area[
+            first + (-(self.ticks + first - self.layout.stationary_from)) % self.layout.stride :: self.layout.stride
+        ]
         self.products.add(thinned)
         self.spectrum.add(thinned)
         self.ticks += area.size
@@ -119,7 +121,7 @@ class TraceSums:
 
     def _sample(self, columns: dict[str, NDArray[Any]]) -> None:
         apart = self.layout.apart
-        start = (self.layout.settled - self.ticks) % apart
+        start = (self.layout.stationary_from - self.ticks) % apart
         for name in ("distance", "real_contact_area", "junction_count"):
             self.sampled.setdefault(name, []).append(columns[name][start::apart].astype(np.float64))
 

@@ -149,9 +149,9 @@ class Subject:
 
     @property
     def version(self) -> object:
-        """The version of rubnoise that wrote the file, as far as that can be told."""
-        told = parsed(self.provenance["software"])
-        return told.get("rubnoise") if isinstance(told, dict) else None
+        """The version of rubnoise that wrote the file, as far as that is known."""
+        given = parsed(self.provenance["software"])
+        return given.get("rubnoise") if isinstance(given, dict) else None
 
 
 Asked = Callable[[str, Subject], str | None]
@@ -173,21 +173,21 @@ def _source(text: str, subject: Subject) -> str | None:
 
 def _software(text: str, _subject: Subject) -> str | None:
     names = list(software())
-    told = parsed(text)
-    if not isinstance(told, dict) or json.dumps(told) != text or list(told) != names:
+    given = parsed(text)
+    if not isinstance(given, dict) or json.dumps(given) != text or list(given) != names:
         return f"a JSON object with the versions of {', '.join(names)}"
-    wrong = [name for name, value in told.items() if not isinstance(value, str) or not VERSION.fullmatch(value)]
+    wrong = [name for name, value in given.items() if not isinstance(value, str) or not VERSION.fullmatch(value)]
     return f"a version of {wrong[0]} such as 1.2.3" if wrong else None
 
 
 def _environment(text: str, _subject: Subject) -> str | None:
     like = environment()
-    told = parsed(text)
+    given = parsed(text)
     right = (
-        isinstance(told, dict)
-        and json.dumps(told) == text
-        and [(name, type(value)) for name, value in told.items()] == [(name, type(like[name])) for name in like]
-        and told["cpu_count"] >= 0
+        isinstance(given, dict)
+        and json.dumps(given) == text
+        and [(name, type(value)) for name, value in given.items()] == [(name, type(like[name])) for name in like]
+        and given["cpu_count"] >= 0
     )
     return None if right else f"a JSON object with {', '.join(like)}"
 
@@ -201,10 +201,10 @@ def _finished(text: str, subject: Subject) -> str | None:
 
 def _resolved(text: str, subject: Subject) -> str | None:
     """Every key as it is written for this scenario; keys that came later, whose defaults hold, may be missing."""
-    told = parsed(text)
-    if not isinstance(told, dict) or json.dumps(told, ensure_ascii=False) != text:
+    given = parsed(text)
+    if not isinstance(given, dict) or json.dumps(given, ensure_ascii=False) != text:
         return "JSON as the program writes it"
-    there, here = flattened(told), flattened(subject.scenario.resolved())
+    there, here = flattened(given), flattened(subject.scenario.resolved())
     for key, value in there.items():
         if json.dumps(here.get(key)) != json.dumps(value):
             return f"{key} = {json.dumps(here.get(key), ensure_ascii=False)}"
@@ -217,10 +217,10 @@ def _constants(text: str, subject: Subject) -> str | None:
     named = {} if constants is None else constants.named()
     if text == json.dumps(named):
         return None
-    told = parsed(text)
-    if not isinstance(told, dict):
+    given = parsed(text)
+    if not isinstance(given, dict):
         return json.dumps(named)
-    key = next((key for key, value in named.items() if json.dumps(told.get(key)) != json.dumps(value)), None)
+    key = next((key for key, value in named.items() if json.dumps(given.get(key)) != json.dumps(value)), None)
     return f"{key} = {named[key]!r}" if key else "nothing but the constants of the slider's step"
 
 
@@ -242,7 +242,7 @@ RULES: Final[Mapping[tuple[str, str], Asked]] = {
     ("/provenance", "finished"): _finished,
     ("/provenance", HASH): lambda text, _subject: digits_form(text),
 }
-"""What the scenario alone does not tell to the last character; hashes of columns are compared with their columns."""
+"""What the scenario alone does not fix to the last character; hashes of columns are compared with their columns."""
 
 
 def attribute_checks(scenario: Scenario, run: HashedReader, found: Inventory) -> list[Check]:
@@ -261,7 +261,7 @@ def _asked(asked: Asked, subject: Subject, text: str) -> str | None:
 
 
 def _description(scenario: Scenario, run: HashedReader) -> RunDescription:
-    """Return the description of a run of the scenario; what it does not tell is empty, and has a rule."""
+    """Return the description of a run of the scenario; what it does not fix is empty, and has a rule."""
     model, streams = scenario.model(), run.provenance["stream_version"]
     return RunDescription(
         title="",

@@ -20,7 +20,7 @@ from rubnoise.record.rows import Phase
 class BlockTable:
     """Where every block begins: its first birth (um), the rows born and the ticks finished before it.
 
-    The first birth of a run without any is infinite here: it lies beyond the run, and no row tells where.
+    The first birth of a run without any is infinite here: it lies beyond the run, and no row says where.
     """
 
     birth: Doubles
@@ -58,7 +58,7 @@ def slider_before(model: Model, rows: Rows, tick: int) -> tuple[float, float]:
 
 
 def block_check(model: Model, rows: Rows) -> Check:
-    """Return whether /blocks tells of every block where it begins, and how the slider moved then."""
+    """Return whether /blocks says of every block where it begins, and how the slider moved then."""
     notes, table, ahead = Notes("blocks"), block_table(model, rows), Ahead(rows)
     notes.say("/blocks rows", found=rows.rows("blocks"), expected=len(table))
     if rows.rows("blocks") == len(table):

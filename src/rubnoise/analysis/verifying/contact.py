@@ -1,4 +1,4 @@
-"""The ticks of a run held against its rows: distance, live count, area and force, each summed anew."""
+"""The ticks of a run compared with its rows: distance, live count, area and force, each summed anew."""
 
 from typing import Any, Final
 

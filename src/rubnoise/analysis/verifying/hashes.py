@@ -36,8 +36,8 @@ def unreadable(run: HashedReader) -> list[str]:
 
 
 def _column_difference(run: HashedReader, column: str) -> Difference:
-    told = "unreadable" if column in unreadable(run) else "not what its hash was taken of"
-    return Difference(place=column, row=None, found=told, expected="as it was written")
+    reason = "unreadable" if column in unreadable(run) else "not what its hash was taken of"
+    return Difference(place=column, row=None, found=reason, expected="as it was written")
 
 
 def _seal_difference(run: HashedReader) -> Difference | None:

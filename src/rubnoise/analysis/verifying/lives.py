@@ -1,4 +1,4 @@
-"""The rows of /junctions held against what every life is: numbered, in order of birth, 2d long, of the scenario."""
+"""The rows of /junctions compared with what every life is: numbered, in order of birth, 2d long, of the scenario."""
 
 from collections.abc import Callable
 

@@ -48,13 +48,13 @@ def origin_check(scenario: Scenario, run: Reader) -> Check:
     diameter = origin["calibrated_diameter"]
     notes.say("/provenance seed", found=origin["seed"], expected=scenario.run.seed)
     notes.say("/provenance calibrated_diameter", found=diameter, expected=model.calibrated_diameter)
-    told = stored_constants(run)
+    from_file = stored_constants(run)
     expected = _constants(model, cells_per_tick(run))
-    notes.say(CONSTANTS, found=sorted(told), expected=sorted(expected))
-    for name in sorted(expected.keys() & told.keys()):
+    notes.say(CONSTANTS, found=sorted(from_file), expected=sorted(expected))
+    for name in sorted(expected.keys() & from_file.keys()):
         value, allowed = expected[name]
-        right = abs(told[name] - value) <= allowed
-        notes.say(f"{CONSTANTS} {name}", found=told[name], expected=told[name] if right else value)
+        right = abs(from_file[name] - value) <= allowed
+        notes.say(f"{CONSTANTS} {name}", found=from_file[name], expected=from_file[name] if right else value)
     return notes.check()
 
 
@@ -69,10 +69,10 @@ def need_same_streams(run: Reader) -> None:
 
 
 def stored_constants(run: Reader) -> dict[str, float]:
-    """Return the constants of the slider's step that a file tells, by name; none where it tells something else."""
+    """Return the constants of the slider's step that a file has, by name; none where it has something else."""
     try:
-        told: Any = json.loads(str(run.provenance["propagator_constants"]))
-        return {str(name): float(value) for name, value in told.items()}
+        from_file: Any = json.loads(str(run.provenance["propagator_constants"]))
+        return {str(name): float(value) for name, value in from_file.items()}
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         return {}
 
@@ -184,14 +184,14 @@ def _differences(again: Reread, run: Mapping[str, Any], asked: Asked | None) -> 
     by_text, by_run = flattened(again.resolved), flattened(run)
     of_sweep = bool(again.seeds) or (asked is not None and asked.command == "sweep")
     for key in _keys(again.resolved, run):
-        told, had = (json.dumps(flat.get(key), ensure_ascii=False) for flat in (by_text, by_run))
+        from_file, had = (json.dumps(flat.get(key), ensure_ascii=False) for flat in (by_text, by_run))
         if key == "run.seed" and of_sweep:
             if again.seeds and by_run[key] not in again.seeds:
-                yield key, (f"{told}, from which no replicate has the seed of the run", had)
+                yield key, (f"{from_file}, from which no replicate has the seed of the run", had)
         elif key in {"run.seed", "run.engine"} and asked is None:
             continue  # a program hands these over beside the scenario
-        elif told != had:
-            yield key, (told, had)
+        elif from_file != had:
+            yield key, (from_file, had)
 
 
 def _changed_elsewhere(different: Mapping[str, tuple[str, str]]) -> list[LeftOut]:
@@ -199,8 +199,8 @@ def _changed_elsewhere(different: Mapping[str, tuple[str, str]]) -> list[LeftOut
         return []
     named = [f"{key} is {by_text} there and {by_run} in the run" for key, (by_text, by_run) in different.items()]
     more = [f"and {len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
-    told = "; ".join([*named[:MOST_NAMED], *more])
-    return [LeftOut(name="scenario", reason=f"scenario_toml was changed by the program that made the run: {told}")]
+    from_file = "; ".join([*named[:MOST_NAMED], *more])
+    return [LeftOut(name="scenario", reason=f"scenario_toml was changed by the program that made the run: {from_file}")]
 
 
 def _keys(*scenarios: Mapping[str, Any]) -> list[str]:

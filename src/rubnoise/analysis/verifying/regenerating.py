@@ -73,7 +73,7 @@ def regeneration_check(model: Model, run: Reader, seed: int, count: int) -> tupl
         sink = Compared(rows=run, notes=notes, touched=changed)
         _play(model, seed, sink, state)
         touched += [state.block] if changed else []
-    return notes.check(), _told(touched)
+    return notes.check(), _left_out(touched)
 
 
 def _from_the_start(model: Model, run: Reader, seed: int, count: int) -> tuple[Check, list[LeftOut]]:
@@ -176,12 +176,12 @@ def _as_live(chunk: Chunk) -> LiveRows:
 
 def _check_constants(notes: Notes, model: Model, run: Reader) -> None:
     """Compare the constants of the slider's step, computed anew, with those of the file."""
-    constants, told = slider_constants(model), stored_constants(run)
+    constants, from_file = slider_constants(model), stored_constants(run)
     for name, value in constants.named().items() if constants else ():
-        notes.say(f"{CONSTANTS} {name}", found=told.get(name), expected=value)
+        notes.say(f"{CONSTANTS} {name}", found=from_file.get(name), expected=value)
 
 
-def _told(touched: list[int]) -> list[LeftOut]:
+def _left_out(touched: list[int]) -> list[LeftOut]:
     if not touched:
         return []
     which = ", ".join(map(str, touched))

@@ -83,7 +83,7 @@ LONG: Final = 8.0
 
 
 def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
-    """Return whether /slider tells its times and the forces of /trace at its places, and moves as they make it move.
+    """Return whether /slider has its times and the forces of /trace at its places, and moves as they make it move.
 
     Row i of a one-way slider lies at the time i tick / V, when it has slid by i ticks.
 

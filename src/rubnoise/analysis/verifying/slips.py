@@ -125,7 +125,7 @@ def follow(oscillator: Oscillator, contact: Contact, nodes: Nodes) -> Led:
 
 @compiled
 def _gather(contact: Contact, origin: float, middle: float, lives: Lives) -> int:
-    """Find who lives at a place, told from an origin; return how many."""
+    """Find who lives at a place, measured from an origin; return how many."""
     end = np.searchsorted(contact.birth, middle)
     count = 0
     for row in range(np.searchsorted(contact.reach, middle, side="right"), end):

@@ -118,7 +118,7 @@ _MOMENTS_ADDED: dict[Shape, Callable[..., None]] = {"lens": _add_all_lenses, "tr
 
 
 def _add(add: Any, positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
-    """Add what lives bring to cells, told in ages: each by the cell in which it begins and the age at its edge."""
+    """Add what lives bring to cells, by ages: each by the cell in which it begins and the age at its edge."""
     begin = np.maximum(np.searchsorted(positions, shapes[0], side="right") - 1, 0)
     add(begin, positions[begin] - shapes[0], width, *shapes, moments)
 

@@ -83,7 +83,9 @@ def motion_checks(model: Model, rows: Rows) -> tuple[list[Check], list[LeftOut]]
         reason = f"of {total:,} rows {taken:,} were integrated again, in {len(starts)} stretches spread evenly"
         left_out.append(LeftOut(name="motion", reason=reason))
     if behind:
-        reason = f"the slider is behind its start at {behind:,} rows or landmarks, where no row tells who had lived"
+        reason = (
+            f"the slider is behind its start at {behind:,} rows or landmarks, where no row says which junctions lived"
+        )
         left_out.append(LeftOut(name="motion", reason=reason))
     return [motion.check(), passages.check()], left_out
 
@@ -125,7 +127,7 @@ def stretch_of(rows: Ahead, first: int, end: int) -> Stretch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Between:
-    """The lives of a stretch, with the row in /junctions and the time (s) told for each of its births and deaths."""
+    """The lives of a stretch, with the row in /junctions and the time (s) stored for each of its births and deaths."""
 
     contact: Contact
     row: Integers
@@ -266,7 +268,7 @@ def _compare(notes: Notes, model: Model, slider: Slider, stretch: Stretch, led: 
 
 
 def _compare_passages(notes: Notes, model: Model, slider: Slider, stretch: Stretch, led: Led, lives: Between) -> None:
-    """Compare first passages told within the time of a stretch with when its slips pass those places."""
+    """Compare first passages stored within the time of a stretch with when its slips pass those places."""
     begin, end = stretch.nodes.time[[0, -1]]
     place, _ = _allowed(model, slider, stretch, led)
     for name in ("birth_time", "death_time"):

@@ -1,6 +1,7 @@
 """The compiled heart: sums over lives, at evenly spaced positions and over the cells between them.
 
-`deposit` is the only door. It takes a `Grid` of positions, lives in order of birth and a weight for each, and returns
+Begin with `deposit` in `choice`, the only door. It takes a `Grid` of positions, lives in order of birth and a weight
+for each, and returns
 
     total     sum_j w_j a((s - b_j)/d_j) at the positions wanted, a the area over d^2 of a life of its shape
     moments   int_0^1 of the same times P_i(2y - 1) dy, i = 0, 1, 2, over the cell that ends at each position

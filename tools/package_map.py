@@ -1,0 +1,94 @@
+"""The map of the package: its layers as the contract has them, and the arrows that its imports really draw."""
+
+import ast
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+PACKAGE: Final = ROOT / "src" / "rubnoise"
+CONTRACT: Final = ROOT / "pyproject.toml"
+"""The layers are those that import-linter keeps, so a picture of others would fail its test."""
+
+
+def layers() -> list[list[str]]:
+    """Return the rooms of each layer, the highest first: packages, and files beside them."""
+    contract = tomllib.loads(CONTRACT.read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"][0]
+    return [[room.strip(" ()") for room in layer.split("|")] for layer in contract["layers"]]
+
+
+def arrows(package: Path = PACKAGE) -> dict[str, set[str]]:
+    """Return for each room the rooms that any of its files imports, wherever in the file."""
+    rooms = [room for layer in layers() for room in layer]
+    return {
+        room: {name for file in files(room, package) for name in _imported(file) if name in rooms} - {room}
+        for room in rooms
+    }
+
+
+def files(room: str, package: Path = PACKAGE) -> list[Path]:
+    """Return the files of a room."""
+    folder = package / room
+    return sorted(folder.rglob("*.py")) if folder.is_dir() else [package / f"{room}.py"]
+
+
+def _imported(file: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.ImportFrom) or node.module is None:
+            continue
+        if node.module == "rubnoise":
+            yield from (alias.name for alias in node.names)
+        elif node.module.startswith("rubnoise."):
+            yield node.module.split(".")[1]
+
+
+def shown_arrows(drawn: Mapping[str, set[str]]) -> dict[str, set[str]]:
+    """Return the arrows that no longer way replaces: a -> c goes where a -> b and b -> c are there."""
+    return {
+        room: {end for end in ends if not any(end in _below(drawn, other) for other in ends - {end})}
+        for room, ends in drawn.items()
+    }
+
+
+def _below(drawn: Mapping[str, set[str]], room: str) -> set[str]:
+    """Return all rooms that a room's arrows lead to, directly or not."""
+    return drawn[room] | {end for other in drawn[room] for end in _below(drawn, other)}
+
+
+def line() -> Iterator[str]:
+    """Yield the layers in one line, as the contract orders them."""
+    yield "    " + " > ".join(", ".join(layer) for layer in layers())
+
+
+def diagram() -> Iterator[str]:
+    """Yield the arrows between rooms in the language of Mermaid, which GitHub draws."""
+    shown = shown_arrows(arrows())
+    yield "```mermaid"
+    yield "flowchart TD"
+    for layer in layers():
+        for room in layer:
+            if shown[room]:
+                yield f"    {room} --> {' & '.join(_in_order(shown[room]))}"
+    yield "```"
+
+
+def table() -> Iterator[str]:
+    """Yield a row for each room: what is in it, and every room that it imports."""
+    yield "| room | what is in it | imports |"
+    yield "|---|---|---|"
+    drawn = arrows()
+    for layer in layers():
+        for room in layer:
+            imported = ", ".join(_in_order(drawn[room])) or "nothing"
+            yield f"| `{room}` | {_first_sentence(room)} | {imported} |"
+
+
+def _in_order(rooms: set[str]) -> list[str]:
+    return [room for layer in layers() for room in layer if room in rooms]
+
+
+def _first_sentence(room: str) -> str:
+    story = files(room)[0] if (PACKAGE / f"{room}.py").exists() else PACKAGE / room / "__init__.py"
+    text = ast.get_docstring(ast.parse(story.read_text(encoding="utf-8"))) or ""
+    return " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")
