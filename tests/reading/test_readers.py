@@ -78,9 +78,9 @@ READERS = {
     ),
 }
 AREA_READERS = {
-    "Its area at any distance": READERS["h5py"],
-    "Its area at any distance 2": READERS["Octave"],
-    "Its area at any distance 3": READERS["R"],
+    "The area at any distance": READERS["h5py"],
+    "The area at any distance 2": READERS["Octave"],
+    "The area at any distance 3": READERS["R"],
 }
 
 MOTION_READERS = {
