@@ -84,7 +84,7 @@ def stage(source: Path) -> None:
 
 def answer(folder: Path, words: list[str]) -> str:
     """Return what a command prints; raises CalledProcessError where it fails."""
-    variables = {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
+    variables = {**os.environ, "COLUMNS": "90", "NO_COLOR": "1", "TERM": "dumb"}
     command = [sys.executable, "-m", "rubnoise", *words]
     done = subprocess.run(command, cwd=folder, env=variables, stdout=subprocess.PIPE, text=True, check=True)
     return "\n".join(line.rstrip() for line in done.stdout.splitlines()).strip("\n") + "\n"
