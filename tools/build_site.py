@@ -28,7 +28,10 @@ SHOWN: Final = (
     ("What a scenario means", ["check", FIG5]),
     ("A run", ["run", FIG5, "-o", "fig5.h5"]),
     ("The life of one junction", ["junction", "fig5.h5", "17"]),
-    ("Large junctions", ["junctions", "fig5.h5", "--where", "diameter > 6 um", "--sort", "-life_distance", "--head", "5"]),
+    (
+        "Large junctions",
+        ["junctions", "fig5.h5", "--where", "diameter > 6 um", "--sort", "-life_distance", "--head", "5"],
+    ),
     ("A comparison with theory", ["compare", "fig5.h5"]),
     ("A verification", ["verify", "fig5.h5"]),
     ("Exact theory", ["theory", FIG5]),

@@ -84,7 +84,9 @@ def test_references_are_the_bibliography() -> None:
     """Each entry of the bibliography stands on the page with its DOI, and nothing else does."""
     listed = entries((ROOT / "docs" / "references.bib").read_text(encoding="utf-8"))
     page = (ROOT / "docs" / "references.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `(\w+)` \|.*\| (?:\[([^\]]+)\]\(https://doi\.org/([^)]+)\)|no DOI found) \|", page, re.MULTILINE)
+    rows = re.findall(
+        r"^\| `(\w+)` \|.*\| (?:\[([^\]]+)\]\(https://doi\.org/([^)]+)\)|no DOI found) \|", page, re.MULTILINE
+    )
     assert {key: shown or None for key, shown, _ in rows} == listed
     assert all(shown == target for _, shown, target in rows)
     assert len(listed) > 15

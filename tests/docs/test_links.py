@@ -58,7 +58,9 @@ def test_every_picture_is_shown() -> None:
 
 def test_every_page_is_on_the_site() -> None:
     start = (ROOT / "tools" / "site" / "index.md").read_text(encoding="utf-8")
-    names = [path.relative_to(ROOT).with_suffix("").as_posix() for path in PAGES if path.parent in (ROOT, ROOT / "docs")]
+    names = [
+        path.relative_to(ROOT).with_suffix("").as_posix() for path in PAGES if path.parent in (ROOT, ROOT / "docs")
+    ]
     assert [name for name in names if f"\n{name}\n" not in start] == []
 
 
