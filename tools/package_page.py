@@ -1,7 +1,7 @@
 """The page of the package on an index: README.md with links that work there, and the project's addresses.
 
-The address of the repository stands once, in pyproject.toml under [tool.rubnoise]. With an address, relative links lead to
-the files of this version. Without one, a link becomes its text, and a picture is left out.
+The address of the repository stands once, in pyproject.toml under [tool.rubnoise]. With an address, relative links lead
+to the files of this version. Without one, a link becomes its text, and a picture is left out.
 """
 
 import re
