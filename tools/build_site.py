@@ -1,8 +1,8 @@
 """Build the site: `python3 tools/dev.py docs [FOLDER]`, into site/ by default.
 
-Pages are copied into a new folder as they lie in the repository, so that their links keep their meaning. Pages that show
-output are written here from today's program: the lesson, a sound, commands and what they print. Sphinx then builds all
-of it, and any warning fails. The folder gets its name only when the site is complete.
+Pages are copied into a new folder as they lie in the repository, so that their links keep their meaning. Pages that
+show output are written here from today's program: the lesson, a sound, commands and what they print. Sphinx then builds
+all of it, and any warning fails. The folder gets its name only when the site is complete.
 """
 
 import argparse

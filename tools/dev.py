@@ -1,8 +1,8 @@
 """Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `sync`, `bench` or `docs`.
 
-The first call makes `.venv` (`.venv-bench` for the benchmark and `.venv-docs` for the site, whose packages stay out of it)
-and installs what the command needs; later calls find it there (tools/bootstrap.py). Nothing but Python 3.11 or newer and
-its pip, or venv with ensurepip, is needed; set-up writes nothing outside these folders.
+The first call makes `.venv` (`.venv-bench` for the benchmark and `.venv-docs` for the site, whose packages stay out of
+it) and installs what the command needs; later calls find it there (tools/bootstrap.py). Nothing but Python 3.11 or
+newer and its pip, or venv with ensurepip, is needed; set-up writes nothing outside these folders.
 """
 
 from __future__ import annotations

@@ -80,6 +80,17 @@ def test_links_of_the_readme_work_on_an_index() -> None:
     assert re.findall(r"\]\((?!https://|#)[^)]*\)", readme) == []
 
 
+def test_the_recipe_asks_for_what_the_package_needs() -> None:
+    recipe = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
+    run = recipe.partition("  run:\n")[2].partition("\n\n")[0]
+    wanted = [
+        f"python {project()['requires-python']}",
+        *(each.replace(">=", " >=") for each in project()["dependencies"]),
+    ]
+    assert [line.removeprefix("    - ") for line in run.splitlines()] == wanted
+    assert f'version: "{project()["version"]}"' in recipe
+
+
 def test_references_are_the_bibliography() -> None:
     """Each entry of the bibliography stands on the page with its DOI, and nothing else does."""
     listed = entries((ROOT / "docs" / "references.bib").read_text(encoding="utf-8"))
