@@ -120,8 +120,8 @@ def keep_run(
     """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
 
     An unfinished run of an earlier attempt is resumed. A file that another process is writing, such as a worker that
-    has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the file is on the
-    disk only after a later flush (see sync_many). Raises OutputRefused for one in its place that is not the run.
+    has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the file is on
+    the disk only after a later flush (see sync_many). Raises OutputRefused for one in its place that is not the run.
     """
     last = time.monotonic() + patience
     while (row := found_run(point, root=root)) is None:
