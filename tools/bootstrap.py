@@ -49,6 +49,8 @@ class VirtualEnvironment(NamedTuple):
 WORK = VirtualEnvironment(ROOT / ".venv")
 BENCH = VirtualEnvironment(ROOT / ".venv-bench")
 """The benchmark's peers bring packages of their own, which the environment of run and tests stays free of."""
+DOCS = VirtualEnvironment(ROOT / ".venv-docs")
+"""The site's builder likewise."""
 
 # How an index is reached is the user's business, and the hashes make any index as good as another. Everything else in
 # pip's configuration (a target folder, --user, constraints, building from source) would change what is installed, or

@@ -1,8 +1,8 @@
-"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `sync` or `bench`.
+"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `sync`, `bench` or `docs`.
 
-The first call makes `.venv` (`.venv-bench` for the benchmark, whose peers stay out of the other) and installs what
-the command needs; later calls find it there (tools/bootstrap.py). Nothing but Python 3.11 or newer and its pip, or venv
-with ensurepip, is needed; set-up writes nothing outside these folders.
+The first call makes `.venv` (`.venv-bench` for the benchmark and `.venv-docs` for the site, whose packages stay out of
+it) and installs what the command needs; later calls find it there (tools/bootstrap.py). Nothing but Python 3.11 or
+newer and its pip, or venv with ensurepip, is needed; set-up writes nothing outside these folders.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))  # PYTHONSAFEPATH and -P leave it out
 
-from bootstrap import BENCH, ROOT, WORK, SetupFailed, set_up
+from bootstrap import BENCH, DOCS, ROOT, WORK, SetupFailed, set_up
 
 if TYPE_CHECKING:
     from typing import NoReturn
@@ -27,6 +27,7 @@ LOCKS = {
     "lint": ("run", "test"),
     "sync": ("run", "test"),
     "bench": ("run", "bench"),
+    "docs": ("run", "docs"),
 }
 USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 
@@ -35,6 +36,7 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
   lint               ruff and mypy
   sync               only install, what tests, pictures and tables need too
   bench [ARGUMENTS]  speed and errors beside everything else a user could pick; bench --quick takes a minute or two
+  docs [FOLDER]      the site with all pages, the lesson and examples, into site/ or another folder
 """
 
 
@@ -47,8 +49,9 @@ def main(arguments: list[str]) -> int:
         return 0 if asked else 2
     signal.signal(signal.SIGTERM, _terminated)
     try:
-        set_up(LOCKS[command], BENCH if command == "bench" else WORK)
-        return {"run": run, "test": test, "lint": lint, "sync": sync, "bench": bench}[command](rest)
+        set_up(LOCKS[command], {"bench": BENCH, "docs": DOCS}.get(command, WORK))
+        commands = {"run": run, "test": test, "lint": lint, "sync": sync, "bench": bench, "docs": docs}
+        return commands[command](rest)
     except SetupFailed as problem:
         print(f"dev.py: {problem}", file=sys.stderr)
         return 1
@@ -100,6 +103,11 @@ def bench(arguments: list[str]) -> NoReturn:
     path = os.pathsep.join((str(ROOT / "tools"), str(ROOT)))
     variables = {**os.environ, "PYTHONPATH": path}
     os.execve(BENCH.python, [str(BENCH.python), "-m", "bench", *arguments], variables)
+
+
+def docs(arguments: list[str]) -> NoReturn:
+    """Become the builder of the site."""
+    os.execv(DOCS.python, [str(DOCS.python), str(ROOT / "tools" / "build_site.py"), *arguments])
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Resolve the dependencies of pyproject.toml into tools/run.lock, tools/test.lock and tools/bench.lock.
+"""Resolve the dependencies of pyproject.toml into tools/run.lock, test.lock, bench.lock and docs.lock.
 
-`python3 tools/relock.py [run|test|bench ...] [--upgrade]`, with uv on the PATH; all three where none is named. They
+`python3 tools/relock.py [run|test|bench|docs ...] [--upgrade]`, with uv on the PATH; all of them if none is named. They
 hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files on the
-public index. The tests' lock and the benchmark's hold only what is needed on top of a run.
+public index. All but the run's hold only what is needed on top of a run.
 """
 
 import os
@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPILE = ["uv", "pip", "compile", "pyproject.toml", "--no-config", "--default-index=https://pypi.org/simple"]
-LOCKS = ("run", "test", "bench")
+LOCKS = ("run", "test", "bench", "docs")
 FOR_EVERYONE = ["--universal", "--python-version=3.11", "--generate-hashes", "--quiet"]
 
 

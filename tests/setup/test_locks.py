@@ -25,13 +25,13 @@ def _names(requirements: list[str]) -> set[str]:
     return {re.split(r"[<>=!~;\[ ]", requirement)[0].lower() for requirement in requirements}
 
 
-@pytest.mark.parametrize("lock", ["run", "test", "bench"])
+@pytest.mark.parametrize("lock", ["run", "test", "bench", "docs"])
 def test_a_lock_is_pins_and_hashes_and_nothing_else(lock: str) -> None:
     strange = [line for line in _lines(lock) if not (PIN.fullmatch(line) or HASH.fullmatch(line))]
     assert strange == []
 
 
-@pytest.mark.parametrize("lock", ["run", "test", "bench"])
+@pytest.mark.parametrize("lock", ["run", "test", "bench", "docs"])
 def test_no_lock_names_an_index_or_a_path(lock: str) -> None:
     text = (ROOT / "tools" / f"{lock}.lock").read_text(encoding="utf-8")
     assert not re.search(r"://|file:| /|--index|--find-links|@ ", text)
@@ -47,7 +47,7 @@ def test_everything_the_project_asks_for_is_locked() -> None:
     assert _names(groups["bench"]) <= run | {name for name, _, _ in _pins("bench")}
 
 
-@pytest.mark.parametrize("lock", ["test", "bench"])
+@pytest.mark.parametrize("lock", ["test", "bench", "docs"])
 def test_the_other_locks_only_add(lock: str) -> None:
     assert not {name for name, _, _ in _pins("run")} & {name for name, _, _ in _pins(lock)}
 

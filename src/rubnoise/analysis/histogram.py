@@ -73,7 +73,7 @@ def _shares(parts: Doubles, bins: int) -> Doubles:
 class HistogramSum:
     """The density of a stream of values over bins of one width, which may come in pieces of any size.
 
-    ``batch`` is how many values make a stretch that is as good as independent of the next: from the differences
+    ``batch`` is how many values make a stretch that is nearly independent of the next: from the differences
     between such stretches come the errors (see `rubnoise.analysis.histogram.histogram`). A value at an edge counts
     above it, but for rounding; one at the last edge is outside.
     """

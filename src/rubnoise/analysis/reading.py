@@ -127,7 +127,7 @@ class Window:
         self._carried = self._junctions(0, 0)
 
     def until(self, distance: float) -> Iterator[Junctions]:
-        """Yield whoever was born up to a distance in um and lived on beyond the one before it, some at a time."""
+        """Yield the junctions born up to a distance in um that lived beyond the distance before it, some at a time."""
         living = [self._carried]
         yield self._carried
         for born in self._born(distance):

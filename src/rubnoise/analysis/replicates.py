@@ -1,4 +1,4 @@
-"""A figure from the replicates of one point: their mean, and where the true one may well lie."""
+"""A figure from the replicates of one point: their mean and its confidence interval."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What is kept of a run that keeps no trace: its figures, and its distribution, spectrum and autocovariance.
+"""The summary of a run without a trace: its figures, distribution, spectrum and autocovariance.
 
 The places of these curves are fixed by the model beforehand, so that all replicates have the same ones, and so has what
 theory expects there.

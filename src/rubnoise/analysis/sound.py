@@ -1,4 +1,4 @@
-"""A run as sound: which column is heard, how much faster than it happened, and what of it an ear can hear."""
+"""A run as sound: the column, the speed-up, and the part that an ear can hear."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

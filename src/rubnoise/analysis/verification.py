@@ -1,4 +1,4 @@
-"""A result file asked whether it is what it says: hashes, invariants of its rows, and blocks made again."""
+"""Verification of a result file: hashes, invariants of its rows, and blocks computed again."""
 
 from collections.abc import Sequence
 from typing import Protocol

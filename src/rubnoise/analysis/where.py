@@ -27,7 +27,7 @@ from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
 Sort = Literal["name", "number", "comparison", "and", "or", "not", "(", ")", "end"]
 
 LONGEST: Final = 1000
-"""Characters of a condition: more is no condition that anybody has written."""
+"""Most characters of a condition: no person writes a longer one."""
 
 KEYWORDS: Final = ("and", "or", "not")
 _FACTOR: Final = (

@@ -23,8 +23,8 @@ def play(
 ) -> None:
     """Play a scenario into an entered writer, from the state that it says, and publish the file.
 
-    ``watch`` is told after each panel, and now and then while a file is compressed; ``observe`` and ``intervene`` are
-    those of `rubnoise.run`.
+    ``watch`` is called after each range of ticks, and now and then while a file is compressed; ``observe`` and
+    ``intervene`` are those of `rubnoise.run`.
     """
     model = scenario.model()
     tally = Tally.of(model)

@@ -1,4 +1,4 @@
-"""Runs that did not finish, gone on with to the same bits."""
+"""Unfinished runs resumed, with the same bits."""
 
 import json
 import os
@@ -44,14 +44,14 @@ def resume(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> Run:
-    """Go on with a run that did not finish, ``NAME.h5.part``, and open its result, ``NAME.h5``.
+    """Resume an unfinished run, ``NAME.h5.part``, and open its result, ``NAME.h5``.
 
     Every dataset equals that of a run that was never stopped, bit for bit. ``force`` allows an existing file to be
-    replaced; ``watch`` is told where the run goes on and after each panel; ``observe`` is called for what happens from
+    replaced; ``watch`` is called where the run resumes and after each range of ticks; ``observe`` gets the events from
     there on. A run that was begun with an intervention needs it again as ``intervene``: a process that begins where the
-    run goes on. Raises RunFileRefused for a part that cannot be read, OutputRefused where the result may not be written
-    or another process writes it, Refused where this version of rubnoise would go on with other numbers, or the guests
-    are not those of the run.
+    run resumes. Raises RunFileRefused for a part that cannot be read, OutputRefused if the result may not be written
+    or another process writes it, Refused if this version of rubnoise would draw other numbers, or if ``observe`` or
+    ``intervene`` do not fit the run.
     """
     check_output(paths_of(part).final, force=True, unfinished=True)
     target = Path(part).with_suffix("")
@@ -104,7 +104,7 @@ def go_on(
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> Run:
-    """Go on with the described run, whose part belongs to an output path, with its own engine or another one."""
+    """Resume the described run, whose part belongs to an output path, with its own engine or another one."""
     paths = OutputPaths.of(path)
     try:
         with sole_writer(paths):
@@ -148,7 +148,7 @@ def _check_intervention(description: RunDescription, part: str, intervene: Inter
 
 
 def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
-    """Return what a watch is told of a state: distance reached in um, junctions born, live count."""
+    """Return what a watch gets of a state: distance reached in um, junctions born, live count."""
     return (0.0, 0, 0) if state is None else (max(state.ticks - 1, 0) * tick, state.junctions, len(state.live))
 
 

@@ -66,14 +66,14 @@ def run(
     intervene: Intervention | None = None,
     durable: bool = True,
 ) -> Run:
-    """Run a scenario into a result file and open it; a run of it that did not finish there is gone on with.
+    """Run a scenario into a result file and open it; an unfinished run of it there is resumed.
 
     ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
-    ``command`` is what /provenance says was called; ``watch`` is told at the start, before anything is created, and
-    after each panel; ``observe`` and ``intervene`` are as in `simulate`, and /provenance names an intervention, without
-    which its run is not gone on with. What either raises ends the run: a part is kept from which it can go on where
-    there was a commit, else nothing. Without ``durable`` the system may take its time to bring the file to the disk:
-    nobody waits for that, and a power cut within half a minute may take it. Raises OutputRefused before anything is
+    ``command`` is what /provenance says was called; ``watch`` is called at the start, before anything is created, and
+    after each range of ticks; ``observe`` and ``intervene`` are as in `simulate`, and /provenance names an
+    intervention, without which its run cannot be resumed. An exception of either ends the run: a part to resume is
+    kept if there was a commit, else nothing. Without ``durable`` the run does not wait until the file is flushed to
+    disk, and a power cut within half a minute may take it. Raises OutputRefused before anything is
     created, also where another run did not finish there, ScenarioRefused for a seed that is none, Refused where this
     machine has too little memory or `simulate` would.
     """
@@ -106,7 +106,7 @@ def _seeded(scenario: Scenario, seed: int | None) -> Scenario:
     if seed is None:
         return scenario
     try:
-        # A fraction would be cut by the generator, and the file would name a seed that nobody can run again.
+        # A fraction would be cut by the generator, and the file would name a seed that cannot be run again.
         number = -1 if isinstance(seed, bool) else index(seed)
     except TypeError:
         number = -1

@@ -72,7 +72,7 @@ def carry_out(
 ) -> SweepOutcome:
     """Carry out a sweep, and return what became of it; see run_sweep.
 
-    ``command`` is what its results say was called, ``watch`` is told how far it is, and may raise RunStopped.
+    ``command`` is what its results say was called, ``watch`` is called with the progress, and may raise RunStopped.
     """
     place = SweepFolder(Path(folder).absolute())
     part = None if shard is None else Shard.of(shard)
@@ -119,9 +119,9 @@ def keep_run(
 ) -> RunRow:
     """Carry out one run of a sweep into a file of its own, and return its row; a result that is there is taken.
 
-    What an earlier attempt left unfinished is gone on with. A file that somebody writes just now, such as a worker that
-    has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the disk has the
-    file only once somebody sees it there (see together). Raises OutputRefused for one in its place that is not the run.
+    An unfinished run of an earlier attempt is resumed. A file that another process is writing, such as a worker that
+    has not noticed yet that its sweep was stopped, is waited for so many seconds. Without ``durable`` the file is on
+    the disk only after a later flush (see sync_many). Raises OutputRefused for one in its place that is not the run.
     """
     last = time.monotonic() + patience
     while (row := found_run(point, root=root)) is None:
@@ -140,7 +140,7 @@ def _made(point: Point, folder: SweepFolder, command: Sequence[str], *, durable:
     path = folder.run(point.run_id)
     if path.exists():
         if (row := found_run(point, root=folder.root)) is not None:
-            return row  # somebody else has just made it
+            return row  # another process has just made it
         raise OutputRefused(f"{path}: is not the result of this run; move it away, and the same command makes it")
     with run(point.scenario, path, command=command, watch=CANCELLATION.check, durable=durable) as result:
         figures: dict[str, float] = {}

@@ -1,4 +1,4 @@
-"""The index of a sweep compared with its own hashes, and with an index made anew from sweep.json and the journals."""
+"""The index of a sweep compared with its own hashes, and with an index made again from sweep.json and the journals."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -77,7 +77,7 @@ def index_checks(folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOu
                 return IndexFound(checks=(hashes,), run_ids=run_ids)
             return IndexFound(checks=(hashes, _index_check(folder, sweep, index, left_out)), run_ids=run_ids)
     except Unseen:
-        raise  # nothing can be told of it, which is not its fault
+        raise  # it could not be read, which is not its fault
     except (RunFileRefused, KeyError) as refusal:
         missing = "missing" if not folder.index.exists() else str(refusal).removeprefix(f"{folder.index}: ")
         first = Difference(place=INDEX, row=None, found=missing, expected="the index; the same sweep writes it again")
@@ -95,7 +95,7 @@ def _hash_check(index: IndexFile) -> Check:
 
 
 def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: list[LeftOut]) -> Check:
-    """Compare an index with one that is made anew from the sweep and the journals, as far as it knew these."""
+    """Compare an index with one that is made again from the sweep and the journals, as far as it knew these."""
     notes, attributes = Notes("index", of=INDEX), index.attributes
     sides = {name: _list(attributes[name]) for name in ("grid", "side_by_side")}
     notes.say("swept keys", found=[*sides["grid"], *sides["side_by_side"]], expected=[*sweep.keys])

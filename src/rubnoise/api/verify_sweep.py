@@ -53,9 +53,9 @@ def verify_sweep(
 ) -> Verification:
     """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
 
-    ``regenerate``: how many blocks of each run to make again; ``watch`` is told how many runs of how many were looked
-    at. Raises RunFileRefused for a folder that is not that of a sweep, that cannot be read, or on which a sweep is at
-    work.
+    ``regenerate``: how many blocks of each run to make again; ``watch`` is called with the number of runs
+    checked and of all runs. Raises RunFileRefused for a folder that is not that of a sweep, that cannot be read, or on
+    which a sweep is at work.
     """
     place = SweepFolder(Path(folder))
     try:
@@ -84,7 +84,7 @@ def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification
 
 
 def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
-    """Return whether sweep.json is the description of a sweep, and that sweep, where it can be told."""
+    """Return whether sweep.json is the description of a sweep, and that sweep, if it is known."""
     notes = Notes("manifest", of=MANIFEST)
     try:
         text = folder.manifest.read_text(encoding="utf-8")

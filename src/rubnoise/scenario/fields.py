@@ -27,7 +27,7 @@ _HIDDEN = re.compile(
     rf"[\u034f\u115f\u1160\u17b4\u17b5\u3164\uffa0\U00016fe4\U0001d159]|(?:^|[ {_SELECTORS}])[{_SELECTORS}]"
 )
 _BLANK = "\u2800"
-"""A letter of Braille without a dot: as good as a space."""
+"""A letter of Braille without a dot: it looks like a space."""
 
 
 class Unfit(ValueError):  # noqa: N818  (says what the value is)

@@ -325,7 +325,7 @@ def _doubles(layers: Layers, table: Table) -> Iterator[Problem]:
 
 
 def _overruled(layers: Layers, table: Table) -> Iterator[Problem]:
-    """Refuse a `--set` of a key that the sweep sets anew at every point."""
+    """Refuse a `--set` of a key that the sweep sets at every point."""
     for axis in table.axes:
         source = layers.source_of(axis.path)
         if isinstance(source, Setting) and _given(source.data, axis.path):

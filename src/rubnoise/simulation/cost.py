@@ -1,4 +1,4 @@
-"""What a run takes of a machine, from a few constants that were measured once: memory, and the processor's time.
+"""The forecast of memory and processor time of a run, from a few measured constants.
 
 A few milliseconds of work like that of a run measure how fast this machine is. `tools/measure_cost.py` measures runs of
 many kinds, says how far these forecasts are off, and what the constants would be where it runs.

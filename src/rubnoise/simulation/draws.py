@@ -1,4 +1,4 @@
-"""What a seed decides: who is alive at the start, and the births of every block."""
+"""What a seed decides: the junctions alive at the start, and the births of every block."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Ending lives from outside: a process of the user's own beside those of the contact, and what it sees."""
+"""Interventions: a process of the user that ends lives, and the live junctions that it sees."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A run from its first block to its last: the fold that everything else is folded into."""
+"""A run from its first block to its last, as a fold over blocks."""
 
 import gc
 from collections.abc import Callable, Iterator

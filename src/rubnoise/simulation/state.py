@@ -1,4 +1,4 @@
-"""What one block of a run hands to the next: all of it explicit, frozen, and able to be written down."""
+"""The state that one block of a run passes to the next: explicit, frozen and storable."""
 
 import json
 import struct

@@ -1,4 +1,4 @@
-"""What a scenario asks for beside what the run and its theory have, by constants that stand here a second time.
+"""The area and the count that a scenario requests, compared with run and theory by independent constants.
 
 Everything else in a comparison takes d_m and the birth rate as the program works them out. A wrong constant in the
 calibration would change the run and its theory alike, and no other figure would show it.
@@ -23,7 +23,7 @@ PAPER_LIFE_MEAN: Final = 0.327
 """Mean area over a life in d^2, as the paper rounds it (Eq. 6): calibration paper asks for this in place of 1/3."""
 
 _ROUNDING = 1e-9
-_FLOOR = 1e-15  # square of what rounding leaves of the spread of a law that is as good as one size
+_FLOOR = 1e-15  # square of what rounding leaves of the spread of a law that is practically one size
 
 
 class Cubes:

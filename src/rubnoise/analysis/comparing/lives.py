@@ -1,4 +1,4 @@
-"""Lives as their rows have them: how long, how large on average, and whether they add up to the trace."""
+"""Checks of the lives in /junctions: their length, their mean area, and their sum, which is the trace."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The row of /balance worked out again: from lives, landmarks and laws, and from rows of /slider within a bound.
+"""The row of /balance computed again: from lives, landmarks and laws, and from rows of /slider within a bound.
 
 Between two rows h apart the displacement is a cubic but for what the acceleration a does there: of int x dt the
 trapezoidal rule misses A h^3/12 at most, |a| <= A, and of int x^2 dt (2 max x'^2 + 2 A max |x|) h^3/12.

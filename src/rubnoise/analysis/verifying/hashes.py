@@ -1,4 +1,4 @@
-"""Every column of a file, and what it says of itself, compared with the hash that is stored beside it."""
+"""Every column of a file, and its attributes, compared with their stored hashes."""
 
 from typing import Final
 

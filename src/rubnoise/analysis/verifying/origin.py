@@ -1,4 +1,4 @@
-"""What a file says of its origin: seed, diameter, rows and columns, and the text that its scenario was read from."""
+"""The origin of a file checked: seed, diameter, rows and columns, and the text of its scenario."""
 
 import json
 from collections.abc import Iterator, Mapping

@@ -1,4 +1,4 @@
-"""Real contact area, friction force and the moments of the force, summed anew from rows; compiled.
+"""Real contact area, friction force and the moments of the force, summed again from rows; compiled.
 
 The formulas are not those of the simulation.
 """

@@ -1,4 +1,4 @@
-"""What rows of a two-way slider say of each other: places, times, phases, landmarks in their turn, first passages."""
+"""Rows of a two-way slider compared with each other: places, times, phases, landmarks, first passages."""
 
 from typing import Final
 

@@ -132,7 +132,7 @@ class CoupledMotion:
         needed = (cell - back) // GROUP * GROUP
         wished = needed - (self._cells // 2 if back else _BEHIND)
         carried = ceil(max(self.state.covered / float(self._constants[layout.SPACING]), -1e18) / GROUP) * GROUP
-        # Nobody is drawn again for cells that are not needed yet.
+        # No junction is drawn again for cells that are not needed yet.
         begin = min(max(wished, carried), needed) if carried <= needed else wished
         return begin, min(begin + self._cells, end)
 
@@ -209,7 +209,7 @@ class CoupledMotion:
             before = before.at(np.flatnonzero(~np.isin(before.junction, carried.junction)))
             together = before.then(carried)
             by_birth = np.argsort(together.birth, kind="stable")
-            # Whoever is not carried any more was passed long ago.
+            # A junction that is not carried any more was passed long ago.
             long_ago = np.full(len(before), -np.inf)
             found = together.at(by_birth)
             births = np.concatenate([long_ago, births])[by_birth]

@@ -1,4 +1,4 @@
-"""Where what lies in the flat arrays that compiled functions hand to each other, and which of them go together."""
+"""The layout of the flat arrays that compiled functions pass to each other."""
 
 from typing import Final, NamedTuple
 

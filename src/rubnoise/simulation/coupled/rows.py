@@ -1,4 +1,4 @@
-"""What is written of the motion: rows uniform in time, landmarks, and when each birth and death is first passed.
+"""The stored motion: rows uniform in time, landmarks, and the first passage of each birth and death.
 
 Inside a step everything comes from the step's own polynomials; in uniform cells, whose moments leave out how G runs
 inside, speed and force come from the lives themselves: u^2 = u_0^2 + (2/m) int (d (k x + c V) - c u - G) dl.

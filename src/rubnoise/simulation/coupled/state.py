@@ -1,4 +1,4 @@
-"""Where a two-way slider is, between any two ranges of ticks: explicit, and able to be written down."""
+"""The state of a two-way slider between two ranges of ticks, explicit and storable."""
 
 import struct
 from dataclasses import dataclass, fields

@@ -1,0 +1,161 @@
+"""Build the site: `python3 tools/dev.py docs [FOLDER]`, into site/ by default.
+
+Pages are copied into a new folder as they lie in the repository, so that their links keep their meaning. Pages that
+show output are written here from today's program: the lesson, a sound, commands and what they print. Sphinx then builds
+all of it, and any warning fails. The folder gets its name only when the site is complete.
+"""
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import rubnoise
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+PAGES: Final = ROOT / "tools" / "site"
+COPIED: Final = ("docs", "notebooks", "scenarios")
+MARK: Final = "rubnoise-site.txt"
+FIG5: Final = "scenarios/paper/fig5.toml"
+SHOWN: Final = (
+    ("What a scenario means", ["check", FIG5]),
+    ("A run", ["run", FIG5, "-o", "fig5.h5"]),
+    ("The life of one junction", ["junction", "fig5.h5", "17"]),
+    (
+        "Large junctions",
+        ["junctions", "fig5.h5", "--where", "diameter > 6 um", "--sort", "-life_distance", "--head", "5"],
+    ),
+    ("A comparison with theory", ["compare", "fig5.h5"]),
+    ("A verification", ["verify", "fig5.h5"]),
+    ("Exact theory", ["theory", FIG5]),
+)
+SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
+LESSON: Final = ["teach", "-o", "site/lesson.html"]
+PICTURE: Final = re.compile(r"!\[([^\]]+)\]\((pictures/[^)]+)\)")
+
+
+def main(arguments: list[str]) -> int:
+    """Build everything in a new folder, and put it in the place of an older site."""
+    parser = argparse.ArgumentParser(prog="dev.py docs", description="Build the site.")
+    parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "site")
+    folder = parser.parse_args(arguments).folder.resolve()
+    if folder.exists() and not (folder / MARK).exists():
+        print(f"build_site: {folder} is not a site; move it away or name another folder", file=sys.stderr)
+        return 2
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".site-") as made:
+        source, built = Path(made) / "source", Path(made) / "built"
+        stage(source)
+        sphinx = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet", "--builder=html"]
+        if subprocess.call([*sphinx, f"--conf-dir={source}", str(source), str(built)]):
+            return 1
+        shutil.rmtree(built / ".doctrees", ignore_errors=True)
+        shutil.copytree(source / "site", built / "site")
+        (built / MARK).write_text(f"rubnoise {rubnoise.__version__}\n", encoding="utf-8")
+        shutil.rmtree(folder, ignore_errors=True)
+        built.rename(folder)
+    print(f"build_site: {folder / 'index.html'}")
+    return 0
+
+
+def stage(source: Path) -> None:
+    """Put every page where Sphinx reads it."""
+    source.mkdir()
+    for name in COPIED:
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__", "*.h5"))
+    for path in [*ROOT.glob("*.md"), ROOT / "LICENSE", ROOT / "CITATION.cff", *PAGES.iterdir()]:
+        if path.is_file():
+            shutil.copy(path, source)
+    (source / "site").mkdir()
+    for command in (*(words for _, words in SHOWN), SOUND, LESSON):
+        said = answer(source, command)
+        (source / "site" / f"{command[0]}.txt").write_text(said, encoding="utf-8")
+    (source / "fig5.h5").unlink()
+    written = {"outputs": outputs, "commands": commands, "gallery": gallery, "scenarios": scenarios, "python": python}
+    for name, page in written.items():
+        (source / f"{name}.md").write_text("\n".join(page(source)) + "\n", encoding="utf-8")
+    for path in source.rglob("*.md"):
+        path.write_text(adapted(path.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+def answer(folder: Path, words: list[str]) -> str:
+    """Return what a command prints; raises CalledProcessError where it fails."""
+    variables = {**os.environ, "COLUMNS": "90", "NO_COLOR": "1", "TERM": "dumb"}
+    command = [sys.executable, "-m", "rubnoise", *words]
+    done = subprocess.run(command, cwd=folder, env=variables, stdout=subprocess.PIPE, text=True, check=True)
+    return "\n".join(line.rstrip() for line in done.stdout.splitlines()).strip("\n") + "\n"
+
+
+def adapted(page: str) -> str:
+    """Return a page whose links to folders lead to pages."""
+    page = page.replace("](notebooks)", "](notebooks/README.md)").replace("](scenarios)", "](scenarios.md)")
+    return page.replace("](../scenarios)", "](../scenarios.md)")
+
+
+def outputs(source: Path) -> Iterator[str]:
+    """Yield the page of commands with what they print."""
+    yield "# What the commands print\n"
+    yield f"rubnoise {rubnoise.__version__} printed all of this when this site was built.\n"
+    for title, words in SHOWN:
+        said = (source / "site" / f"{words[0]}.txt").read_text(encoding="utf-8")
+        shown = " ".join(f"'{word}'" if " " in word else word for word in words)
+        yield f"## {title}\n\n```\n$ rubnoise {shown}\n{said}```\n"
+
+
+def commands(source: Path) -> Iterator[str]:
+    """Yield the page with the help of every command."""
+    yield "# Commands\n"
+    yield "This is the text of `--help` for each command. [command-line.md](docs/command-line.md) explains them.\n"
+    help_text = answer(source, ["--help"])
+    yield f"```\n{help_text}```\n"
+    for name in re.findall(r"^│ (\w+) {2,}", help_text.partition("Commands")[2], re.MULTILINE):
+        yield f"## {name}\n\n```\n{answer(source, [name, '--help'])}```\n"
+
+
+def gallery(source: Path) -> Iterator[str]:
+    """Yield the page of all pictures, each with the page that explains it."""
+    yield "# Gallery\n"
+    yield "Each picture leads to the page that explains it and names its command.\n"
+    seen: set[str] = set()
+    for path in sorted((source / "docs").glob("*.md")):
+        page = path.read_text(encoding="utf-8")
+        title = page.partition("\n")[0].removeprefix("# ")
+        for text, picture in PICTURE.findall(page):
+            if picture not in seen:
+                seen.add(picture)
+                yield f"![{text}](docs/{picture})\n\n{text}. From [{title}](docs/{path.name}).\n"
+
+
+def scenarios(source: Path) -> Iterator[str]:
+    """Yield the page of all scenario files with their titles."""
+    yield "# Scenario files\n"
+    yield "These files come with rubnoise. [scenarios.md](docs/scenarios.md) explains their keys.\n"
+    for folder in sorted(path for path in (source / "scenarios").iterdir() if path.is_dir()):
+        yield f"## {folder.name}\n\n| file | title |\n|---|---|"
+        for path in sorted(folder.glob("*.toml")):
+            title = tomllib.loads(path.read_text(encoding="utf-8")).get("title", "")
+            yield f"| [{path.name}](scenarios/{folder.name}/{path.name}) | {title} |"
+        yield ""
+
+
+def python(_source: Path) -> Iterator[str]:
+    """Yield the page of the public names with their docstrings."""
+    yield "# Python reference\n"
+    yield "These are all public names. [api.md](docs/api.md) shows how to use them.\n"
+    for name in sorted(rubnoise.__all__):
+        kind = "autoclass" if isinstance(getattr(rubnoise, name), type) else "autofunction"
+        if name.startswith("__"):
+            continue
+        members = "\n   :members:" if kind == "autoclass" else ""
+        yield f"```{{eval-rst}}\n.. {kind}:: rubnoise.{name}{members}\n```\n"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
