@@ -23,7 +23,15 @@ Engine = Literal["events", "batch"]
 
 
 def extent(model: Model, seed: int) -> Extent:
-    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event.
+
+    Raises Refused for passes off the centre line, which no kernel sums yet.
+    """
+    if model.pulse.offset != "none":
+        raise Refused(
+            "pulse.offset: junctions that miss the centre line have exact theory and no runs yet; "
+            '`rubnoise theory` answers, and offset = "none" runs'
+        )
     born = list(births_by_block(model, seed))
     return Extent(
         junctions=start(model, seed).junctions + sum(born),
