@@ -284,6 +284,11 @@ def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: 
     refused = call("run", str(file), "-o", str(tmp_path / "off.h5"))
     assert refused.code == 2
     assert "exact theory and no runs yet" in refused.err
+    with file.open("a", encoding="utf-8") as more:
+        more.write("[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n")
+    refused = call("sweep", str(file), "-o", str(tmp_path / "swept"))
+    assert refused.code == 2
+    assert "exact theory and no runs yet" in refused.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["off.toml"]
 
 
