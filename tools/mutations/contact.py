@@ -170,8 +170,8 @@ PULSES = (
     one(
         "lives off the centre line as long as centred ones",
         "test_life_integrals_are_those_of_the_reference",
-        "return 0.5 * np.pi @property def tail",
-        "return 2.0\n\n    @property\n    def tail",
+        'of uniform offset.""" return 0.5 * np.pi',
+        'of uniform offset."""\n        return 2.0',
     ),
     one(
         "offsets all over the disc as of one line",
