@@ -170,8 +170,8 @@ PULSES = (
     one(
         "lives off the centre line as long as centred ones",
         "test_life_integrals_are_those_of_the_reference",
-        'of uniform offset.""" return 0.5 * np.pi',
-        'of uniform offset."""\n        return 2.0',
+        "return np.pi / 2.0",
+        "return 2.0",
     ),
     one(
         "offsets all over the disc as of one line",

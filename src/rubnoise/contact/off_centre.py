@@ -43,7 +43,7 @@ class OffCentreLens(LensPulse):
     @property
     def mean_life(self) -> float:
         """pi/2: the mean chord of a disc of radius 1, of uniform offset."""
-        return 0.5 * np.pi
+        return np.pi / 2.0
 
     @property
     def tail(self) -> tuple[float, int]:
