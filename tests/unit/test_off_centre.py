@@ -281,6 +281,10 @@ def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: 
     answer = call("theory", str(file), "--at-area", "200", "--json").json()
     assert answer["area"]["std"] == pytest.approx(theory.area.std, rel=1e-12)
     assert answer["distribution"]["cdf"][0] == pytest.approx(float(theory.distribution().cdf(200.0)), rel=1e-9)
+    checked = call("check", str(file), "--json").json()["scenarios"][str(file)]
+    assert checked["mean_life_distance"] == pytest.approx(0.5 * pi * checked["calibrated_diameter"], rel=1e-12)
+    assert "exact theory and no runs yet" in checked["notes"][-1]
+    assert "cost" not in checked
     refused = call("run", str(file), "-o", str(tmp_path / "off.h5"))
     assert refused.code == 2
     assert "exact theory and no runs yet" in refused.err
