@@ -67,8 +67,8 @@ class Model:
 
     @property
     def mean_life_distance(self) -> float:
-        """L_jm = 2 d_m in um (paper Eq. 13)."""
-        return 2.0 * self.calibrated_diameter
+        """L_jm in um: 2 d_m (paper Eq. 13), or (pi/2) d_m where passes miss the centre line."""
+        return self.pulse.mean_life * self.calibrated_diameter
 
     @property
     def mean_birth_spacing(self) -> float:
@@ -77,7 +77,7 @@ class Model:
 
     @property
     def birth_rate(self) -> float:
-        """Births per um of sliding, N_jm / (2 d_m)."""
+        """Births per um of sliding, N_jm / L_jm."""
         return 1.0 / self.births.mean
 
     @property

@@ -44,14 +44,14 @@ def test_the_area_so_far_is_the_integral_of_the_rise(pulse):
 
 
 @every_pulse
-def test_squared_kinks_are_those_of_the_slope(pulse):
+def test_the_tail_is_that_of_the_kinks(pulse):
     """From the slopes on either side of birth, mid-life and death."""
     step = 1e-9
     jumps = [
         (pulse.area(at + step, 1.0) - 2.0 * pulse.area(at, 1.0) + pulse.area(at - step, 1.0)) / step
         for at in (0.0, 1.0, 2.0)
     ]
-    assert sum(jump**2 for jump in jumps) == pytest.approx(pulse.squared_kinks, rel=1e-3)
+    assert (sum(jump**2 for jump in jumps), 4) == (pytest.approx(pulse.tail[0], rel=1e-3), pulse.tail[1])
 
 
 @every_pulse

@@ -55,6 +55,12 @@ def test_exponents_add_up_to_1_for_every_law_of_sizes_pulse_and_damping(
     assert found == pytest.approx([1.0, 1.0], abs=1e-6)
 
 
+@pytest.mark.parametrize("law", ["fixed", "lognormal"])
+def test_they_do_off_the_centre_line(law: str) -> None:
+    found = sums(pulse={"offset": "uniform"}, diameter=OF_LAWS[law])
+    assert found == pytest.approx([1.0, 1.0], abs=1e-6)
+
+
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "fixed"])
 def test_they_do_for_every_law_of_strengths(law: str) -> None:
     strength = {**OF_LAWS[law], "mean": "250 MPa"}

@@ -19,7 +19,7 @@ BIRTHS = (
     one(
         "gap from d instead of 2d",
         MOMENTS,
-        "mean_spacing=2.0 * diameter / interface.mean_junction_count",
+        "mean_spacing=pulse.mean_life * diameter / interface.mean_junction_count",
         "mean_spacing=diameter / interface.mean_junction_count",
         chance=True,
     ),
@@ -133,16 +133,16 @@ PULSES = (
     one(
         "triangle of the same peak",
         MOMENTS,
-        "pulse=PULSES[document.pulse.shape],",
-        'pulse=PULSES["triangle"],',
+        'return PULSES[pulse.shape] if pulse.offset == "none" else OFF_CENTRE_LENS',
+        'return PULSES["triangle"]',
         chance=True,
     ),
     Mutant(
         "triangle of the same mean",
         (
             Edit(
-                "pulse=PULSES[document.pulse.shape],",
-                'pulse=PULSES["triangle"],',
+                'return PULSES[pulse.shape] if pulse.offset == "none" else OFF_CENTRE_LENS',
+                'return PULSES["triangle"]',
             ),
             Edit("_SLOPE = 0.25 * np.pi", "_SLOPE = 2.0 / 3.0"),
         ),
@@ -160,6 +160,24 @@ PULSES = (
         "test_triangles_have_the_cumulants_of_a_uniform_area",
         "return 2.0 * (0.25 * pi) ** power / (power + 1.0)",
         "return 2.0 * (0.25 * pi) ** power / (power + 2.0)",
+    ),
+    one(
+        "offsets that no scenario brings along",
+        "test_a_scenario_has_its_exact_theory_by_python_and_by_the_command",
+        'return PULSES[pulse.shape] if pulse.offset == "none" else OFF_CENTRE_LENS',
+        "return PULSES[pulse.shape]",
+    ),
+    one(
+        "lives off the centre line as long as centred ones",
+        "test_life_integrals_are_those_of_the_reference",
+        "return np.pi / 2.0",
+        "return 2.0",
+    ),
+    one(
+        "offsets all over the disc as of one line",
+        "test_life_integrals_are_those_of_the_reference",
+        "np.pi * np.sum(weights * np.sin(y) * np.cos(y) * _overlap_at(y) ** power)",
+        "np.pi * np.sum(weights * np.sin(y) * _overlap_at(y) ** power)",
     ),
 )
 

@@ -62,8 +62,8 @@ MUTANTS = (
     one(
         "counts forgotten after d",
         "test_covariance_is_the_life_that_is_left",
-        "return model.birth_rate * np.sum(probabilities * np.maximum(2.0 * diameters - reach, 0.0), axis=-1)",
-        "return model.birth_rate * np.sum(probabilities * np.maximum(diameters - reach, 0.0), axis=-1)",
+        "diameters * model.pulse.lives_left(reach / diameters), axis=-1)",
+        "diameters * (model.pulse.lives_left(reach / diameters + 1.0)), axis=-1)",
     ),
     one(
         "growth from empty that ends at mid-life",
@@ -118,5 +118,29 @@ MUTANTS = (
         "test_the_weak_motion_is_the_one_way_motion_with_more_energy",
         "one_way.mean_displacement + excess / drive.slider.stiffness",
         "one_way.mean_displacement",
+    ),
+    one(
+        "swing off the centre line of the wrong weight",
+        "test_the_energy_spectrum_is_its_integral_over_the_plane",
+        "((1, 0.5), (2, 0.125))",
+        "((1, 0.5), (2, 0.25))",
+    ),
+    one(
+        "offsets of one side alone in the autocovariance",
+        "test_spectrum_and_autocovariance_are_transforms_of_each_other",
+        "* q / (4.0 * np.pi)",
+        "* q / (8.0 * np.pi)",
+    ),
+    one(
+        "live areas off the centre line as of one line",
+        "test_contacts_drawn_by_births_and_offsets_have_the_distribution",
+        "2.0 * (1.0 - u) / np.sqrt(u * (2.0 - u))",
+        "1.0 / np.sqrt(u * (2.0 - u))",
+    ),
+    one(
+        "S(0) from the mean life and not from its square",
+        "test_power_at_zero_is_more_by_58_per_cent",
+        "model.pulse.squared_integral * model.sizes.moment(6)",
+        "model.pulse.life_integral(1) ** 2 * model.sizes.moment(6)",
     ),
 )

@@ -19,6 +19,7 @@ from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
+from rubnoise.simulation.run import check_pulse
 from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
@@ -74,6 +75,8 @@ def carry_out(
 
     ``command`` is what its results say was called, ``watch`` is called with the progress, and may raise RunStopped.
     """
+    for case in sweep.cases:
+        check_pulse(case.scenario.model())
     place = SweepFolder(Path(folder).absolute())
     part = None if shard is None else Shard.of(shard)
     workers = _workers(jobs, cluster, security)

@@ -20,6 +20,7 @@ from rubnoise.cli.layout import (
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
+from rubnoise.simulation.run import check_pulse
 from rubnoise.simulation.slider import cells_per_tick
 from rubnoise.storage.forecast import Budget, check_disk_space, counted, expected
 from rubnoise.theory.exact import Exact, exact
@@ -63,6 +64,15 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
         answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
         answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
     return answer
+
+
+def no_runs(scenario: Scenario) -> str | None:
+    """Return why no run can be made of a scenario whose theory is known, or None."""
+    try:
+        check_pulse(scenario.model())
+    except Refused as refusal:
+        return str(refusal)
+    return None
 
 
 def cost_as_json(scenario: Scenario) -> dict[str, float]:

@@ -32,8 +32,8 @@ class NoMatchingDiameter(Refused):
 class PaperMeansLens(Refused):
     """The paper's calibration asked for with a pulse that is not the paper's."""
 
-    def __init__(self, shape: str) -> None:
-        super().__init__(f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {shape}")
+    def __init__(self, name: str) -> None:
+        super().__init__(f"calibration paper (0.327 d^2, Eq. 6) is for the lens, not for the {name}")
 
 
 def calibrated_diameter(
@@ -47,8 +47,8 @@ def calibrated_diameter(
     """
     import mpmath
 
-    if calibration == "paper" and pulse.shape != "lens":
-        raise PaperMeansLens(pulse.shape)
+    if calibration == "paper" and pulse.name != "lens":
+        raise PaperMeansLens(pulse.name)
     with mpmath.workdps(_DIGITS):
         mean_junction_area = mpmath.mpf(mean_area) / mpmath.mpf(mean_count)
         if calibration == "paper":

@@ -16,6 +16,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact import overlap
 
 Shape = Literal["lens", "triangle"]
+Offset = Literal["none", "uniform"]
 
 
 class Pulse(Protocol):
@@ -35,8 +36,33 @@ class Pulse(Protocol):
         ...
 
     @property
-    def squared_kinks(self) -> float:
-        """The sum over a life of unit diameter of the squares of the jumps of slope, which is the spectrum's tail."""
+    def offset(self) -> Offset:
+        """How far passes miss the centre line: "none", or "uniform" up to the diameter on either side."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """The name in tables by pulse: the shape, or "off-centre" and the shape."""
+        ...
+
+    @property
+    def mean_life(self) -> float:
+        """The mean life of unit diameter: 2 for a pass through both centres."""
+        ...
+
+    @property
+    def tail(self) -> tuple[float, int]:
+        """The factor c and the power p of the level c / (k d)^p about which the mean |A^(k)|^2 over d^6 falls off."""
+        ...
+
+    @property
+    def squared_integral(self) -> float:
+        """The mean square of int A ds over a life of unit diameter."""
+        ...
+
+    @property
+    def cubed_integral(self) -> float:
+        """The mean cube of int A ds over a life of unit diameter."""
         ...
 
     @property
@@ -53,7 +79,11 @@ class Pulse(Protocol):
         ...
 
     def life_integral(self, power: int) -> float:
-        """Return c_n, where the integral of A^n over a life is c_n d^(2n+1)."""
+        """Return c_n, where the integral of A^n over a life is c_n d^(2n+1) on average."""
+        ...
+
+    def lives_left(self, lag: Doubles) -> Doubles:
+        """Return E[(life - t)+] of unit diameter at lags t >= 0: (2 - t)+ for a pass through both centres."""
         ...
 
     def rising_area(self, half_life: Any) -> Any:
@@ -69,8 +99,28 @@ class Pulse(Protocol):
         ...
 
 
+class _Centred:
+    """What every pass through both centres has."""
+
+    __slots__ = ()
+
+    @property
+    def offset(self) -> Offset:
+        """None: passes go through both centres."""
+        return "none"
+
+    @property
+    def mean_life(self) -> float:
+        """2."""
+        return 2.0
+
+    def lives_left(self, lag: Doubles) -> Doubles:
+        """Return (2 - t)+."""
+        return np.maximum(2.0 - lag, 0.0)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LensPulse:
+class LensPulse(_Centred):
     """The overlap of two circles that slide over each other (paper Eq. 2): life mean d^2/3."""
 
     @property
@@ -79,14 +129,29 @@ class LensPulse:
         return "lens"
 
     @property
+    def name(self) -> str:
+        """The name in tables by pulse."""
+        return "lens"
+
+    @property
     def formula(self) -> str:
         """The area in words (paper Eq. 2)."""
         return "d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2)"
 
     @property
-    def squared_kinks(self) -> float:
-        """4: the slope jumps by -2 at mid-life."""
-        return 4.0
+    def tail(self) -> tuple[float, int]:
+        """4 and 4: the slope jumps by -2 at mid-life, and its square is the factor."""
+        return 4.0, 4
+
+    @property
+    def squared_integral(self) -> float:
+        """4/9."""
+        return 4.0 / 9.0
+
+    @property
+    def cubed_integral(self) -> float:
+        """8/27."""
+        return 8.0 / 27.0
 
     @property
     def squared_slope(self) -> float:
@@ -128,7 +193,7 @@ class LensPulse:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrianglePulse:
+class TrianglePulse(_Centred):
     """A straight rise to pi d^2/4 and a straight fall: Rabinowicz's approximation of the life; life mean (pi/8) d^2.
 
     Source: Rabinowicz (1956), as the paper tells it ("uses a triangular pulse to approximate the life of a junction").
@@ -140,14 +205,29 @@ class TrianglePulse:
         return "triangle"
 
     @property
+    def name(self) -> str:
+        """The name in tables by pulse."""
+        return "triangle"
+
+    @property
     def formula(self) -> str:
         """The area in words."""
         return "pi/4 d (d - x)"
 
     @property
-    def squared_kinks(self) -> float:
-        """3 pi^2 / 8: the slope jumps by pi/4 at both ends and by -pi/2 at mid-life."""
-        return 0.375 * pi**2
+    def tail(self) -> tuple[float, int]:
+        """3 pi^2 / 8 and 4: the slope jumps by pi/4 at both ends and by -pi/2 at mid-life; squares add up."""
+        return 0.375 * pi**2, 4
+
+    @property
+    def squared_integral(self) -> float:
+        """(pi/4)^2."""
+        return 0.0625 * pi**2
+
+    @property
+    def cubed_integral(self) -> float:
+        """(pi/4)^3."""
+        return 0.015625 * pi**3
 
     @property
     def squared_slope(self) -> float:

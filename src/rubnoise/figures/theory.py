@@ -133,13 +133,23 @@ def _draw_spectrum(axes: "Axes", model: Model) -> None:
     axes.legend(loc="lower left")
 
 
+_POWERS = {4: "⁻⁴", 5: "⁻⁵"}
+
+
 def _draw_tail(axes: "Axes", model: Model, wavenumber: Doubles, density: Doubles) -> None:
     try:
         level = tail(model, wavenumber)
     except Refused:
         return
     below = level < 5.0 * density[0]
-    axes.plot(wavenumber[below], level[below], color=INK, lw=0.8, ls=(0, (4, 2)), label="tail k⁻⁴")
+    axes.plot(
+        wavenumber[below],
+        level[below],
+        color=INK,
+        lw=0.8,
+        ls=(0, (4, 2)),
+        label=f"tail k{_POWERS[model.pulse.tail[1]]}",
+    )
     # Zeros of the triangle's spectrum would stretch the axis to nowhere.
     axes.set_ylim(0.05 * float(level[-1]), 5.0 * density[0])
 

@@ -17,6 +17,7 @@ _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
 _AREA: Path = ("interface", "mean_real_contact_area")
 _CALIBRATION: Path = ("interface", "calibration")
+_OFFSET: Path = ("pulse", "offset")
 _COUNT: Path = ("interface", "mean_junction_count")
 
 
@@ -53,6 +54,8 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
 
 def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
     """Return the model and its tick, or None and why there is none."""
+    if problems := list(_offset_problems(document, layers)):
+        return None, None, problems
     try:
         diameter = diameter_of(document)
     except NoMatchingDiameter as error:
@@ -66,6 +69,22 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     model = model_of(document, diameter, tick)
     problems = [*_crowd_problems(layers, model), *_cost_problems(document, layers, model)]
     return (None if problems else model), tick, problems
+
+
+def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
+    """Refuse lateral offsets where what they do is not known."""
+    if document.pulse.offset == "none":
+        return
+    if document.pulse.shape != "lens":
+        message = f"lateral offsets are known for the lens, not for the {document.pulse.shape}"
+        yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint='shape = "lens"')
+    if document.birth.law != "poisson":
+        message = f"lateral offsets are known for Poisson births, not for {document.birth.law} ones"
+        yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint='birth.law = "poisson"')
+    if document.slider is not None and document.slider.coupling == "two-way":
+        message = "lateral offsets are known with one-way coupling alone"
+        hint = 'slider.coupling = "one-way"'
+        yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint=hint)
 
 
 def _unmatched(layers: Layers, error: NoMatchingDiameter) -> Problem:
@@ -124,7 +143,7 @@ def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
     """Refuse what no disk holds, from expected numbers and before any is drawn."""
-    alive = model.birth_rate * 2.0 * model.sizes.moment(1) if model.start == "stationary" else 0.0
+    alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
     junctions = model.birth_rate * model.distance + alive
     ticks = model.tick_count + 1
     if junctions + ticks <= limits.RESULT_ROWS:

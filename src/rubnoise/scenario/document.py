@@ -95,6 +95,14 @@ class Pulse(Section):
         Choice(("lens", "triangle")),
         About(description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak."),
     ] = "lens"
+    offset: Annotated[
+        str,
+        Choice(("none", "uniform")),
+        About(
+            description="none: junctions pass through both centres; uniform: they miss the centre line by up to the "
+            "diameter (lens, Poisson births; exact theory only, no runs yet)."
+        ),
+    ] = "none"
 
 
 class Strength(Section):

@@ -9,7 +9,8 @@ from typing import Any, Final, Literal, cast
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import LAWS, Law, Spread, law_for
-from rubnoise.contact.pulses import PULSES
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.units import LENGTH, RATIO, Quantity
@@ -89,8 +90,13 @@ def diameter_of(document: sections.Document) -> float:
         float(interface.mean_real_contact_area),
         interface.mean_junction_count,
         spread_of(document.diameter),
-        PULSES[document.pulse.shape],
+        pulse_of(document.pulse),
     )
+
+
+def pulse_of(pulse: sections.Pulse) -> Pulse:
+    """Return the pulse of a shape, through both centres or at lateral offsets."""
+    return PULSES[pulse.shape] if pulse.offset == "none" else OFF_CENTRE_LENS
 
 
 def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
@@ -117,14 +123,14 @@ def tick_count(distance: Quantity, tick: Quantity) -> int:
 
 def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Model:
     """Return the model of a complete document for its calibrated diameter in um and its tick."""
-    interface, sliding = document.interface, document.sliding
+    interface, sliding, pulse = document.interface, document.sliding, pulse_of(document.pulse)
     return Model(
         mean_real_contact_area=float(interface.mean_real_contact_area),
         mean_junction_count=interface.mean_junction_count,
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
         sizes=law_for(diameter, spread_of(document.diameter)),
-        births=_BIRTHS[document.birth.law](mean_spacing=2.0 * diameter / interface.mean_junction_count),
+        births=_BIRTHS[document.birth.law](mean_spacing=pulse.mean_life * diameter / interface.mean_junction_count),
         strengths=_strengths(document.strength),
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
@@ -132,7 +138,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         slider=_slider(document.slider) if document.slider else None,
         tick=float(tick),
         tick_count=tick_count(sliding.distance, tick),
-        pulse=PULSES[document.pulse.shape],
+        pulse=pulse,
     )
 
 

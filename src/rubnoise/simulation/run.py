@@ -22,8 +22,21 @@ Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
 
 
+def check_pulse(model: Model) -> None:
+    """Raise Refused for passes off the centre line, which no kernel sums yet."""
+    if model.pulse.offset != "none":
+        raise Refused(
+            "pulse.offset: junctions that miss the centre line have exact theory and no runs yet; "
+            '`rubnoise theory` answers, and offset = "none" runs'
+        )
+
+
 def extent(model: Model, seed: int) -> Extent:
-    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event.
+
+    Raises Refused as `check_pulse` does.
+    """
+    check_pulse(model)
     born = list(births_by_block(model, seed))
     return Extent(
         junctions=start(model, seed).junctions + sum(born),

@@ -7,6 +7,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
+from rubnoise.theory import off_centre
 from rubnoise.theory.mean_life import mean_life_overlap
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_range
 from rubnoise.theory.regular_births import are_at_random, line_covariance, spectral_lines
@@ -92,8 +93,11 @@ def life_overlaps(pulse: Pulse, lag: Doubles, powers: tuple[Powers, ...]) -> dic
     """Return q_ij(t) = int a(s)^i a(s + t)^j ds for lives of unit diameter, t >= 0 of any shape; zero for t >= 2.
 
     A life is its own mirror image, so the half up to s = 1 - t/2 holds all, with i and j exchanged for the other. It is
-    cut at s = 1 - t, mid-life of the later factor, and s = 1 - cos(theta) makes the birth at s = 0 smooth.
+    cut at s = 1 - t, mid-life of the later factor, and s = 1 - cos(theta) makes the birth at s = 0 smooth. Passes off
+    the centre line are averaged over their offsets.
     """
+    if pulse.offset != "none":
+        return off_centre.overlaps(lag, powers)
     t = np.minimum(lag, 2.0)
     cuts = np.stack([np.zeros_like(t), np.arccos(np.minimum(t, 1.0)), np.arccos(0.5 * t)], axis=-1)
     theta, weights = panels(cuts, _NODES)

@@ -181,7 +181,7 @@ def _strength(model: Model, drive: Drive) -> float:
 
 def _kick(model: Model, drive: Drive) -> float:
     sizes, strengths = model.sizes, drive.strengths
-    impulse = model.pulse.life_integral(1) * strengths.moment(3) / strengths.moment(2)
+    impulse = model.pulse.cubed_integral / model.pulse.squared_integral * strengths.moment(3) / strengths.moment(2)
     return impulse * sizes.moment(9) / sizes.moment(6) / (drive.slider.mass * drive.speed**2)
 
 

@@ -18,7 +18,7 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.quadrature import size_range, size_rule
-from rubnoise.theory.regular_births import are_at_random, need_random_births
+from rubnoise.theory.regular_births import are_at_random, need_centred_passes, need_random_births
 from rubnoise.theory.spectrum import spectral_density
 
 _NOTHING = 1e-17
@@ -185,7 +185,8 @@ class EstimatedSpectrum:
 
     ``density`` is the exact mean of the estimate in um^4 per rad/um, two-sided, at ``wavenumber`` in rad/um: aliases,
     leakage and the removed mean are in it. ``standard_error`` is that of one estimate, in the same unit; inf where the
-    bin holds nothing, nan for births that are not Poisson. ``ticks`` are those of each of the ``segments``.
+    bin holds nothing, nan where it is not known: for births that are not Poisson, and for passes off the centre line.
+    ``ticks`` are those of each of the ``segments``.
     """
 
     model: Model = field(repr=False)
@@ -218,7 +219,8 @@ def estimated_spectrum(model: Model, ticks: int | None = None) -> EstimatedSpect
     """
     cut = _cut(model, ticks)
     wavenumber, density = expected_periodogram(model, cut.tick, cut.window)
-    errors = welch_errors(model, cut)[1] if are_at_random(model) else np.full(density.size, np.nan)
+    known = are_at_random(model) and model.pulse.offset == "none"
+    errors = welch_errors(model, cut)[1] if known else np.full(density.size, np.nan)
     held = np.isfinite(errors)
     return EstimatedSpectrum(
         model=model,
@@ -251,6 +253,7 @@ def welch_errors(model: Model, segments: Segments) -> tuple[Doubles, Doubles]:
     Poisson process. Source: Welch (1967), doi:10.1109/TAU.1967.1161901; Isserlis's theorem.
     """
     need_random_births(model, "the error of a spectrum")
+    need_centred_passes(model, "the error of a spectrum")
     window, n = segments.window, segments.window.size
     covariance, reach = _covariance(model, segments)
     mean = cross_spectrum(covariance, window, 0, detrend=segments.detrend).real
@@ -276,6 +279,7 @@ def welch_covariance(model: Model, segments: Segments, bins: NDArray[np.int64]) 
     Source: Isserlis's theorem; cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     need_random_births(model, "the error of a spectrum")
+    need_centred_passes(model, "the error of a spectrum")
     covariance, reach = _covariance(model, segments)
     total = _shot_covariance(model, segments, bins)
     for shift, weight in segments.pairs(reach):

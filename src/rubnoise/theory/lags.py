@@ -69,7 +69,7 @@ def lag_edges(model: Model, end: float) -> Doubles:
 
 
 def _typical_life(model: Model) -> float:
-    """Return the mean life in um of a junction found alive, 2 m_2/m_1."""
+    """Return the longest life in um of a junction of the mean diameter found alive, 2 m_2/m_1."""
     return 2.0 * model.sizes.moment(2) / model.sizes.moment(1)
 
 

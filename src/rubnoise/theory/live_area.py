@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
-from rubnoise.contact.pulses import Pulse, Shape
+from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.quadrature import panels, size_edges
 
 NODES = 20
@@ -71,16 +71,28 @@ _DEGREE = 28
 def unit_density(pulse: Pulse) -> UnitDensity:
     """Return the density du/da of the area a in (0, pi/4] of a live junction of unit diameter.
 
-    u in [0, 1] is the half-life so far, as likely at every place; the falling half is the mirror image.
+    u in [0, 1] is the half-life so far, as likely at every place; the falling half is the mirror image. Off the centre
+    line, u = 1 - r^2 is: the place of one centre is uniform in the disc of radius d about the other.
     """
-    return _DENSITIES[pulse.shape]
+    return _DENSITIES[pulse.name]
 
 
 def _lens(area: Doubles) -> Doubles:
     """Return 1/sqrt(u (2 - u)), the area of a lens growing by sqrt(1 - (1 - u)^2) du."""
-    scaled = np.minimum(area / _PEAK, 1.0) ** (2.0 / 3.0)
-    u = scaled * np.polynomial.chebyshev.chebval(2.0 * scaled - 1.0, _lens_ages())
+    u = _lens_age(area)
     return np.asarray(1.0 / np.sqrt(u * (2.0 - u)), dtype=np.float64)
+
+
+def _off_centre_lens(area: Doubles) -> Doubles:
+    """Return 2 r / sqrt(1 - r^2) with L(r) = a, L falling by sqrt(1 - r^2) dr and d(r^2) being 2 r dr."""
+    u = _lens_age(area)
+    return np.asarray(2.0 * (1.0 - u) / np.sqrt(u * (2.0 - u)), dtype=np.float64)
+
+
+def _lens_age(area: Doubles) -> Doubles:
+    """Return u = 1 - r at which a lens of unit diameter has an area."""
+    scaled = np.minimum(area / _PEAK, 1.0) ** (2.0 / 3.0)
+    return np.asarray(scaled * np.polynomial.chebyshev.chebval(2.0 * scaled - 1.0, _lens_ages()), dtype=np.float64)
 
 
 def _triangle(area: Doubles) -> Doubles:
@@ -88,7 +100,7 @@ def _triangle(area: Doubles) -> Doubles:
     return np.full_like(area, 1.0 / _PEAK)
 
 
-_DENSITIES: dict[Shape, UnitDensity] = {"lens": _lens, "triangle": _triangle}
+_DENSITIES: dict[str, UnitDensity] = {"lens": _lens, "off-centre lens": _off_centre_lens, "triangle": _triangle}
 
 
 @cache

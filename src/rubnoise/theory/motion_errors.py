@@ -12,7 +12,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.regular_births import need_random_births, resolved_error
+from rubnoise.theory.regular_births import need_centred_passes, need_random_births, resolved_error
 from rubnoise.theory.response import Rule, mean_displacement, response, response_rules
 from rubnoise.theory.sampling import variance_of_mean_force
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
@@ -81,6 +81,7 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     """
     drive, motion = drive_of(model), response(model)
     need_random_births(model, "the standard error of the slider's motion")
+    need_centred_passes(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
     displacement, velocity = np.sqrt(_mean_square_variances(model, drive) * drive.speed / distance)

@@ -33,8 +33,11 @@ class ZeroShare:
 
 
 def mean_count(model: Model) -> float:
-    """Return E[N] = lam 2 m_1 (Little's law); Poisson births have a Poisson number alive (M/G/infinity queue)."""
-    return model.birth_rate * 2.0 * model.sizes.moment(1)
+    """Return E[N] = lam 2 m_1 (Little's law); Poisson births have a Poisson number alive (M/G/infinity queue).
+
+    Lives off the centre line last (pi/2) d on average, not 2d.
+    """
+    return model.birth_rate * model.pulse.mean_life * model.sizes.moment(1)
 
 
 def length_biased_mean_diameter(model: Model) -> float:
@@ -60,10 +63,11 @@ def count_variance(model: Model) -> float:
 
 
 def count_from_empty(model: Model, distance: ArrayLike) -> Doubles:
-    """Return E[N(s)] = lam E[min(s, 2d)] at distances s in um (any shape) after an empty start; 0 before it."""
+    """Return E[N(s)] = lam E[min(s, life)] at distances s in um (any shape) after an empty start; 0 before it."""
     s = np.maximum(np.asarray(distance, dtype=np.float64), 0.0)[..., None]
     diameters, probabilities = cut_size_rule(model.sizes, 0.5 * s, _NODES)
-    return model.birth_rate * np.sum(probabilities * np.minimum(2.0 * diameters, s), axis=-1)
+    lived = diameters * (model.pulse.mean_life - model.pulse.lives_left(s / diameters))
+    return model.birth_rate * np.sum(probabilities * lived, axis=-1)
 
 
 def expected_births(model: Model) -> float:
@@ -119,7 +123,7 @@ def zero_share(model: Model) -> ZeroShare:
 
 
 def _lives_left(model: Model, lag: Doubles) -> Doubles:
-    """Return lam E[(2d - tau)+]."""
+    """Return lam E[(life - tau)+]."""
     reach = lag[..., None]
     diameters, probabilities = cut_size_rule(model.sizes, 0.5 * reach, _NODES)
-    return model.birth_rate * np.sum(probabilities * np.maximum(2.0 * diameters - reach, 0.0), axis=-1)
+    return model.birth_rate * np.sum(probabilities * diameters * model.pulse.lives_left(reach / diameters), axis=-1)

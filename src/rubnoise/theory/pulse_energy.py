@@ -11,7 +11,14 @@ from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.quadrature import cut_size_rule, hard_ends, size_range
-from rubnoise.theory.transform import STEP_END, life_from_birth, mean_life_from_birth, swing_left, transform_of
+from rubnoise.theory.transform import (
+    STEP_END,
+    energy_of,
+    life_from_birth,
+    mean_life_from_birth,
+    swing_left,
+    transform_of,
+)
 
 _LARGEST_PHASE = 480.0  # k (d_high - d_low) up to which the swing of the transform is followed through the sizes
 _PANEL_PHASE = 20.0
@@ -41,7 +48,7 @@ Average = Callable[[NDArray[Any], Doubles, Doubles], NDArray[Any]]
 
 def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
     """Return E[|A^(k)|^2] in um^6 for k >= 0 in rad/um of any shape; not ``exact``, without the swing of its tail."""
-    transform = transform_of(pulse)
+    transform = energy_of(pulse)
     square = transform.square if exact else transform.mean_square
     return _over_sizes(law, wavenumber, _Life(power=6, followed=square, damped=transform.mean_square), _mean).real
 

@@ -27,11 +27,19 @@ def need_random_births(model: Model, quantity: str) -> None:
         raise Refused(f"{quantity} is known for Poisson births alone (birth.law)")
 
 
+def need_centred_passes(model: Model, quantity: str) -> None:
+    """Raise Refused for passes off the centre line, whose single lives differ more than their sizes say."""
+    if model.pulse.offset != "none":
+        raise Refused(f"{quantity} is known for passes through both centres alone (pulse.offset)")
+
+
 def are_at_random(model: Model) -> bool:
     """Return whether births are a Poisson process (or else regular); raises Refused for a law without a theory."""
     if isinstance(model.births, PoissonBirths):
         return True
     if isinstance(model.births, RegularBirths):
+        if model.pulse.offset != "none":
+            raise Refused("passes off the centre line (pulse.offset) are known for Poisson births alone (birth.law)")
         return False
     raise Refused("exact results are known for Poisson and for regular births alone (birth.law)")
 

@@ -20,7 +20,8 @@ def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the two-sided spectral density S(k) of real contact area in um^4 per rad/um, for any shape of k in rad/um.
 
     S(k) = lam E[|A^(k)|^2], with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk and lam the birth rate; |A^(k)| is
-    pi d |H_1(k d)| / k^2 for the lens and (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle. S(0) is finite. Regular
+    pi d |H_1(k d)| / k^2 for the lens and (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle; for passes off the
+    centre line the mean includes offsets (`rubnoise.theory.off_centre`). S(0) is finite. Regular
     births have the continuous part S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
     `rubnoise.theory.regular_births.spectral_lines`.
     Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); for regular births Campbell's theorem
@@ -51,10 +52,10 @@ def force_spectral_density(model: Model, strengths: Law, wavenumber: ArrayLike, 
 def density_at_zero(model: Model) -> float:
     """Return S(0) in um^4 per rad/um: lam c_1^2 m_6, from the exact sixth moment of the size law.
 
-    Regular births have lam c_1^2 (m_6 - m_3^2).
+    Regular births have lam c_1^2 (m_6 - m_3^2), passes off the centre line the mean square of int A ds for c_1^2.
     """
     if are_at_random(model):
-        return model.birth_rate * model.pulse.life_integral(1) ** 2 * model.sizes.moment(6)
+        return model.birth_rate * model.pulse.squared_integral * model.sizes.moment(6)
     return float(spectral_density(model, 0.0))
 
 
@@ -90,8 +91,9 @@ def one_sided_density_per_cycle(model: Model, cycles: ArrayLike) -> Doubles:
 
 
 def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
-    """Return the level lam j m_2 / k^4 about which S(k) falls off, in um^4 per rad/um, k > 0 in rad/um; two-sided.
+    """Return the level about which S(k) falls off, in um^4 per rad/um, k > 0 in rad/um; two-sided.
 
+    It is lam j m_2 / k^4 for passes through both centres, and lam (9 pi^2/16) m_1 / k^5 for those off the centre line.
     j is 4 for the lens and 3 pi^2 / 8 for the triangle, the sum of the squares of the jumps of slope over a life of
     unit diameter. S swings about it, the lens by a factor 1 + 2.5 / sqrt(k d) for one size, the triangle wholly; spread
     damps that. Raises Refused unless births are a Poisson process.
@@ -99,7 +101,8 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
     """
     need_random_births(model, "the tail of the spectrum")
     k = np.asarray(wavenumber, dtype=np.float64)
-    return model.birth_rate * model.pulse.squared_kinks * model.sizes.moment(2) / np.square(np.square(k))
+    factor, power = model.pulse.tail
+    return model.birth_rate * factor * model.sizes.moment(6 - power) / k**power
 
 
 def half_power_wavenumber(model: Model) -> float:

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.pulses import Pulse, Shape
-from rubnoise.theory import transform_lens, transform_triangle
+from rubnoise.theory import off_centre, transform_lens, transform_triangle
 from rubnoise.theory.quadrature import complementary_error
 
 _STEP_FROM = 32.0
@@ -67,6 +68,40 @@ class PulseTransform:
         z = np.asarray(phase, dtype=np.float64)
         upper = z > _STEP_FROM
         return z, self.amplitude(np.minimum(z, STEP_END)), upper, swing_left(z[upper])
+
+
+class Energy(Protocol):
+    """The energy spectrum of a pulse of unit diameter, itself and without its swing, for z of any shape."""
+
+    def square(self, phase: ArrayLike) -> Doubles:
+        """Return the mean of |a^(z)|^2."""
+        ...
+
+    def mean_square(self, phase: ArrayLike) -> Doubles:
+        """Return it with its swing averaged out for large z, as `PulseTransform.mean_square`."""
+        ...
+
+
+class OffCentreEnergy:
+    """The energy spectrum of passes off the centre line, averaged over offsets; single passes have no closed form."""
+
+    def square(self, phase: ArrayLike) -> Doubles:
+        """Return E_b |a^(z; b)|^2."""
+        return off_centre.mean_square(phase)
+
+    def mean_square(self, phase: ArrayLike) -> Doubles:
+        """Return it with its swing averaged out for large z, as `PulseTransform.mean_square`."""
+        z = np.asarray(phase, dtype=np.float64)
+        result = off_centre.mean_square(np.minimum(z, STEP_END))
+        upper = z > _STEP_FROM
+        kept = swing_left(z[upper])
+        result[upper] = kept * result[upper] + (1.0 - kept) * off_centre.level(z[upper])
+        return result
+
+
+def energy_of(pulse: Pulse) -> Energy:
+    """Return the energy spectrum of a pulse."""
+    return transform_of(pulse) if pulse.offset == "none" else OffCentreEnergy()
 
 
 _TRANSFORMS: dict[Shape, PulseTransform] = {

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
+from rubnoise.theory import off_centre
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.lags import lag_edges, longest_life
 from rubnoise.theory.occupancy import count_from_empty, mean_count
@@ -51,6 +52,11 @@ def _mean_from_start(
 
 
 def _area_so_far(pulse: Pulse, age: Doubles) -> Doubles:
-    """Return the integral of a life of unit diameter up to an age, which grows after mid-life as it grew before."""
+    """Return the integral of a life of unit diameter up to an age, which grows after mid-life as it grew before.
+
+    Off the centre line it is the mean over offsets.
+    """
+    if pulse.offset != "none":
+        return off_centre.area_so_far(age)
     rising = pulse.area_so_far(1.0 - np.minimum(np.abs(1.0 - age), 1.0))
     return np.where(age < 1.0, rising, pulse.life_integral(1) - rising)

@@ -1,0 +1,349 @@
+"""Junctions that miss each other's centre line: lives, spectrum, covariance, distribution and motion, by exact theory.
+
+Kept against reference numbers that another program worked out, against each other by other routes, and against contacts
+drawn at random from the model's own words. Each check rejects the lens whose passes go through both centres.
+"""
+
+import json
+from dataclasses import replace
+from math import acos, inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import rubnoise
+from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.calibration import PaperMeansLens, calibrated_diameter
+from rubnoise.contact.laws import Fixed, Lognormal, Normal, Spread
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS, overlap
+from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.lesson.settings import settings_of
+from rubnoise.model import Model
+from rubnoise.simulation.run import extent
+from rubnoise.theory import off_centre
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.correlation import autocovariance, joint_cumulants
+from rubnoise.theory.coupling import coupling, force_slope_std
+from rubnoise.theory.crossings import crossing_rate
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.estimated_spectrum import estimated_spectrum
+from rubnoise.theory.motion_errors import motion_errors
+from rubnoise.theory.occupancy import count_covariance, count_from_empty, mean_count
+from rubnoise.theory.quadrature import panels
+from rubnoise.theory.response import response
+from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.spectrum import density_at_zero, half_power_wavenumber, spectral_density, tail
+from rubnoise.theory.transform import energy_of
+from rubnoise.theory.transient import area_from_empty
+from tests.architecture.sources import ROOT
+from tests.cli.terminal import call
+from tests.unit.test_theory_response import slider_of, stds_in_time
+from tests.unit.theory_models import FIG5_SLIDER, model_of, paper_model
+
+Doubles = NDArray[np.float64]
+
+REFERENCE = json.loads((ROOT / "tests" / "reference" / "off_centre.json").read_text(encoding="utf-8"))
+DIAMETER, COUNT = 5.0, 20.0
+
+
+def contact(sizes: Any = None, pulse: Pulse = OFF_CENTRE_LENS, **changes: Any) -> Model:
+    """Return a contact of N_jm junctions on average, whose births follow from the pulse's own mean life."""
+    sizes = sizes or Fixed(value=DIAMETER)
+    model = model_of(sizes, sizes.moment(1), COUNT, pulse=pulse, **changes)
+    return replace(model, births=PoissonBirths(mean_spacing=pulse.mean_life * sizes.moment(1) / COUNT))
+
+
+def scenario(**tables: Any) -> rubnoise.Scenario:
+    values: dict[str, Any] = {
+        "format": 1,
+        "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0},
+        "pulse": {"offset": "uniform"},
+        "sliding": {"distance": 1000.0},
+    }
+    return rubnoise.build(values | tables)
+
+
+def test_life_integrals_are_those_of_the_reference() -> None:
+    assert OFF_CENTRE_LENS.mean_life == pytest.approx(REFERENCE["life_integrals"][0], rel=1e-14)
+    found = [OFF_CENTRE_LENS.life_integral(n) for n in range(1, 7)]
+    assert found == pytest.approx(REFERENCE["life_integrals"][1:], rel=1e-13)
+    assert found[0] == pytest.approx(pi**2 / 32.0, rel=1e-14)
+    assert [LENS.life_integral(n) for n in range(1, 7)] != pytest.approx(found, rel=0.1)
+
+
+def test_the_spread_over_the_mean_is_that_of_the_reference() -> None:
+    area = area_cumulants(contact())
+    known = REFERENCE["std_over_mean_times_sqrt_N"]
+    assert sqrt(COUNT) * area.std / area.mean == pytest.approx(known, rel=1e-12)
+    assert area.mean == pytest.approx(COUNT * pi / 16.0 * DIAMETER**2, rel=1e-12)
+
+
+def test_the_energy_spectrum_is_that_of_the_reference() -> None:
+    phases, values = zip(*REFERENCE["mean_square_transform_over_d6_by_kd"].items(), strict=True)
+    found = off_centre.mean_square(np.array([float(phase) for phase in phases]))
+    assert found == pytest.approx(list(values), rel=1e-6)
+    through = [float(energy_of(LENS).square(float(phase))) for phase in phases]
+    assert not np.allclose(through, values, rtol=0.05)
+
+
+@pytest.mark.parametrize("phase", [0.0, 3.0, 15.999, 16.0, 31.99, 32.0, 33.7, 60.0, 150.0, 400.0])
+def test_the_energy_spectrum_is_its_integral_over_the_plane(phase: float) -> None:
+    """By panels of one rule out to 20 000, and the level's leading term beyond."""
+    from scipy.special import j1
+
+    p, weights = panels(np.arange(1e-9, 20_001.0, 4.0), 16)
+    q = np.hypot(phase, p)
+    direct = float(weights @ (np.pi * j1(0.5 * q) / q) ** 4) / (2.0 * pi) + 3.0 * pi / (5.0 * 20_000.0**5)
+    assert off_centre.mean_square(np.array(phase)) == pytest.approx(direct, rel=1e-9)
+
+
+def test_the_step_to_the_level_loses_nothing_of_an_integral() -> None:
+    energy = energy_of(OFF_CENTRE_LENS)
+    z, weights = panels(np.arange(10.0, 400.0, 0.5), 16)
+    smooth = np.exp(-np.square((z - 90.0) / 60.0))
+    both = [float(weights @ (smooth * values)) for values in (energy.square(z), energy.mean_square(z))]
+    assert both[0] == pytest.approx(both[1], rel=1e-11)
+    assert np.abs(energy.square(z) / energy.mean_square(z) - 1.0).max() > 1e-3, "there is a swing to lose"
+
+
+def test_the_tail_falls_as_the_fifth_power() -> None:
+    model = contact(Normal(centre=5.0, std=0.5))
+    k = np.array([50.0, 200.0])
+    assert spectral_density(model, k) == pytest.approx(tail(model, k), rel=1e-3)
+    assert tail(model, 20.0) / tail(model, 10.0) == pytest.approx(2.0**-5, rel=1e-12)
+    through = replace(model, pulse=LENS)
+    assert tail(through, 20.0) / tail(through, 10.0) == pytest.approx(2.0**-4, rel=1e-12)
+
+
+@pytest.mark.parametrize("sizes", [Fixed(value=5.0), Normal(centre=5.0, std=1.0), Lognormal(mean=5.0, std=2.5)])
+def test_spectrum_and_autocovariance_are_transforms_of_each_other(sizes: Any) -> None:
+    model = contact(sizes)
+    longest = 2.0 * sizes.support[1]
+    lags, weights = panels(longest * np.linspace(0.0, 1.0, 60) ** 2, 20)
+    covariance = autocovariance(model, lags)
+    assert float(autocovariance(model, 0.0)) == pytest.approx(area_cumulants(model).variance, rel=1e-9)
+    for k in (0.0, 0.3, 1.0, 2.0):
+        back = 2.0 * float(weights @ (covariance * np.cos(k * lags)))
+        assert float(spectral_density(model, k)) == pytest.approx(back, rel=1e-6, abs=1e-9 * density_at_zero(model))
+    assert density_at_zero(model) == pytest.approx(float(spectral_density(model, 0.0)), rel=1e-8)
+
+
+def test_joint_cumulants_at_no_lag_are_the_cumulants() -> None:
+    model, powers = contact(), ((1, 1), (1, 2), (2, 2), (1, 3), (3, 3))
+    joint = joint_cumulants(model, np.zeros(1), powers)
+    known = area_cumulants(model).values
+    for i, j in powers:
+        assert joint[i, j][0] == pytest.approx(known[i + j - 1], rel=1e-6)
+    lag = np.array([0.7, 1.0, 1.9])
+    second = off_centre.overlaps(lag, ((1, 1),))[1, 1]
+    by_places = [off_centre._overlap_of_powers(float(each), 1, 1) for each in lag]
+    assert second == pytest.approx(by_places, abs=1e-10)
+
+
+@pytest.mark.parametrize(("damping_ratio", "speed"), [(0.02, 1e3), (1e-3, 1e4), (0.5, 10.0), (3.0, 1e5)])
+def test_the_motion_is_that_of_the_time_domain(damping_ratio: float, speed: float) -> None:
+    model = contact(Normal(centre=5.53, std=0.2), slider=slider_of(damping_ratio), speed=speed)
+    found = response(model)
+    assert (found.displacement_std, found.velocity_std) == pytest.approx(stds_in_time(model), rel=1e-6)
+
+
+def test_figure_5_vibrates_more_off_the_centre_line() -> None:
+    """Junctions of the mean area of Figure 5: its std x of 195 um becomes 226."""
+    diameter = sqrt(204.6736 / 20.0 / (pi / 16.0) - 3.0 * 0.2**2)
+    model = contact(Normal(centre=diameter, std=0.2), slider=FIG5_SLIDER)
+    assert area_cumulants(model).mean == pytest.approx(204.6736, rel=1e-9)
+    assert response(model).displacement_std == pytest.approx(226.0, rel=2e-3)
+    assert response(paper_model()).displacement_std == pytest.approx(195.3, rel=1e-3)
+
+
+def test_power_at_zero_is_more_by_58_per_cent() -> None:
+    through, off = (
+        contact(Fixed(value=sqrt(10.0 / float(pulse.life_mean()))), pulse=pulse) for pulse in (LENS, OFF_CENTRE_LENS)
+    )
+    assert [area_cumulants(model).mean for model in (through, off)] == pytest.approx([200.0, 200.0], rel=1e-12)
+    assert density_at_zero(off) / density_at_zero(through) == pytest.approx(1.58, abs=0.005)
+    assert half_power_wavenumber(off) < half_power_wavenumber(through)
+
+
+def test_the_page_on_the_paper_has_these_numbers() -> None:
+    page = " ".join((ROOT / "docs" / "paper.md").read_text(encoding="utf-8").split())
+    area = area_cumulants(contact())
+    relative = sqrt(COUNT) * area.std / area.mean
+    drops = [relative * mean * (1.0 / sqrt(10.0) - 1.0 / sqrt(50.0)) for mean in (100.0, 500.0)]
+    assert f"the std falls by {drops[0]:.0f} um^2 at 100 um^2 and by {drops[1]:.0f} um^2 at 500 um^2" in page
+    assert f"(pi/16) d^2 = {pi / 16.0:.3f} d^2" in page
+    assert f"then {relative:.3f}/sqrt(N_jm)" in page
+
+
+def drawn(contacts: int, distance: float, centred: bool = False) -> tuple[Doubles, NDArray[np.int64]]:  # noqa: FBT001, FBT002
+    """Return area and count of independent contacts ``distance`` um after an empty start, from births and offsets."""
+    random = np.random.default_rng(20_26)
+    rate = COUNT / ((2.0 if centred else 0.5 * pi) * DIAMETER)
+    area, count = np.zeros(contacts), np.zeros(contacts, dtype=np.int64)
+    for row, births in enumerate(random.poisson(rate * distance, contacts)):
+        age = random.uniform(0.0, distance, births)
+        offset = np.zeros(births) if centred else random.uniform(-DIAMETER, DIAMETER, births)
+        half_life = np.sqrt(DIAMETER**2 - offset**2)
+        alive = age < 2.0 * half_life
+        apart = np.hypot(age - half_life, offset)[alive] / DIAMETER
+        area[row] = DIAMETER**2 * sum(0.5 * (acos(r) - r * sqrt(1.0 - r * r)) for r in apart.tolist())
+        count[row] = alive.sum()
+    return area, count
+
+
+def scores(model: Model, area: Doubles, count: NDArray[np.int64], distance: float) -> list[float]:
+    """Return deviations over their standard errors: mean and variance of the area, and mean and variance of N."""
+    exact, size = area_cumulants(model), area.size
+    kurtosis = exact.values[3] / exact.variance**2 + 2.0
+    mean, alive = float(area_from_empty(model, distance)), float(count_from_empty(model, distance))
+    found = [
+        (area.mean() - mean) / sqrt(exact.variance / size),
+        (count.mean() - alive) / sqrt(alive / size),
+    ]
+    if distance >= 2.0 * DIAMETER:
+        found.append((area.var() / exact.variance - 1.0) / sqrt(kurtosis / size))
+        found.append((count.var() / alive - 1.0) / sqrt((2.0 + 1.0 / alive) / size))
+    return found
+
+
+@pytest.mark.parametrize("distance", [2.0, 5.0, 10.0])
+def test_contacts_drawn_by_births_and_offsets_have_the_moments(distance: float) -> None:
+    found = scores(contact(), *drawn(4000, distance), distance)
+    assert np.abs(found).max() < 4.0
+    wrong = scores(contact(), *drawn(4000, distance, centred=True), distance)
+    assert np.abs(wrong).max() > 4.0
+
+
+def test_contacts_drawn_by_births_and_offsets_have_the_distribution() -> None:
+    law, (area, _) = distribution(contact()), drawn(4000, 10.0)
+    for share in (0.05, 0.3, 0.5, 0.8, 0.98):
+        place = float(np.quantile(area, share))
+        assert abs(share - float(law.cdf(place))) < 4.0 * sqrt(share * (1.0 - share) / area.size)
+    through = distribution(contact(Fixed(value=sqrt(area.mean() * 3.0 / COUNT)), pulse=LENS))
+    place = float(np.quantile(area, 0.05))
+    assert abs(0.05 - float(through.cdf(place))) > 4.0 * sqrt(0.05 * 0.95 / area.size)
+
+
+def test_the_live_count_is_poisson_and_its_covariance_is_that_of_chords() -> None:
+    model = contact()
+    assert mean_count(model) == pytest.approx(COUNT, rel=1e-12)
+    offset, weights = panels([0.0, 1.0], 200)
+    chord = 2.0 * DIAMETER * np.sqrt(1.0 - offset**2)
+    for lag in (0.0, 1.0, 4.0, 9.0, 10.0):
+        left = float(weights @ np.maximum(chord - lag, 0.0))
+        assert float(count_covariance(model, lag)) == pytest.approx(model.birth_rate * left, abs=2e-4)
+
+
+def test_growth_ends_with_the_stationary_mean() -> None:
+    model = contact(Normal(centre=5.0, std=1.0))
+    longest = 2.0 * model.sizes.support[1]
+    grown = area_from_empty(model, np.linspace(0.0, longest, 30))
+    assert grown[0] == pytest.approx(0.0, abs=1e-9)
+    assert np.all(np.diff(grown) >= 0.0)
+    assert grown[-1] == pytest.approx(area_cumulants(model).mean, rel=1e-9)
+
+
+def test_the_slope_of_the_force_follows_from_the_autocovariance() -> None:
+    """Var F' = -R''(0), from R at a small lag."""
+    model = contact(slider=FIG5_SLIDER)
+    step = 0.02
+    curvature = 2.0 * (area_cumulants(model).variance - float(autocovariance(model, step))) / step**2
+    assert force_slope_std(model) == pytest.approx(250.0 * sqrt(curvature), rel=1e-3)
+    assert coupling(model).stick_number == pytest.approx(force_slope_std(model) / 300.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("spread", [Spread(), Spread(relative=0.3), Spread(absolute=0.5)])
+def test_both_calibrations_give_the_area_that_they_promise(spread: Spread) -> None:
+    diameter = calibrated_diameter("matched", 200.0, COUNT, spread, OFF_CENTRE_LENS)
+    exact = calibrated_diameter("exact", 200.0, COUNT, spread, OFF_CENTRE_LENS)
+    assert exact == pytest.approx(sqrt(160.0 / pi), rel=1e-14)
+    third = float(spread.moment(diameter, 3)) if spread.entry.takes_spread else diameter**3
+    assert COUNT * pi / 16.0 * third / diameter == pytest.approx(200.0, rel=1e-12)
+    with pytest.raises(PaperMeansLens, match="not for the off-centre lens"):
+        calibrated_diameter("paper", 200.0, COUNT, spread, OFF_CENTRE_LENS)
+
+
+def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: Any) -> None:
+    theory = rubnoise.exact(scenario())
+    assert theory.area.std / theory.area.mean * sqrt(20.0) == pytest.approx(1.3559061, rel=1e-6)
+    assert theory.count_mean == pytest.approx(20.0, rel=1e-12)
+    assert theory.estimated_spectrum(64).density.size == 33
+    assert np.isnan(theory.estimated_spectrum(64).standard_error).all()
+    file = tmp_path / "off.toml"
+    file.write_text(
+        'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
+        '[pulse]\noffset = "uniform"\n[sliding]\ndistance = "1 mm"\n',
+        encoding="utf-8",
+    )
+    answer = call("theory", str(file), "--at-area", "200", "--json").json()
+    assert answer["area"]["std"] == pytest.approx(theory.area.std, rel=1e-12)
+    assert answer["distribution"]["cdf"][0] == pytest.approx(float(theory.distribution().cdf(200.0)), rel=1e-9)
+    checked = call("check", str(file), "--json").json()["scenarios"][str(file)]
+    assert checked["mean_life_distance"] == pytest.approx(0.5 * pi * checked["calibrated_diameter"], rel=1e-12)
+    assert "exact theory and no runs yet" in checked["notes"][-1]
+    assert "cost" not in checked
+    refused = call("run", str(file), "-o", str(tmp_path / "off.h5"))
+    assert refused.code == 2
+    assert "exact theory and no runs yet" in refused.err
+    with file.open("a", encoding="utf-8") as more:
+        more.write("[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n")
+    refused = call("sweep", str(file), "-o", str(tmp_path / "swept"))
+    assert refused.code == 2
+    assert "exact theory and no runs yet" in refused.err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["off.toml"]
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"pulse": {"offset": "uniform", "shape": "triangle"}}, "known for the lens, not for the triangle"),
+        ({"birth": {"law": "regular"}}, "known for Poisson births, not for regular ones"),
+        (
+            {
+                "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05, "coupling": "two-way"},
+                "strength": {"mean": 250.0},
+                "sliding": {"distance": 1000.0, "speed": 1000.0},
+            },
+            "known with one-way coupling alone",
+        ),
+        (
+            {"interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20.0, "calibration": "paper"}},
+            "not for the off-centre lens",
+        ),
+        ({"pulse": {"offset": "some"}}, "offset"),
+    ],
+)
+def test_what_is_not_known_with_offsets_is_refused(tables: dict[str, Any], said: str) -> None:
+    with pytest.raises(ScenarioRefused, match=said):
+        scenario(**tables)
+
+
+def test_theory_that_knows_no_single_life_is_refused() -> None:
+    model = contact(slider=FIG5_SLIDER)
+    for ask in (
+        lambda: crossing_rate(model, 0.0),
+        lambda: motion_errors(model, 1e5),
+        lambda: estimated_spectrum(model, 512).band(0.1, 1.0),
+        lambda: extent(model, 1),
+        lambda: settings_of(scenario()),
+        lambda: area_cumulants(replace(model, births=RegularBirths(mean_spacing=0.5))),
+    ):
+        with pytest.raises(Refused):
+            ask()
+
+
+def test_errors_of_moments_are_those_of_many_lives() -> None:
+    """A long record's mean scatters by S(0)/T; its std by an error of the order of sqrt(life/T)."""
+    errors = standard_errors(contact(), 1e6)
+    assert errors.mean == pytest.approx(sqrt(density_at_zero(contact()) / 1e6), rel=1e-4)
+    assert 0.0 < errors.std < errors.mean < inf
+
+
+def test_the_overlap_is_that_of_the_lens() -> None:
+    r = np.array([0.0, 0.25, 0.5, 0.999, 1.0, 3.0])
+    assert overlap(r) == pytest.approx(LENS.area(1.0 - np.minimum(r, 1.0), 1.0), abs=1e-15)
+    assert OFF_CENTRE_LENS.lives_left(np.array([0.0, 2.0, 5.0])) == pytest.approx([0.5 * pi, 0.0, 0.0], abs=1e-15)
+    assert TRIANGLE.lives_left(np.array([0.5, 3.0])).tolist() == [1.5, 0.0]
