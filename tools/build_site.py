@@ -94,9 +94,10 @@ def answer(folder: Path, words: list[str]) -> str:
 
 
 def adapted(page: str) -> str:
-    """Return a page whose links to folders lead to pages."""
+    """Return a page whose links to folders lead to pages, and whose diagrams are text."""
     page = page.replace("](notebooks)", "](notebooks/README.md)").replace("](scenarios)", "](scenarios.md)")
-    return page.replace("](../scenarios)", "](../scenarios.md)")
+    page = page.replace("](../scenarios)", "](../scenarios.md)")
+    return page.replace("```mermaid\n", "```text\n")  # drawn where a reader of Markdown can; here its words are shown
 
 
 def outputs(source: Path) -> Iterator[str]:
