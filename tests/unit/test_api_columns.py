@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.api import column as module
+from rubnoise.api import columns as module
 from rubnoise.errors import ExtraMissing
 from rubnoise.storage.schema import TRACE
 from tests.format.runs import describe, random_rows, write_run

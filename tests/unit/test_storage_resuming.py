@@ -13,8 +13,7 @@ import h5py
 import pytest
 
 import rubnoise
-from rubnoise.api.describing import describe
-from rubnoise.api.playing import play
+from rubnoise.api.playing import describe, play
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation import draws

@@ -1,15 +1,17 @@
-"""Everything rubnoise does, as Python functions: load a scenario, run it, open a result, ask the theory."""
+"""Everything that rubnoise does, as Python functions: load a scenario, run it, open a result, compute the theory.
+
+`result.py` holds what most users meet first: a run in a file or in memory, with its columns (`columns.py`).
+`running.py` makes runs, `sweeping.py` makes sweeps, and `verify_sweep.py` verifies the folder of a sweep.
+Begin with `run` in `running.py`: it calls `play` in `playing.py`, which connects simulation and storage.
+"""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
-    from rubnoise.api.column import Column
-    from rubnoise.api.columns import Columns
-    from rubnoise.api.junction import Junction
-    from rubnoise.api.record import Record
-    from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.columns import Column, Columns
+    from rubnoise.api.result import Junction, Record, Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
     from rubnoise.api.sweep_result import SweepResult, open_sweep
@@ -52,11 +54,8 @@ __all__ = [
 
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
-    "rubnoise.api.column": ("Column",),
-    "rubnoise.api.columns": ("Columns",),
-    "rubnoise.api.junction": ("Junction",),
-    "rubnoise.api.record": ("Record",),
-    "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.columns": ("Column", "Columns"),
+    "rubnoise.api.result": ("Junction", "Record", "Run", "open"),
     "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),

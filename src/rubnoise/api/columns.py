@@ -1,15 +1,190 @@
-"""The columns of one group of a result, by name, and what xarray and pandas make of them."""
+"""Columns of a result: arrays that read the rows that are asked for, alone and as the columns of a group."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, SupportsIndex, overload
 
-from rubnoise.api.column import Column
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import DTypeLike, NDArray
+
 from rubnoise.errors import needing
+from rubnoise.record.tally import Moments
 from rubnoise.storage import schema
 
 if TYPE_CHECKING:
-    import pandas as pd  # type: ignore[import-untyped]
+    import pandas as pd
     import xarray as xr
+
+PANEL_ROWS: Final = 65_536
+READ_AT_ONCE: Final = 4
+Read = Callable[[int, int], NDArray[Any]]
+"""Returns rows start to stop of a column."""
+
+
+class Column(NDArrayOperatorsMixin):
+    """One column of a result: an array that is read when, and as far as, it is asked for.
+
+    ``column[:100]`` reads a hundred rows and returns a numpy array; ``numpy.asarray(column)``, arithmetic, comparisons
+    and numpy's functions read all of it. ``mean``, ``std``, ``min``, ``max`` and iteration read it in panels, so that
+    they need no more memory for a longer run. Once the run is closed reading raises ValueError; what was read stays.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     area = run.trace["real_contact_area"]
+    ...     area.units, len(area), area[:3].shape
+    ('um^2', 200001, (3,))
+    """
+
+    ndim = 1
+
+    def __init__(self, about: schema.Column, rows: int, read: Read) -> None:
+        """Stand for a column of a number of rows, which ``read`` reads."""
+        self.name = about.name
+        self.units = about.units
+        self.long_name = about.long_name
+        self.symbol = about.symbol
+        self.dtype: np.dtype[Any] = np.dtype(about.dtype)
+        self._coded = about.coded
+        self._rows = rows
+        self._read = read
+
+    def __len__(self) -> int:
+        return self._rows
+
+    @property
+    def shape(self) -> tuple[int]:
+        """The number of rows, as numpy has it."""
+        return (self._rows,)
+
+    @property
+    def size(self) -> int:
+        """The number of rows."""
+        return self._rows
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Unit, meaning, symbol and flags, as they stand at the dataset in the file."""
+        attributes: dict[str, Any] = {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
+        attribute, codes = self._coded
+        if codes:
+            attributes[attribute] = np.array([number for number, _ in codes], dtype=self.dtype)
+            attributes["flag_meanings"] = " ".join(meaning for _, meaning in codes)
+        return attributes
+
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, index: Any) -> Any: ...
+    def __getitem__(self, index: Any) -> Any:
+        """Return a number, or an array of the rows of a slice, a list of rows or a mask, reading little more."""
+        if index is Ellipsis or (isinstance(index, tuple) and not index):
+            index = slice(None)
+        if isinstance(index, slice):
+            return self._sliced(*index.indices(self._rows))
+        if isinstance(index, SupportsIndex) and not isinstance(index, bool | np.ndarray):
+            return self._row(index.__index__())
+        return self._picked(np.asarray(index))
+
+    def __iter__(self) -> Iterator[Any]:
+        """Yield every number, reading panel by panel."""
+        for panel in self.panels():
+            yield from panel
+
+    def panels(self, rows: int = PANEL_ROWS) -> Iterator[NDArray[Any]]:
+        """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
+        for first in range(0, self._rows, rows):
+            yield self._read(first, min(first + rows, self._rows))
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:  # noqa: FBT001
+        """Read the whole column (numpy's protocol)."""
+        if copy is False:
+            raise ValueError(f"{self.name} is read from its file; there is no array to share")
+        return self[:].astype(self.dtype if dtype is None else dtype, copy=False)
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        """Read the whole column where arithmetic needs it (numpy's protocol)."""
+        if any(isinstance(each, Column) for each in options.get("out", ())):
+            return NotImplemented
+        return getattr(ufunc, method)(*map(_read, inputs), **options)
+
+    def __array_function__(self, function: Any, _types: Any, arguments: Any, options: Mapping[str, Any]) -> Any:
+        """Read the whole column where one of numpy's functions needs it (numpy's protocol)."""
+        return function(*map(_read, arguments), **{name: _read(value) for name, value in options.items()})
+
+    def mean(self) -> float:
+        """Return the mean; nan without rows."""
+        return self._moments().mean if self._rows else float("nan")
+
+    def std(self) -> float:
+        """Return the standard deviation about the mean, over the number of rows; nan without rows."""
+        return self._moments().std if self._rows else float("nan")
+
+    def min(self) -> Any:
+        """Return the smallest number; raises ValueError without rows."""
+        return min(panel.min() for panel in self.panels())
+
+    def max(self) -> Any:
+        """Return the largest number; raises ValueError without rows."""
+        return max(panel.max() for panel in self.panels())
+
+    def __repr__(self) -> str:
+        text = f"{self.name} ({self.units}), {self._rows:,} rows of {self.dtype}"
+        try:
+            return f"<{text}: {self._glimpse()}>"
+        except ValueError:
+            return f"<{text}: closed>"
+
+    def _glimpse(self) -> str:
+        if self._rows <= READ_AT_ONCE:
+            return " ".join(f"{value:.6g}" for value in self[:])
+        return " ".join(f"{value:.6g}" for value in self[:3]) + f" ... {self[-1]:.6g}"
+
+    def _moments(self) -> Moments:
+        moments = Moments(powers=2)
+        for panel in self.panels():
+            moments.add(panel.astype(np.float64, copy=False))
+        return moments
+
+    def _row(self, number: int) -> Any:
+        row = number + self._rows if number < 0 else number
+        if not 0 <= row < self._rows:
+            raise IndexError(f"row {number}: {self.name} has {self._rows} rows")
+        return self._read(row, row + 1)[0]
+
+    def _sliced(self, start: int, stop: int, step: int) -> NDArray[Any]:
+        if step < 0:
+            rows = range(start, stop, step)
+            return self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows else self._read(0, 0)
+        if step == 1:
+            return self._read(start, max(start, stop))
+        # Steps wider than a panel touch single rows; narrower ones pick from panels that hold a whole number of steps.
+        span = step * max(1, PANEL_ROWS // step)
+        width = span if step <= PANEL_ROWS else 1
+        parts = [self._read(first, min(first + width, stop))[::step] for first in range(start, stop, span)]
+        return np.concatenate(parts) if parts else self._read(0, 0)
+
+    def _picked(self, index: NDArray[Any]) -> NDArray[Any]:
+        """Return chosen rows from the shortest stretch that holds them all."""
+        if not index.size:
+            return self._read(0, 0)
+        if index.dtype == np.bool_:
+            chosen: NDArray[Any] = self[:][index]
+            return chosen
+        if not np.issubdtype(index.dtype, np.integer):
+            raise IndexError(f"{self.name} has rows, numbered 0 to {self._rows - 1}; {index.dtype} is no row number")
+        rows = np.where(index < 0, index + self._rows, index)
+        low, high = int(rows.min()), int(rows.max())
+        if low < 0 or high >= self._rows:
+            raise IndexError(f"rows {low} to {high}: {self.name} has {self._rows} rows")
+        picked: NDArray[Any] = self._read(low, high + 1)[rows - low]
+        return picked
+
+
+def _read(value: Any) -> Any:
+    """Return a value with every column in it, or in a list of its values, as an array."""
+    if isinstance(value, list | tuple):
+        return type(value)(map(_read, value))
+    return value[:] if isinstance(value, Column) else value
 
 
 class Columns:

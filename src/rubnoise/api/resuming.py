@@ -7,8 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from rubnoise.api.describing import named_constants
-from rubnoise.api.playing import play
+from rubnoise.api.playing import named_constants, play
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint

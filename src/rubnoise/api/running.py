@@ -8,10 +8,8 @@ from operator import index
 from pathlib import Path
 from typing import cast
 
-from rubnoise.api.describing import describe
-from rubnoise.api.playing import play
-from rubnoise.api.record import Record
-from rubnoise.api.result import Run
+from rubnoise.api.playing import describe, play
+from rubnoise.api.result import Record, Run
 from rubnoise.api.resuming import go_on, interrupted
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario

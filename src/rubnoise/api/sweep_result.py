@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.column import Column
-from rubnoise.api.columns import Columns
+from rubnoise.api.columns import Column, Columns
 from rubnoise.api.result import Run
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES

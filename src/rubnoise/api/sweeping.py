@@ -11,14 +11,19 @@ from functools import partial
 from operator import index
 from pathlib import Path
 from shlex import join
-from typing import Any, Final
+from typing import Any, Final, cast
 
+from numpy.typing import NDArray
+
+from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.api.running import run
-from rubnoise.api.summarising import keep_summary
 from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
+from rubnoise.model import Model
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep, load_sweep
+from rubnoise.simulation.block import Watch
+from rubnoise.simulation.run import Engine, simulate
 from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
@@ -28,6 +33,38 @@ from rubnoise.sweep.folder import Shard, SweepFolder
 from rubnoise.sweep.journal import RunRow
 from rubnoise.sweep.pool import CANCELLATION, Pool
 from rubnoise.sweep.run_status import found_run
+
+
+def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
+    """Carry out one run of a sweep and return what it comes to, without a trace of it anywhere.
+
+    The arrays are those of `rubnoise.analysis.run_summary.CURVES`; ``watch`` is told after each panel and may raise,
+    as by itself it does where the sweep has been told to stop.
+    """
+    model = point.scenario.model()
+    sink = SummarySink(model)
+    simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine), watch=watch)
+    summary = sink.finish()
+    figures: dict[str, float] = {}
+    for figure in summary.figures:
+        figures |= figure.as_attributes()
+    of_point = summary_theory(model) if point.replicate == 0 else {}
+    return RunRow(run_id=point.run_id, figures=figures, arrays=summary.curves, of_point=of_point)
+
+
+def summary_theory(model: Model) -> dict[str, NDArray[Any]]:
+    """Return where the curves of a model's summaries lie and what is expected there: `spectrum_place` and so on.
+
+    The same for all runs of a point; nan where theory is silent.
+    """
+    return {
+        f"{name}_{part}": getattr(theory, part)
+        for name, theory in curve_theory(model).items()
+        for part in ("place", "expected", "standard_error")
+        # The histogram's errors are those of each run.
+        if (name, part) != ("histogram", "standard_error")
+    }
+
 
 MOST_JOBS: Final = 1024
 PATIENCE: Final = 60.0
