@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.api.result import Record
+from rubnoise.api.record import Record
 from rubnoise.scenario import Scenario
 from tests.verification.scores import BOUND, Figures, outside
 from tests.verification.seeds import seed_of

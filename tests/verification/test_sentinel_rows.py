@@ -12,7 +12,7 @@ import pytest
 from scipy.special import ndtri
 
 import rubnoise
-from rubnoise.api.result import Record
+from rubnoise.api.record import Record
 from tests.oracle import theta_slider
 from tests.oracle.oscillator import Oscillator
 from tests.oracle.slow_contact import Rows, lens_area, traces, triangle_area

@@ -1,0 +1,22 @@
+"""How many rows a run will have, counted without running it; compiles nothing."""
+
+from typing import Literal
+
+from rubnoise.model import Model
+from rubnoise.record.sink import Extent
+from rubnoise.simulation.draws import births_by_block, start
+
+Engine = Literal["events", "batch"]
+"""How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
+
+
+def extent(model: Model, seed: int) -> Extent:
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
+    born = list(births_by_block(model, seed))
+    return Extent(
+        junctions=start(model, seed).junctions + sum(born),
+        ticks=model.tick_count + 1,
+        slider=model.slider_rows,
+        landmarks=None if model.is_two_way else 0,
+        blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
+    )
