@@ -1,15 +1,16 @@
-"""Results: a run in a file (Run) or in memory (Record), what both hold, and one junction of either."""
+"""What a run has, in a file or in memory; a run in a file, and one junction."""
 
 import json
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import index
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,18 +19,25 @@ from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.columns import Column, Columns
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import RunFileRefused, ScenarioRefused, needing
-from rubnoise.record.memory import MemoryRecord
-from rubnoise.record.reader import Rows
+from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
+from rubnoise.tables import as_html, shortened
+from rubnoise.units import in_unit
 
 if TYPE_CHECKING:
-    import pandas as pd
+    import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
+    from rubnoise.api.answers import Comparison, Verification
+    from rubnoise.api.estimates import PowerSpectrum
+    from rubnoise.api.trace import Trace
+    from rubnoise.model import Model
     from rubnoise.scenario import Scenario
 
 
@@ -63,9 +71,15 @@ class Junction:
         With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
         triangle (pi/4) d (d - x): whichever the run has.
         """
-        s = np.asarray(distance, dtype=np.float64)
+        s = np.asarray(in_unit(distance, "um"), dtype=np.float64)
         alive = (self.birth_distance <= s) & (s < self.death_distance)
         return np.where(alive, self.pulse.area(s - self.birth_distance, self.diameter), 0.0)
+
+    def _repr_html_(self) -> str:
+        units = {column.name: column.units for column in schema.JUNCTIONS.columns}
+        values = {name: getattr(self, name) for name in units if name != "junction"}
+        rows = [(name, value, units[name]) for name, value in values.items() if value is not None]
+        return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
 
 
 class Contents(ABC):
@@ -112,10 +126,93 @@ class Contents(ABC):
         values = {name: columns[name][number].item() for name in columns if name != "junction"}
         return Junction(number=number, pulse=self._pulse, **values | {"state": JunctionState(values["state"])})
 
+    def compare(self, bound: float | None = None) -> "Comparison":
+        """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
+
+        ``bound`` is the largest |z| of a figure that agrees; by default all figures of 99.9 % of right runs keep it.
+        Raises Refused for an unfinished run or is too short for any comparison.
+        """
+        from rubnoise.api.answers import compared
+
+        return compared(self.reader(), self._called, bound)
+
+    def verify(self, regenerate: int = 0) -> "Verification":
+        """Check every value against hashes, rows and scenario: a table of checks, and ``passed``.
+
+        ``regenerate``: how many blocks to make again from the seed and compare bit for bit. A run in memory is saved
+        into a temporary file for this. Raises Refused for an unfinished run.
+        """
+        from rubnoise.api.answers import verified
+
+        with self._file_of() as file:
+            return verified(file, self._called, regenerate)
+
+    def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
+        """Return Welch's estimate of a power spectral density, with the exact one where theory knows it.
+
+        "displacement", "velocity" and "friction_force" of a slider: one-sided over Hz, in m^2/Hz, (m/s)^2/Hz, N^2/Hz;
+        "real_contact_area" and "junction_count": two-sided over rad/um, in um^4 and 1 per rad/um. ``segment`` is the
+        length of a segment in s or um; by default there are some 64. Raises KeyError for a quantity the run lacks.
+        """
+        from rubnoise.api.estimates import spectrum_of
+
+        return spectrum_of(self, quantity, segment)
+
+    def plot(
+        self,
+        what: str = "trace",
+        ax: "Axes | None" = None,
+        *,
+        start: Any = None,
+        stop: Any = None,
+        of: str = "area",
+        beside: "Contents | Trace | None" = None,
+    ) -> "Figure":
+        """Draw a picture of the run beside theory, and return it as a matplotlib figure.
+
+        ``what`` is "trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase" or "landmarks", as for
+        `rubnoise plot`; ``of`` is whose spectrum "psd" shows: "area", "force", "displacement" or "velocity". With
+        ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
+        another run, for "slider", "phase" and spectra in Hz, or for spectra a `Trace` of yours. Raises Refused for a
+        picture that the run does not have, PicturesMissing without matplotlib.
+
+        >>> import rubnoise
+        >>> with rubnoise.open("fig5.h5") as run:
+        ...     figure = run.plot("psd", of="velocity")
+        >>> len(figure.axes)
+        1
+        """
+        from rubnoise.api.pictures import drawn
+
+        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside)
+
+    def groups_by_name(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name, of a run in a file and in memory alike."""
+        return self._groups()
+
+    def model(self) -> "Model":
+        """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
+        from rubnoise.analysis.stored_model import stored_model
+
+        return stored_model(self.reader())
+
+    @abstractmethod
+    def reader(self) -> Reader:
+        """Return the rows of a finished run, with what it says of itself; raises Refused for one that is not."""
+
+    @abstractmethod
+    def _file_of(self) -> "AbstractContextManager[RunFile]":
+        """Return the run as an open file."""
+
+    @property
+    @abstractmethod
+    def _called(self) -> str:
+        """What messages call the run."""
+
     def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
         """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
 
-        Variables are read when they are asked for, as long as the run is open; ``index`` is as in Columns.to_xarray.
+        Variables are read when they are needed, as long as the run is open; ``index`` is as in Columns.to_xarray.
         Raises ExtraMissing without xarray.
         """
         with needing("analysis", "to_xarray"):
@@ -126,37 +223,6 @@ class Contents(ABC):
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
         return {name: columns.to_pandas() for name, columns in self._groups().items()}
-
-
-class Record(MemoryRecord, Contents):
-    """A run kept in memory: ``record.trace["real_contact_area"]``, ``record.junction(17)``, ``record.to_xarray()``.
-
-    ``record["trace"]["real_contact_area"]`` is the numpy array itself; groups and columns are named as in a file.
-    """
-
-    __slots__ = ()
-
-    def _groups(self) -> Mapping[str, Columns]:
-        return {group.name: self._columns(group) for group in schema.GROUPS if group.name in self.groups}
-
-    @property
-    def _pulse(self) -> Pulse:
-        return self.pulse
-
-    def _columns(self, group: schema.Group) -> Columns:
-        arrays = self.groups[group.name]
-        kept = [about for about in group.columns if about.name in arrays]
-        return Columns(group, {about.name: _column(about, arrays[about.name]) for about in kept})
-
-    def __repr__(self) -> str:
-        return "\n".join(["a run in memory", *map(repr, self._groups().values())])
-
-
-def _column(about: schema.Column, values: NDArray[Any]) -> Column:
-    def read(start: int, stop: int) -> NDArray[Any]:
-        return values[start:stop]
-
-    return Column(about, values.size, read)
 
 
 class Run(Contents):
@@ -225,9 +291,29 @@ class Run(Contents):
     def __repr__(self) -> str:
         if self._file.closed:
             return f"{self.path}: a run, closed"
-        heading = f"{self.path}: {self.attributes['title']}"
-        lines = [f"  .{name:<11} {len(group):>12,} rows: {', '.join(group)}" for name, group in self._found.items()]
-        return "\n".join([heading, *lines])
+        return shortened([f"{self.path}: {self.attributes['title']}", *listed(self._found)])
+
+    def _repr_html_(self) -> str:
+        if self._file.closed:
+            return as_html(f"{self.path}: a run, closed", (), ())
+        return as_html(f"{self.path}: {self.attributes['title']}", GROUP_HEADS, group_rows(self._found))
+
+    def reader(self) -> Reader:
+        """Return the open file; raises RunFileRefused for an unfinished run."""
+        if not self.provenance["finished"]:
+            from rubnoise.storage.resume import refusal
+
+            raise refusal(self.path)
+        return self._file
+
+    @contextmanager
+    def _file_of(self) -> Iterator[RunFile]:
+        self.reader()
+        yield self._file
+
+    @property
+    def _called(self) -> str:
+        return str(self.path)
 
     def _groups(self) -> Mapping[str, Columns]:
         return self._found
@@ -240,10 +326,30 @@ class Run(Contents):
         return self.attributes
 
 
+GROUP_HEADS: Final = ("group", "rows", "columns")
+
+
+def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:
+    """Return name, number of rows and columns of each group, as texts."""
+    return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]
+
+
+def listed(groups: Mapping[str, Columns]) -> list[str]:
+    """Return the groups as lines of a text."""
+    return [f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups)]
+
+
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
-    """Open a result file for reading; raises RunFileRefused with the reason where it is none of ours or damaged.
+    """Open a result file for reading.
+
+    Raises RunFileRefused with the reason where it is not a result of rubnoise or is damaged.
 
     However long the run, this reads its structure only.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     run.scenario.title, run.junction(17).diameter > 0.0
+    ('Figure 5: excitation force and vibration', True)
     """
     return Run(open_run(path))
 
