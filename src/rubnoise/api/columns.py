@@ -120,7 +120,10 @@ class Column(NDArrayOperatorsMixin):
         """Return a column of chosen rows, in ascending order, which are read when they are needed."""
 
         def read(start: int, stop: int) -> NDArray[Any]:
-            return self._picked(rows[start:stop])
+            chosen = rows[start:stop]
+            # Panel by panel: few rows may lie far apart.
+            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // PANEL_ROWS)) + 1)
+            return np.concatenate([self._picked(part) for part in parts])
 
         return Column(self.about, rows.size, read)
 
