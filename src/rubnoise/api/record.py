@@ -21,8 +21,8 @@ from rubnoise.storage.reader import open_run
 from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
+    from rubnoise.analysis.verification import ResultFile
     from rubnoise.scenario import Scenario
-    from rubnoise.storage.reader import RunFile
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -76,7 +76,7 @@ class Record(MemoryRecord, Contents):
         """Return the rows with what their file would say of them; raises Refused without a scenario."""
         return MemoryReader(self)
 
-    def _file_of(self) -> "AbstractContextManager[RunFile]":
+    def _file_of(self) -> "AbstractContextManager[ResultFile]":
         from rubnoise.api.answers import stored
 
         return stored(self)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rubnoise.analysis.verification import ResultFile
     from rubnoise.api.answers import Comparison, Verification
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.trace import Trace
@@ -201,7 +202,7 @@ class Contents(ABC):
         """Return the rows of a finished run, with what it says of itself; raises Refused for one that is not."""
 
     @abstractmethod
-    def _file_of(self) -> "AbstractContextManager[RunFile]":
+    def _file_of(self) -> "AbstractContextManager[ResultFile]":
         """Return the run as an open file."""
 
     @property
