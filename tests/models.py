@@ -11,7 +11,8 @@ from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 
 BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}

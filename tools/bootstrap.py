@@ -216,7 +216,8 @@ def install(target: VirtualEnvironment, locks: tuple[str, ...], lock_file: int) 
     write_stamp(target, {})
     files = [f"tools/{lock}.lock" for lock in locks]
     print(f"dev.py: installing {' and '.join(files)} (the first time fetches some hundred MB)", file=sys.stderr)
-    options = ["install", "--quiet", "--no-deps", "--no-compile"]
+    # On a terminal pip says which file it fetches, and how far it is.
+    options = ["install", *([] if sys.stderr.isatty() else ["--quiet"]), "--no-deps", "--no-compile"]
     locked = ["--require-hashes", "--only-binary=:all:", *(f"--requirement={ROOT / file}" for file in files)]
     project = ["--no-index", "--no-build-isolation", f"--editable={ROOT}"]
     if call([*pip, *options, *locked], settings, lock_file) or call([*pip, *options, *project], settings, lock_file):

@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 
 LOCKS = {
     "run": ("run",),
-    "test": ("run", "test"),
-    "lint": ("run", "test"),
-    "sync": ("run", "test"),
+    "test": ("run", "sync", "test"),
+    "lint": ("run", "sync", "test"),
+    "sync": ("run", "sync"),
+    "sync all": ("run", "sync", "test"),
     "bench": ("run", "bench"),
     "docs": ("run", "docs"),
 }
@@ -34,7 +35,7 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
   run [ARGUMENTS]    rubnoise run, with every argument passed on (try: run --help)
   test [ARGUMENTS]   the tests, with every argument passed on to pytest; test --all adds what takes long
   lint               ruff and mypy
-  sync               only install, what tests, pictures and tables need too
+  sync [all]         only install: what pictures and tables need too; with all, everything that tests need
   bench [ARGUMENTS]  speed and errors beside everything else a user could pick; bench --quick takes a minute or two
   docs [FOLDER]      the site with all pages, the lesson and examples, into site/ or another folder
 """
@@ -43,13 +44,15 @@ USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 def main(arguments: list[str]) -> int:
     """Set up what the command needs, then become it; return an exit code only where that was not to be."""
     command, rest = (arguments[0], arguments[1:]) if arguments else ("", [])
-    if command not in LOCKS:
+    if command not in LOCKS or " " in command:
         asked = command in ("-h", "--help", "help")
         print(USAGE, end="", file=sys.stdout if asked else sys.stderr)
         return 0 if asked else 2
     signal.signal(signal.SIGTERM, _terminated)
     try:
-        set_up(LOCKS[command], {"bench": BENCH, "docs": DOCS}.get(command, WORK))
+        everything = (command, rest) == ("sync", ["all"])
+        locks = LOCKS["sync all" if everything else command]
+        set_up(locks, {"bench": BENCH, "docs": DOCS}.get(command, WORK))
         commands = {"run": run, "test": test, "lint": lint, "sync": sync, "bench": bench, "docs": docs}
         return commands[command](rest)
     except SetupFailed as problem:
@@ -92,8 +95,8 @@ def lint(arguments: list[str]) -> int:
 
 def sync(arguments: list[str]) -> int:
     """Be content with what has been set up, so that `.venv/bin/rubnoise` can draw and export as well."""
-    if arguments:
-        print("dev.py: sync takes no arguments", file=sys.stderr)
+    if arguments not in ([], ["all"]):
+        print("dev.py: sync takes no arguments but all", file=sys.stderr)
         return 2
     return 0
 

@@ -38,7 +38,8 @@ from rubnoise.contact.laws import (  # noqa: E402
 from rubnoise.model import Model  # noqa: E402
 from rubnoise.record.memory import MemoryRecord  # noqa: E402
 from rubnoise.scenario import load  # noqa: E402
-from rubnoise.simulation.run import extent, simulate  # noqa: E402
+from rubnoise.simulation.extent import extent  # noqa: E402
+from rubnoise.simulation.run import simulate  # noqa: E402
 from rubnoise.theory.campbell import area_cumulants  # noqa: E402
 from rubnoise.theory.motion_errors import MotionErrors, mean_displacement_error, motion_errors  # noqa: E402
 from rubnoise.theory.response import Response, response  # noqa: E402

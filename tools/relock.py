@@ -1,8 +1,8 @@
-"""Resolve the dependencies of pyproject.toml into tools/run.lock, test.lock, bench.lock and docs.lock.
+"""Resolve the dependencies of pyproject.toml into tools/run.lock, sync.lock, test.lock, bench.lock and docs.lock.
 
-`python3 tools/relock.py [run|test|bench|docs ...] [--upgrade]`, with uv on the PATH; all of them if none is named. They
-hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files on the
-public index. All but the run's hold only what is needed on top of a run.
+`python3 tools/relock.py [run|sync|test|bench|docs ...] [--upgrade]`, with uv on the PATH; all of them if none is named.
+They hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files
+on the public index. All but the run's hold only what is needed on top of a run, the tests' on top of sync.
 """
 
 import os
@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPILE = ["uv", "pip", "compile", "pyproject.toml", "--no-config", "--default-index=https://pypi.org/simple"]
-LOCKS = ("run", "test", "bench", "docs")
+LOCKS = ("run", "sync", "test", "bench", "docs")
 FOR_EVERYONE = ["--universal", "--python-version=3.11", "--generate-hashes", "--quiet"]
 
 
@@ -27,9 +27,18 @@ def main(arguments: list[str]) -> int:
     asked = [lock for lock in LOCKS if lock in arguments] or LOCKS
     if "run" in asked and (failed := resolve("run", ["--group=build", *options])):
         return failed
-    shared = [f"--no-emit-package={name}" for name in names(ROOT / "tools" / "run.lock")]
-    added = ["--constraints=tools/run.lock", *shared, *options]
-    return max([resolve(lock, [f"--group={lock}", *added]) for lock in asked if lock != "run"], default=0)
+    below = {"sync": ("run",), "test": ("run", "sync"), "bench": ("run",), "docs": ("run",)}
+    return max(
+        [resolve(lock, [f"--group={lock}", *on_top_of(below[lock]), *options]) for lock in asked if lock != "run"],
+        default=0,
+    )
+
+
+def on_top_of(locks: tuple[str, ...]) -> list[str]:
+    """Return options that leave out what other locks hold, and keep to their versions."""
+    held = sorted({name for lock in locks for name in names(ROOT / "tools" / f"{lock}.lock")})
+    constraints = [f"--constraints=tools/{lock}.lock" for lock in locks]
+    return [*constraints, *(f"--no-emit-package={name}" for name in held)]
 
 
 def names(lock: Path) -> list[str]:

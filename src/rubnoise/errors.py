@@ -1,18 +1,35 @@
 """Everything rubnoise refuses or fails at, each with the exit code the command line returns for it."""
 
+import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from shlex import quote
+from typing import Final
 
 
 class RubnoiseError(Exception):
-    """A failure that is reported as one clear text, without a traceback; exit code 1."""
+    """A failure that is reported as one clear text, without a traceback; exit code 1.
+
+    >>> import rubnoise
+    >>> issubclass(rubnoise.Refused, rubnoise.RubnoiseError)
+    True
+    """
 
     exit_code = 1
 
 
 class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedError" says it twice)
-    """Something refused before the first event: usage, invalid input, an output that cannot be written; exit code 2."""
+    """Something refused before the first event: usage, invalid input, an output that cannot be written; exit code 2.
+
+    >>> import rubnoise
+    >>> try:
+    ...     rubnoise.example("paper/fig10")
+    ... except rubnoise.Refused as refused:
+    ...     print(str(refused).partition(";")[0])
+    paper/fig10: no scenario of rubnoise's
+    """
 
     exit_code = 2
 
@@ -67,6 +84,36 @@ def resume_hint(part: str) -> str:
     return f"rubnoise resume {quote(part)} continues it"
 
 
+SHELL_WORDS: Final = (
+    ("rubnoise.run(..., force=True)", "rubnoise run --force"),
+    ("force=True", "--force"),
+    ('shard="2/8"', "--shard 2/8"),
+    ("one of jobs and cluster", "one of --jobs and --cluster"),
+)
+"""What messages say of functions of Python, and how the command line says it."""
+
+
+def in_shell(text: str) -> str:
+    """Return a message in the words of the command line, whose options stand for arguments of Python."""
+    for python, shell in SHELL_WORDS:
+        text = text.replace(python, shell)
+    text = re.sub(r"\bjobs=(\d+)", r"--jobs \1", text)
+    return re.sub(r"^(jobs|shard): ", r"--\1: ", text)
+
+
+EXTRAS_OF_SYNC: Final = ("analysis", "plot")
+"""What `tools/dev.py sync` installs; `sync all` installs the others too."""
+
+
+def how_to_install(extra: str) -> str:
+    """Return the command that installs an extra here: of the project's tool in a checkout, else of pip."""
+    tool = Path(__file__).parents[2] / "tools" / "dev.py"
+    if tool.is_file():
+        shown = quote(os.path.relpath(tool))
+        return f"python3 {shown} sync" + ("" if extra in EXTRAS_OF_SYNC else " all")
+    return f'python -m pip install "rubnoise[{extra}]"'
+
+
 @contextmanager
 def needing(extra: str, purpose: str) -> Iterator[None]:
     """Turn a library that cannot be imported here into ExtraMissing, which says how to install its extra."""
@@ -74,4 +121,4 @@ def needing(extra: str, purpose: str) -> Iterator[None]:
         yield
     except ModuleNotFoundError as problem:
         library = (problem.name or "a library").partition(".")[0]
-        raise ExtraMissing(f'{purpose} needs {library}: python -m pip install "rubnoise[{extra}]"') from problem
+        raise ExtraMissing(f"{purpose} needs {library}: {how_to_install(extra)}") from problem

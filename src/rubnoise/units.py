@@ -192,6 +192,24 @@ def _power_hint(text: str, number: str) -> str:
     return f'write "{number} {powered}"' if powered != text and _UNIT.fullmatch(powered) else ""
 
 
+def in_unit(value: Any, unit: str) -> Any:
+    """Return numbers as they are, since they are in ``unit`` already, and a quantity of pint converted to it.
+
+    Raises QuantityError for a quantity of another dimension.
+    """
+    if not is_of_pint(value):
+        return value
+    try:
+        return value.to(unit).magnitude
+    except Exception as problem:  # pint's errors, which are not loaded here
+        raise QuantityError(f"{value}: a quantity in {unit} is needed, or a number") from problem
+
+
+def is_of_pint(value: Any) -> bool:
+    """Whether a value is a quantity of pint, which need not be loaded for that."""
+    return hasattr(value, "magnitude") and hasattr(value, "to") and hasattr(value, "units")
+
+
 @lru_cache(maxsize=256)
 def _sized_by_pint(text: str) -> Unit:
     registry = _registry()

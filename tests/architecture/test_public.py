@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -39,6 +40,21 @@ def test_nothing_heavy_is_loaded(code: str) -> None:
 
 def test_who_opens_a_result_does_not_wait_for_what_runs_one() -> None:
     assert _loaded("import rubnoise\nrubnoise.open") == {"numpy"}
+
+
+def test_what_only_reads_loads_no_compiler(tmp_path: Path) -> None:
+    rubnoise.run(rubnoise.example("paper/fig4").replace(distance=50.0), tmp_path / "x.h5").close()
+    info = f"""
+import contextlib, io
+from rubnoise.cli.app import main
+with contextlib.redirect_stdout(io.StringIO()) as shown, contextlib.suppress(SystemExit):
+    sys.argv = ["rubnoise", "info", {str(tmp_path / "x.h5")!r}]
+    main()
+assert "trace" in shown.getvalue()
+"""
+    assert _loaded(info) & {"numba", "scipy", "simpy", "pint", "matplotlib"} == set()
+    assert _loaded(f"import rubnoise; rubnoise.open({str(tmp_path / 'x.h5')!r})") == {"numpy", "h5py"}
+    assert "numba" in _loaded("import rubnoise; rubnoise.simulate")
 
 
 def test_every_public_name_has_one_home() -> None:

@@ -89,7 +89,7 @@ def test_without_matplotlib_it_is_told_what_to_install(
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     answer = call("animate", "x.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert 'pip install "rubnoise[plot]"' in answer.err
+    assert "tools/dev.py sync" in answer.err
     assert names(here) == ["x.h5"]
 
 

@@ -17,7 +17,7 @@ import pytest
 import xarray as xr
 
 import rubnoise
-from rubnoise.errors import RubnoiseError
+from rubnoise.errors import RubnoiseError, how_to_install
 from rubnoise.storage import export_csv, export_netcdf, export_parquet
 from rubnoise.storage.export import export, plan
 from rubnoise.storage.export_csv import heading
@@ -255,7 +255,7 @@ def test_a_missing_library_is_named_with_its_extra(
     monkeypatch.delattr(f"rubnoise.storage.export_{kind}")
     answer = call("export", "run.h5", "--to", kind)
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == f'export --to {kind} needs {library}: python -m pip install "rubnoise[{extra}]"\n'
+    assert answer.err == f"export --to {kind} needs {library}: {how_to_install(extra)}\n"
     assert names(here) == ["run.h5"]
 
 

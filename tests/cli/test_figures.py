@@ -100,5 +100,5 @@ def test_without_matplotlib_it_is_said_how_to_get_it(here: Path, monkeypatch: py
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     answer = call("figures", "fig3")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == 'a picture needs matplotlib: pip install "rubnoise[plot]"\n'
+    assert answer.err.startswith("a picture needs matplotlib: python3 ")
     assert names(here) == []

@@ -12,7 +12,7 @@ from unittest.mock import patch
 
 import pytest
 
-from rubnoise.api.describing import describe
+from rubnoise.api.playing import describe
 from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
 from rubnoise.claims.field import FieldClaim, Known, Source
 from rubnoise.cli.claims import claim_as_json

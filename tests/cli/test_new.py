@@ -4,9 +4,13 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
+
+import rubnoise
 from rubnoise.scenario import loads
 from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS
-from rubnoise.scenario.sweep import load_sweep
+from rubnoise.scenario.shipped import by_name
+from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.scenario.template import template
 from tests.cli.terminal import call, names
@@ -31,14 +35,15 @@ def test_the_template_is_written_checked_and_run(here: Path) -> None:
     assert "rubnoise check contact.toml" in made.out
     assert names(here) == ["contact.toml"]
     checked = call("check", "contact.toml")
-    assert (checked.code, checked.err) == (0, "")
+    assert checked.code == 0
     assert call("run", "contact.toml", "--set", "sliding.distance=100 um").code == 0
 
 
 def test_what_is_set_beside_what_is_needed_is_the_default() -> None:
     bare = (
         'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
-        '[sliding]\ndistance = "40 mm"\n'
+        '[strength]\nmean = "250 MPa"\n[sliding]\ndistance = "40 mm"\nspeed = "1 mm/s"\n'
+        '[slider]\nmass = "5 g"\nstiffness = "300 N/m"\ndamping = "0.05 N*s/m"\n'
     )
     assert loads(template()).resolved() == loads(bare).resolved()
 
@@ -96,3 +101,36 @@ def test_a_place_that_cannot_be_written_is_named(here: Path) -> None:
     (here / "file").touch()
     answer = call("new", "file/mine.toml")
     assert (answer.code, answer.err) == (2, f"{here / 'file'}: no such folder\n")
+
+
+def test_a_newcomers_first_run_can_be_heard(here: Path) -> None:
+    assert call("new", "contact.toml").code == 0
+    assert call("run", "contact.toml", "--set", "sliding.distance=2 mm", "-q").code == 0
+    assert call("listen", "contact.h5", "-o", "noise.wav").code == 0
+
+
+def test_shipped_scenarios_are_listed_and_taken_by_name(here: Path) -> None:
+    listed = call("examples")
+    assert listed.code == 0
+    assert "paper/fig5 " in listed.out
+    assert call("run", "paper/fig4", "--set", "sliding.distance=1 mm", "-q").code == 0
+    assert names(here) == ["fig4.h5"]
+    assert call("check", "paper/fig9").code == 0
+    wrong = call("run", "paper/fg4")
+    assert (wrong.code, "did you mean paper/fig4" in wrong.err) == (2, True)
+
+
+@pytest.mark.parametrize("name", ["paper/fig5", "paper/fig5_two_way", "studies/rise"])
+def test_a_copy_of_a_shipped_scenario_needs_no_other_file(here: Path, name: str) -> None:
+    assert call("new", "mine.toml", "--from", name).code == 0
+    mine, theirs = load_either("mine.toml"), load_either(by_name(name))
+    if isinstance(mine, Sweep) and isinstance(theirs, Sweep):
+        assert [case.scenario.resolved() for case in mine.cases] == [case.scenario.resolved() for case in theirs.cases]
+    else:
+        assert mine.resolved() == theirs.resolved()
+
+
+def test_an_existing_file_wins_over_a_shipped_name(here: Path) -> None:
+    (here / "paper").mkdir()
+    (here / "paper" / "fig5").write_text(template().replace("seed = 1", "seed = 99"), encoding="utf-8")
+    assert rubnoise.load("paper/fig5").run.seed == 99

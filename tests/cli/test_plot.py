@@ -176,5 +176,5 @@ def test_without_matplotlib_nothing_is_written(result: Path, here: Path, monkeyp
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     answer = call("plot", "x.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert 'pip install "rubnoise[plot]"' in answer.err
+    assert "tools/dev.py sync" in answer.err
     assert names(here) == ["x.h5"]

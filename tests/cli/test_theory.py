@@ -320,7 +320,7 @@ def test_without_matplotlib_nothing_is_written(here: Path, monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     answer = call("theory", CONTACT, "--plot")
     assert (answer.code, answer.out) == (2, "")
-    assert 'pip install "rubnoise[plot]"' in answer.err
+    assert "tools/dev.py sync" in answer.err
     assert names(here) == []
 
 

@@ -29,7 +29,9 @@ DOCTESTS = [
 ]
 OPENED = re.compile(r'\b(?:open|open_sweep|File)\("(\w+)')
 """Results and sweeps that an example in Python reads."""
-WITHOUT_INPUT = {"new", "figures", "claims"}
+SAVED = re.compile(r'\.save\("(\w+)')
+"""Results that an example in Python makes."""
+WITHOUT_INPUT = {"new", "figures", "claims", "examples"}
 
 
 def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
@@ -58,13 +60,15 @@ def test_a_page_reads_nothing_that_only_another_page_makes(page: str) -> None:
     there = {"fig5"}  # the README's first command makes it, and every page may begin there
     for example in PAGES[page]:
         if example.kind == "python":
-            read, made = OPENED.findall(example.text), set[str]()
+            made = set(SAVED.findall(example.text))
+            read = set(OPENED.findall(example.text)) - made
         else:
             words = split(example.text)
             command, first = words[1], words[2] if len(words) > 2 else "-"
-            read = [] if command in WITHOUT_INPUT or first.startswith(("-", "scenarios/")) else [Path(first).stem]
-            made = {Path(name).stem for option, name in pairwise(words) if option in ("-o", "new")} | set(read)
-        assert set(read) <= there, f"{page}:{example.line}: {example.text}"
+            shipped = first in rubnoise.examples() or first.startswith(("-", "scenarios/"))
+            read = set() if command in WITHOUT_INPUT or shipped else {Path(first).stem}
+            made = {Path(name).stem for option, name in pairwise(words) if option in ("-o", "new")} | read
+        assert read <= there, f"{page}:{example.line}: {example.text}"
         there |= made
 
 

@@ -9,7 +9,8 @@ import pytest
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Tee
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import Feature

@@ -14,7 +14,7 @@ import xxhash
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.run import Engine
+from rubnoise.simulation.extent import Engine
 from rubnoise.streams import STREAM_VERSION
 from tests.models import UNEQUAL, model, recorded
 

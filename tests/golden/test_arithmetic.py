@@ -82,13 +82,13 @@ ALLOWED = {
     "record/tally.py Moments._merge **": "for /summary, which no promise covers",
     "record/tally.py Moments.excess_kurtosis **": "for /summary, which no promise covers",
     "record/tally.py Moments.skewness **": "for /summary, which no promise covers",
-    "simulation/slider.py cmath.sqrt": "decides a whole number only: how often a tick is divided",
-    "simulation/slider.py math.hypot": "decides a whole number only: how often a tick is divided",
-    "simulation/slider.py _error **": "decides a whole number only: how often a tick is divided",
-    "simulation/slider.py _liveliness **": "decides a whole number only: how often a tick is divided",
-    "simulation/slider.py _rates **": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py cmath.sqrt": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py math.hypot": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py _error **": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py _liveliness **": "decides a whole number only: how often a tick is divided",
+    "simulation/cells.py _rates **": "decides a whole number only: how often a tick is divided",
     "simulation/kernels/taylor.py cell_weights **": "of whole numbers",
-    "simulation/run.py extent sum": "of whole numbers",
+    "simulation/extent.py extent sum": "of whole numbers",
 }
 """Where such an operation stands, and why no stored bit comes from it."""
 

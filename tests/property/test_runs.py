@@ -12,7 +12,8 @@ from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 from tests.models import UNEQUAL, contents, model, recorded
 

@@ -25,7 +25,8 @@ def test_a_part_that_is_out_of_date_is_named_and_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for page in generate_docs.PAGES:
-        (tmp_path / page).write_text((DOCS / page).read_text(encoding="utf-8").replace("float64", "float32"), "utf-8")
+        kind = "float64" if page == "data-format.md" else "float63"
+        (tmp_path / page).write_text((DOCS / page).read_text(encoding="utf-8").replace(kind, "float32"), "utf-8")
     monkeypatch.setattr(generate_docs, "DOCS", tmp_path)
     assert generate_docs.main(["--check"]) == 1
     assert generate_docs.main([]) == 0

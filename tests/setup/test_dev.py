@@ -55,18 +55,22 @@ def test_a_run_installs_its_own_lock_only(sandbox: Sandbox) -> None:
     assert {f"--editable={sandbox.folder}", "--no-deps", "--no-build-isolation"} <= set(project)
 
 
-def test_sync_installs_everything_and_runs_nothing(sandbox: Sandbox) -> None:
-    code, output, _ = sandbox.dev("sync")
-    packages = sandbox.pip_calls()[0]["arguments"]
-    assert [Path(word).name for word in packages if word.startswith("--requirement")] == ["run.lock", "test.lock"]
-    assert (code, output) == (0, "")
+def test_sync_installs_what_pictures_need_and_sync_all_everything(sandbox: Sandbox) -> None:
+    for words, locks in ((("sync",), ["run", "sync"]), (("sync", "all"), ["run", "sync", "test"])):
+        known = len(sandbox.pip_calls())
+        code, output, _ = sandbox.dev(*words)
+        packages = sandbox.pip_calls()[known]["arguments"]
+        required = [Path(word).name for word in packages if word.startswith("--requirement")]
+        assert required == [f"{lock}.lock" for lock in locks]
+        assert (code, output) == (0, "")
     assert sandbox.dev("sync", "more")[0] == 2
 
 
-def test_tests_need_both_locks_and_a_run_is_content_with_them(sandbox: Sandbox) -> None:
+def test_tests_need_all_locks_and_a_run_is_content_with_them(sandbox: Sandbox) -> None:
     sandbox.dev("lint")
     packages = sandbox.pip_calls()[0]["arguments"]
-    assert [Path(word).name for word in packages if word.startswith("--requirement")] == ["run.lock", "test.lock"]
+    required = [Path(word).name for word in packages if word.startswith("--requirement")]
+    assert required == ["run.lock", "sync.lock", "test.lock"]
     sandbox.dev("run")
     assert len(sandbox.pip_calls()) == 2
 

@@ -6,11 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import polars as pl
 import pytest
+import xarray as xr
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy import signal
 
 import rubnoise
-from rubnoise.api import column as module
+from rubnoise.api import columns as module
 from rubnoise.errors import ExtraMissing
 from rubnoise.storage.schema import TRACE
 from tests.format.runs import describe, random_rows, write_run
@@ -101,6 +106,79 @@ def test_what_is_no_row_number_is_refused(column: rubnoise.Column, where: Any) -
         column[where]
 
 
+def test_chosen_rows_are_read_panel_by_panel(column: rubnoise.Column, source: Source) -> None:
+    rows = np.array([3, 5, 200, 201, 999])
+    taken = column.taken(rows)
+    assert source.read == 0
+    np.testing.assert_array_equal(taken[:], VALUES[rows])
+    np.testing.assert_array_equal(taken[1:4], VALUES[rows[1:4]])
+    assert source.most <= 64
+    assert column.taken(rows[:0])[:].size == 0
+
+
+@pytest.mark.parametrize(
+    "where",
+    [
+        (slice(3),),
+        (slice(None), None),
+        (None, slice(None, None, -2)),
+        None,
+        ...,
+        (..., None),
+        (3, None),
+        (None, 3),
+        (VALUES > 1.0, None),
+        (..., slice(5, 1, -1)),
+        (None, ..., None),
+        np.array([[1, 2], [3, -4]]),
+        VALUES > 2.0,
+        [True] * 3 + [False] * (ROWS - 3),
+    ],
+    ids=str,
+)
+def test_tuples_none_and_masks_are_those_of_an_array(column: rubnoise.Column, where: Any) -> None:
+    assert column[where].shape == VALUES[where].shape
+    np.testing.assert_array_equal(column[where], VALUES[where])
+
+
+@pytest.mark.parametrize("where", [(0, 0), (slice(None), slice(None)), (..., ...), np.ones(7, dtype=bool)])
+def test_what_an_array_refuses_is_refused(column: rubnoise.Column, where: Any) -> None:
+    with pytest.raises(IndexError):
+        VALUES[where]
+    with pytest.raises(IndexError):
+        column[where]
+
+
+def test_reductions_of_numpy_hold_no_whole_column(column: rubnoise.Column, source: Source) -> None:
+    for function, options in (
+        (np.sum, {}),
+        (np.mean, {}),
+        (np.var, {"ddof": 1}),
+        (np.std, {}),
+        (np.min, {}),
+        (np.max, {}),
+    ):
+        assert function(column, **options) == pytest.approx(function(VALUES, **options), rel=1e-12)
+    assert source.most == 64
+    assert np.mean(column, axis=0) == pytest.approx(VALUES.mean(), rel=1e-12)
+    assert source.most == ROWS  # an option that a column does not have reads all of it
+
+
+def test_libraries_take_a_column_as_it_stands(column: rubnoise.Column) -> None:
+    frame = pd.DataFrame({"area": column})
+    assert frame["area"].to_numpy().tolist() == VALUES.tolist()
+    assert pl.DataFrame({"area": column})["area"].to_list() == VALUES.tolist()
+    assert pl.Series("area", column).dtype == pl.Float64
+    density = signal.welch(VALUES, nperseg=100)[1]
+    np.testing.assert_allclose(signal.welch(column, nperseg=100)[1], density, rtol=1e-12)
+    figure = Figure()
+    (line,) = figure.subplots().plot(column, 2.0 * column)
+    np.testing.assert_array_equal(line.get_xdata(), VALUES)
+    np.testing.assert_array_equal(xr.DataArray(column, dims="row"), VALUES)
+    assert column.tolist() == column.values.tolist() == column.to_numpy().tolist()
+    assert column.astype(np.float32).dtype == np.float32
+
+
 def test_whole_column_figures_are_those_of_the_array_in_panels(column: rubnoise.Column, source: Source) -> None:
     assert column.mean() == pytest.approx(VALUES.mean(), rel=1e-12)
     assert column.std() == pytest.approx(VALUES.std(), rel=1e-12)
@@ -123,7 +201,7 @@ def test_numpy_takes_a_column_for_an_array(column: rubnoise.Column) -> None:
     assert np.asarray(column, dtype=np.float32).dtype == np.float32
     np.testing.assert_array_equal(2.0 * column - column / 4.0, 2.0 * VALUES - VALUES / 4.0)
     np.testing.assert_array_equal(np.concatenate([column, column]), np.tile(VALUES, 2))
-    assert np.mean(column) == VALUES.mean()
+    assert np.mean(column) == pytest.approx(VALUES.mean(), rel=1e-12)
     assert np.interp(0.5, np.arange(2), column[:2]) == VALUES[:2].mean()
     assert (column == VALUES).all()
     with pytest.raises(ValueError, match="no array to share"):
@@ -170,7 +248,7 @@ def test_a_record_in_memory_has_the_same_face(tmp_path: Path) -> None:
         assert record.junction(3) == run.junction(3)
         assert record.to_pandas()["trace"].equals(run.trace.to_pandas())
     np.testing.assert_array_equal(record.trace["distance"], record["trace"]["distance"])
-    assert repr(record).startswith("a run in memory\n/junctions: ")
+    assert repr(record).startswith("a run in memory\n  .junctions ")
     with pytest.raises(KeyError, match="no slider"):
         _ = record.slider
 
@@ -182,5 +260,5 @@ def test_a_missing_library_is_named_with_its_extra(
     monkeypatch.setitem(sys.modules, library, None)
     monkeypatch.delitem(sys.modules, "rubnoise.api.labelled", raising=False)
     monkeypatch.delattr("rubnoise.api.labelled", raising=False)
-    with pytest.raises(ExtraMissing, match=rf'{method} needs {library}: python -m pip install "rubnoise\[analysis\]"'):
+    with pytest.raises(ExtraMissing, match=rf"{method} needs {library}: python3 .*tools/dev.py sync$"):
         getattr(rubnoise.Columns(TRACE, {AREA.name: column}), method)()

@@ -9,7 +9,7 @@ import pytest
 import rubnoise
 from rubnoise.analysis.agreement import from_attributes
 from rubnoise.analysis.run_summary import CURVES
-from rubnoise.api.summarising import keep_summary, summary_theory
+from rubnoise.api.sweeping import keep_summary, summary_theory
 from rubnoise.scenario.sweep import expand
 from tests.unit.sweeps import GRID, sweep_of
 

@@ -11,7 +11,8 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.record.tally import Tally
 from rubnoise.simulation import cost
 from rubnoise.simulation.cost import PROGRAM_BYTES, MachineSpeed, machine_speed, seconds, work, working_bytes
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
 from tests.models import UNEQUAL, bare, model
 
 ENGINES = ("events", "batch")

@@ -100,5 +100,5 @@ def test_a_bare_run_is_drawn_without_times(tmp_path: Path, lives: list[Life]) ->
 
 def test_without_matplotlib_it_is_said_how_to_get_it(lives: list[Life], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(PicturesMissing, match=r'a picture needs matplotlib: pip install "rubnoise\[plot\]"'):
+    with pytest.raises(PicturesMissing, match=r"a picture needs matplotlib: python3 .*tools/dev\.py sync$"):
         life_png(lives[2])

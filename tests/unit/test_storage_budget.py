@@ -245,7 +245,7 @@ def test_as_many_runs_at_once_as_memory_holds_are_told(tmp_path: Path, monkeypat
     each = PROGRAM_BYTES + one.working_bytes
     _with_room(monkeypatch, memory=3 * each)
     check_sweep_space(one, tmp_path, jobs=3)
-    with pytest.raises(Refused, match=r"--jobs 3 fits"):
+    with pytest.raises(Refused, match="jobs=3 fits"):
         check_sweep_space(one, tmp_path, jobs=4)
     _with_room(monkeypatch, memory=each - 1)
     with pytest.raises(Refused, match=r"interface\.mean_junction_count"):

@@ -89,7 +89,7 @@ def test_a_scenario_that_is_none_of_the_part_is_refused(part: Path, text: str) -
     assert str(refused.value).startswith(f"{part}: ")
     assert str(refused.value).count(str(part)) == 1
     assert refused.value.exit_code == 2
-    with pytest.raises(OutputRefused, match=r"\(--force starts over"):
+    with pytest.raises(OutputRefused, match=r"\(force=True starts over"):
         rubnoise.run(WHOLE, part.with_suffix(""))
     assert part.read_bytes() == before
     assert names(part.parent) == ["x.h5.part", "x.h5.part.journal"]

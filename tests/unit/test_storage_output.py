@@ -49,7 +49,7 @@ def test_what_is_no_regular_file_is_refused(tmp_path: Path, make: Callable[[Path
 @pytest.mark.parametrize("name", ["run.h5", "run.h5.part"])
 def test_an_existing_file_is_refused_and_replaced_by_force(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(b"older")
-    with pytest.raises(OutputRefused, match=r"--force"):
+    with pytest.raises(OutputRefused, match="force=True"):
         attempt(tmp_path / "run.h5")
     assert names(tmp_path) == [name]
     assert (tmp_path / name).read_bytes() == b"older"

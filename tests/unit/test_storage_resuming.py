@@ -13,8 +13,7 @@ import h5py
 import pytest
 
 import rubnoise
-from rubnoise.api.describing import describe
-from rubnoise.api.playing import play
+from rubnoise.api.playing import describe, play
 from rubnoise.errors import OutputRefused, Refused, RubnoiseError, RunFileRefused, RunStopped
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation import draws
@@ -281,7 +280,7 @@ def test_another_run_is_refused_with_the_difference(tmp_path: Path, other: Scena
     before = (tmp_path / "x.h5.part").read_bytes()
     with pytest.raises(OutputRefused, match=said) as refused:
         rubnoise.run(other, path)
-    assert "(--force starts over; rubnoise resume" in str(refused.value)
+    assert "(force=True starts over; rubnoise resume" in str(refused.value)
     assert refused.value.exit_code == 2
     assert (tmp_path / "x.h5.part").read_bytes() == before
     rubnoise.run(other, path, force=True).close()
@@ -332,7 +331,7 @@ def test_a_part_that_cannot_be_read_is_refused_until_force(tmp_path: Path) -> No
     (tmp_path / "x.h5.part").write_bytes(b"something else")
     with pytest.raises(RunFileRefused, match="not an HDF5 file"):
         rubnoise.resume(tmp_path / "x.h5.part")
-    with pytest.raises(OutputRefused, match=r"not an HDF5 file.*\(--force starts over\)"):
+    with pytest.raises(OutputRefused, match=r"not an HDF5 file.*\(force=True starts over\)"):
         rubnoise.run(BARE, tmp_path / "x.h5")
     rubnoise.run(BARE, tmp_path / "x.h5", force=True).close()
     assert names(tmp_path) == ["x.h5"]

@@ -19,7 +19,8 @@ from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH
 from tests.unit.tampering import change, flip, forget, put, run_of, tell

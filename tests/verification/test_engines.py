@@ -16,8 +16,9 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import build
 from rubnoise.simulation import draws, ticks
+from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import Engine, extent, simulate
+from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import LiveRows, State
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
 

@@ -8,7 +8,8 @@ from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
 from rubnoise.simulation import draws, ticks
-from rubnoise.simulation.run import extent, finished, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import finished, simulate
 from rubnoise.simulation.state import State
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
 

@@ -10,8 +10,9 @@ from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation import block_starts, draws
+from rubnoise.simulation.extent import extent
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.run import simulate
 from tests.models import bare, contents, model, recorded
 
 RUNS = {

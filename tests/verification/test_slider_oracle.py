@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation.cells import cells_per_tick, narrow
 from rubnoise.simulation.kernels import choice, coarse
-from rubnoise.simulation.slider import cells_per_tick, narrow
 from tests.models import FIG5_SLIDER, model, recorded
 from tests.oracle import dop853_slider, theta_slider
 from tests.oracle.oscillator import Motion, Oscillator

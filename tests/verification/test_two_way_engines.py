@@ -12,7 +12,8 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation import block_starts, draws, ticks
 from rubnoise.simulation.coupled import fold, motion
-from rubnoise.simulation.run import Engine, extent, simulate
+from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 from tests.models import UNEQUAL, contents, model, recorded, run_to_end
 

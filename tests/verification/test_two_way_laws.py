@@ -19,7 +19,7 @@ from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.run import extent
+from rubnoise.simulation.extent import extent
 from rubnoise.storage.forecast import rows_at_most
 from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import mean_force_error

@@ -7,8 +7,7 @@ from statistics import median
 from tempfile import TemporaryDirectory
 from time import process_time
 
-from rubnoise.api.describing import describe
-from rubnoise.api.playing import play
+from rubnoise.api.playing import describe, play
 from rubnoise.scenario import Scenario, load
 from rubnoise.storage.writer import RunWriter
 from survival.finding import Outcome

@@ -15,6 +15,12 @@ class Agreement:
 
     ``deviate`` is there for a figure whose law is known and far from normal, such as a small count: the value of a unit
     normal that is as improbable as the figure (see `normal_deviate`).
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     first = run.summary[0]
+    >>> first.name, first.z is not None and abs(first.z) < 4.0
+    ('real_contact_area_mean', True)
     """
 
     name: str

@@ -1,44 +1,60 @@
-"""Everything rubnoise does, as Python functions: load a scenario, run it, open a result, ask the theory."""
+"""Everything that rubnoise does, as Python functions: load a scenario, run it, open a result, compute the theory.
+
+`result.py` and `record.py` hold what most users meet first: a run in a file or in memory, with its columns.
+`running.py` makes runs, `sweeping.py` makes sweeps, and `verify_sweep.py` verifies the folder of a sweep.
+Begin with `run` in `running.py`: it calls `play` in `playing.py`, which connects simulation and storage.
+"""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
-    from rubnoise.api.column import Column
-    from rubnoise.api.columns import Columns
-    from rubnoise.api.junction import Junction
+    from rubnoise.api.answers import Comparison, Verification
+    from rubnoise.api.columns import Column, Columns
+    from rubnoise.api.estimates import Autocovariance, PowerSpectrum
+    from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
-    from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
+    from rubnoise.api.result import Junction, Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
+    from rubnoise.api.scenarios import example, examples, load, load_sweep
     from rubnoise.api.sweep_result import SweepResult, open_sweep
     from rubnoise.api.sweeping import run_sweep
+    from rubnoise.api.trace import Trace
     from rubnoise.errors import Refused, RubnoiseError
     from rubnoise.record.rows import JunctionState
-    from rubnoise.scenario import Scenario, build, load
-    from rubnoise.scenario.sweep import expand, load_sweep
+    from rubnoise.scenario import Scenario, build
+    from rubnoise.scenario.sweep import expand
     from rubnoise.simulation.intervention import LiveJunctions
     from rubnoise.simulation.observer import Observer
     from rubnoise.theory.exact import Exact
 
 __all__ = [
     "Agreement",
+    "Autocovariance",
     "Column",
     "Columns",
+    "Comparison",
     "Exact",
     "Junction",
     "JunctionState",
     "LiveJunctions",
     "Observer",
+    "PowerSpectrum",
     "Record",
     "Refused",
     "RubnoiseError",
     "Run",
     "Scenario",
     "SweepResult",
+    "Trace",
+    "Verification",
     "build",
+    "draw_figures",
     "exact",
+    "example",
+    "examples",
     "expand",
     "load",
     "load_sweep",
@@ -52,19 +68,22 @@ __all__ = [
 
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
-    "rubnoise.api.column": ("Column",),
-    "rubnoise.api.columns": ("Columns",),
-    "rubnoise.api.junction": ("Junction",),
+    "rubnoise.api.answers": ("Comparison", "Verification"),
+    "rubnoise.api.columns": ("Column", "Columns"),
+    "rubnoise.api.pictures": ("draw_figures",),
     "rubnoise.api.record": ("Record",),
-    "rubnoise.api.result": ("Run", "open"),
+    "rubnoise.api.result": ("Junction", "Run", "open"),
     "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
+    "rubnoise.api.scenarios": ("example", "examples", "load", "load_sweep"),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
     "rubnoise.api.sweeping": ("run_sweep",),
+    "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
+    "rubnoise.api.trace": ("Trace",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
     "rubnoise.record.rows": ("JunctionState",),
-    "rubnoise.scenario": ("Scenario", "build", "load"),
-    "rubnoise.scenario.sweep": ("expand", "load_sweep"),
+    "rubnoise.scenario": ("Scenario", "build"),
+    "rubnoise.scenario.sweep": ("expand",),
     "rubnoise.simulation.intervention": ("LiveJunctions",),
     "rubnoise.simulation.observer": ("Observer",),
     "rubnoise.theory.exact": ("Exact",),

@@ -1,27 +1,299 @@
-"""The columns of one group of a result, by name, and what xarray and pandas make of them."""
+"""Columns of a result: arrays that read the rows that are asked for, alone and as the columns of a group."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from inspect import signature
+from math import sqrt
+from types import EllipsisType
+from typing import TYPE_CHECKING, Any, Final, SupportsIndex, overload
 
-from rubnoise.api.column import Column
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+from numpy.typing import DTypeLike, NDArray
+
 from rubnoise.errors import needing
+from rubnoise.record.tally import Moments
 from rubnoise.storage import schema
+from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
+
+PANEL_ROWS: Final = 65_536
+READ_AT_ONCE: Final = 4
+Read = Callable[[int, int], NDArray[Any]]
+"""Returns rows start to stop of a column."""
+
+
+class Column(NDArrayOperatorsMixin):
+    """One column of a result: an array that is read when it is needed, and no farther.
+
+    ``column[:100]`` reads a hundred rows and returns a numpy array. ``numpy.asarray(column)``, ``values``, arithmetic,
+    comparisons, ufuncs, matplotlib, scipy, pandas and polars read all of it. ``sum``, ``mean``, ``std``, ``var``,
+    ``min``, ``max`` (and ``numpy.mean(column)`` and so on) and iteration read it in pieces, so that they need no more
+    memory for a longer run. After the run is closed, reading raises ValueError; what was read stays.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     area = run.trace["real_contact_area"]
+    ...     area.units, len(area), area[:3].shape
+    ('um^2', 200001, (3,))
+    """
+
+    ndim = 1
+
+    def __init__(self, about: schema.Column, rows: int, read: Read) -> None:
+        """Stand for a column of a number of rows, which ``read`` reads."""
+        self.name = about.name
+        self.units = about.units
+        self.long_name = about.long_name
+        self.symbol = about.symbol
+        self.about = about
+        self.dtype: np.dtype[Any] = np.dtype(about.dtype)
+        self._coded = about.coded
+        self._rows = rows
+        self._read = read
+
+    def __len__(self) -> int:
+        return self._rows
+
+    @property
+    def shape(self) -> tuple[int]:
+        """The number of rows, as numpy has it."""
+        return (self._rows,)
+
+    @property
+    def size(self) -> int:
+        """The number of rows."""
+        return self._rows
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Unit, meaning, symbol and flags, as they stand at the dataset in the file."""
+        attributes: dict[str, Any] = {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
+        attribute, codes = self._coded
+        if codes:
+            attributes[attribute] = np.array([number for number, _ in codes], dtype=self.dtype)
+            attributes["flag_meanings"] = " ".join(meaning for _, meaning in codes)
+        return attributes
+
+    @property
+    def values(self) -> NDArray[Any]:
+        """All rows as a numpy array, as pandas and xarray call it."""
+        return self[:]
+
+    def to_numpy(self, dtype: DTypeLike | None = None, *, copy: bool = False) -> NDArray[Any]:  # noqa: ARG002
+        """Read all rows into a new numpy array, of another type if one is given (``copy`` is always true)."""
+        return np.asarray(self, dtype=dtype)
+
+    def astype(self, dtype: DTypeLike) -> NDArray[Any]:
+        """Read all rows into a numpy array of a type."""
+        return self.to_numpy(dtype)
+
+    def tolist(self) -> list[Any]:
+        """Read all rows into a list of Python's numbers."""
+        return self[:].tolist()
+
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any] | EllipsisType | None) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, index: Any) -> Any: ...
+    def __getitem__(self, index: Any) -> Any:
+        """Return what numpy would: a number, or the rows of a slice, a list, a mask or a tuple of these; read no more.
+
+        Raises IndexError where numpy would.
+        """
+        if isinstance(index, tuple) or index is None or index is Ellipsis:
+            return self._shaped(index if isinstance(index, tuple) else (index,))
+        if isinstance(index, slice):
+            return self._sliced(*index.indices(self._rows))
+        if isinstance(index, SupportsIndex) and not isinstance(index, bool | np.ndarray):
+            return self._row(index.__index__())
+        return self._picked(np.asarray(index))
+
+    def __iter__(self) -> Iterator[Any]:
+        """Yield every number, reading panel by panel."""
+        for panel in self.panels():
+            yield from panel
+
+    def taken(self, rows: NDArray[np.int64]) -> "Column":
+        """Return a column of chosen rows, in ascending order, which are read when they are needed."""
+
+        def read(start: int, stop: int) -> NDArray[Any]:
+            chosen = rows[start:stop]
+            # Panel by panel: few rows may lie far apart.
+            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // PANEL_ROWS)) + 1)
+            return np.concatenate([self._picked(part) for part in parts])
+
+        return Column(self.about, rows.size, read)
+
+    def panels(self, rows: int = PANEL_ROWS) -> Iterator[NDArray[Any]]:
+        """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
+        for first in range(0, self._rows, rows):
+            yield self._read(first, min(first + rows, self._rows))
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:  # noqa: FBT001
+        """Read the whole column (numpy's protocol)."""
+        if copy is False:
+            raise ValueError(f"{self.name} is read from its file; there is no array to share")
+        return self[:].astype(self.dtype if dtype is None else dtype, copy=False)
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        """Read the whole column where arithmetic needs it (numpy's protocol)."""
+        if any(isinstance(each, Column) for each in options.get("out", ())):
+            return NotImplemented
+        return getattr(ufunc, method)(*map(_read, inputs), **options)
+
+    def __array_function__(self, function: Any, _types: Any, arguments: Any, options: Mapping[str, Any]) -> Any:
+        """Read the whole column where one of numpy's functions needs it (numpy's protocol)."""
+        if function in IN_PIECES and arguments and arguments[0] is self and len(arguments) == 1:
+            reduction = getattr(self, IN_PIECES[function])
+            if options.keys() <= set(signature(reduction).parameters):
+                return reduction(**options)
+        return function(*map(_read, arguments), **{name: _read(value) for name, value in options.items()})
+
+    def sum(self) -> Any:
+        """Return the sum; 0 without rows."""
+        return sum((panel.sum() for panel in self.panels()), start=self.dtype.type(0))
+
+    def mean(self) -> float:
+        """Return the mean; nan without rows."""
+        return self._moments().mean if self._rows else float("nan")
+
+    def var(self, ddof: float = 0) -> float:
+        """Return the variance about the mean, over the number of rows less ``ddof``; nan without so many rows."""
+        if self._rows <= ddof:
+            return float("nan")
+        return self._moments().variance * self._rows / (self._rows - ddof)
+
+    def std(self, ddof: float = 0) -> float:
+        """Return the standard deviation about the mean, over the number of rows less ``ddof``; nan without so many."""
+        return sqrt(self.var(ddof))
+
+    def min(self) -> Any:
+        """Return the smallest number; raises ValueError without rows."""
+        return min(panel.min() for panel in self.panels())
+
+    def max(self) -> Any:
+        """Return the largest number; raises ValueError without rows."""
+        return max(panel.max() for panel in self.panels())
+
+    def __repr__(self) -> str:
+        text = f"{self.name} ({self.units}), {self._rows:,} rows of {self.dtype}"
+        try:
+            return f"<{text}: {self._glimpse()}>"
+        except ValueError:
+            return f"<{text}: closed>"
+
+    def _glimpse(self) -> str:
+        if self._rows <= READ_AT_ONCE:
+            return " ".join(f"{value:.6g}" for value in self[:])
+        return " ".join(f"{value:.6g}" for value in self[:3]) + f" ... {self[-1]:.6g}"
+
+    def _moments(self) -> Moments:
+        moments = Moments(powers=2)
+        for panel in self.panels():
+            moments.add(panel.astype(np.float64, copy=False))
+        return moments
+
+    def _shaped(self, index: tuple[Any, ...]) -> NDArray[Any]:
+        """Return rows with axes of length 1 where a tuple holds None, such as ``column[:, None]``."""
+        chosen = [each for each in index if each is not None and each is not Ellipsis]
+        if len(chosen) > 1:
+            raise IndexError(f"too many indices: {self.name} has one dimension, and {len(chosen)} were given")
+        if sum(each is Ellipsis for each in index) > 1:
+            raise IndexError("an index can only have a single ellipsis ('...')")
+        if len(index) == len(chosen) == 1:
+            return self[chosen[0]]
+        # The rows stand where they are chosen; if they are not, at the ellipsis, or else behind all.
+        rows = np.asarray(self[chosen[0]] if chosen else self[:])
+        places = [each for each in index if each is None or not chosen or each is not Ellipsis]
+        places = places if any(each is not None for each in places) else [*places, Ellipsis]
+        return rows[tuple(None if each is None else Ellipsis for each in places)]
+
+    def _row(self, number: int) -> Any:
+        row = number + self._rows if number < 0 else number
+        if not 0 <= row < self._rows:
+            raise IndexError(f"row {number}: {self.name} has {self._rows} rows")
+        return self._read(row, row + 1)[0]
+
+    def _sliced(self, start: int, stop: int, step: int) -> NDArray[Any]:
+        if step < 0:
+            rows = range(start, stop, step)
+            return self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows else self._read(0, 0)
+        if step == 1:
+            return self._read(start, max(start, stop))
+        # Steps wider than a panel touch single rows; narrower ones pick from panels that hold a whole number of steps.
+        span = step * max(1, PANEL_ROWS // step)
+        width = span if step <= PANEL_ROWS else 1
+        parts = [self._read(first, min(first + width, stop))[::step] for first in range(start, stop, span)]
+        return np.concatenate(parts) if parts else self._read(0, 0)
+
+    def _picked(self, index: NDArray[Any]) -> NDArray[Any]:
+        """Return chosen rows from the shortest stretch that holds them all."""
+        if not index.size:
+            return self._read(0, 0)
+        if index.dtype == np.bool_:
+            return self._masked(index)
+        if not np.issubdtype(index.dtype, np.integer):
+            raise IndexError(f"{self.name} has rows, numbered 0 to {self._rows - 1}; {index.dtype} is no row number")
+        rows = np.where(index < 0, index + self._rows, index)
+        low, high = int(rows.min()), int(rows.max())
+        if low < 0 or high >= self._rows:
+            raise IndexError(f"rows {low} to {high}: {self.name} has {self._rows} rows")
+        picked: NDArray[Any] = self._read(low, high + 1)[rows - low]
+        return picked
+
+    def _masked(self, mask: NDArray[np.bool_]) -> NDArray[Any]:
+        """Return the rows that a mask chooses, from the panels that hold any."""
+        if mask.shape != self.shape:
+            raise IndexError(
+                f"a mask of shape {mask.shape} chooses no rows of {self.name}, which has {self._rows} rows"
+            )
+        parts = [
+            self._read(first, min(first + PANEL_ROWS, self._rows))[mask[first : first + PANEL_ROWS]]
+            for first in range(0, self._rows, PANEL_ROWS)
+            if mask[first : first + PANEL_ROWS].any()
+        ]
+        return np.concatenate(parts) if parts else self._read(0, 0)
+
+
+Sequence.register(Column)  # for libraries that take an array or a sequence, such as polars
+
+IN_PIECES: Final[Mapping[Any, str]] = {
+    np.sum: "sum",
+    np.mean: "mean",
+    np.var: "var",
+    np.std: "std",
+    np.min: "min",
+    np.max: "max",
+}
+"""Functions of numpy that need not hold a whole column."""
+
+
+def _read(value: Any) -> Any:
+    """Return a value with every column in it, or in a list of its values, as an array."""
+    if isinstance(value, list | tuple):
+        return type(value)(map(_read, value))
+    return value[:] if isinstance(value, Column) else value
 
 
 class Columns:
     """The columns of one group of a result, by name: ``run.trace["real_contact_area"]``.
 
     ``len`` is the number of rows; iteration gives the names, the column first on which the others depend.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     run.trace.names, len(run.trace)
+    (('distance', 'real_contact_area', 'junction_count', 'friction_force'), 200001)
     """
 
     def __init__(self, about: schema.Group, columns: Mapping[str, Column]) -> None:
         """Stand for the columns of a group that a result has."""
         self.name = about.name
         self.long_name = about.long_name
+        self._about = about
         self._columns = dict(columns)
 
     def __getitem__(self, name: str) -> Column:
@@ -48,8 +320,40 @@ class Columns:
         """Return the names, so that ``dict(run.trace)`` is a dictionary of columns."""
         return self.names
 
+    def items(self) -> Iterable[tuple[str, Column]]:
+        """Return names and columns."""
+        return self._columns.items()
+
+    def where(self, condition: str) -> "Columns":
+        """Return the rows for which a condition holds: ``run.junctions.where("diameter > 6 um and not alive_at_end")``.
+
+        A condition compares columns with numbers, with units if you like; ``and``, ``or``, ``not`` and parentheses join
+        conditions, and a state of a junction, such as ``ended_early``, is one by itself. Reads the columns of the
+        condition now, in pieces, and the others when they are needed. Raises Refused, with a mark below what is
+        wrong, for a condition that cannot be understood.
+
+        >>> import rubnoise
+        >>> with rubnoise.open("fig5.h5") as run:
+        ...     large = run.junctions.where("diameter > 6 um and not alive_at_end")
+        ...     len(large) < len(run.junctions), bool(large["diameter"].min() > 6.0)
+        (True, True)
+        """
+        from rubnoise.analysis.where import ConditionRefused
+        from rubnoise.analysis.where import condition as understood
+
+        try:
+            node = understood(condition, [each.about for each in self._columns.values()])
+        except ConditionRefused as refused:
+            raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
+        rows = [np.zeros(0, dtype=np.int64)]
+        for first in range(0, len(self), PANEL_ROWS):
+            last = min(first + PANEL_ROWS, len(self))
+            rows.append(first + np.flatnonzero(node.chosen({name: self[name][first:last] for name in node.columns})))
+        chosen = np.concatenate(rows)
+        return Columns(self._about, {name: each.taken(chosen) for name, each in self._columns.items()})
+
     def to_xarray(self, *, index: bool = True) -> "xr.Dataset":
-        """Return the group as an xarray Dataset with units, its variables read when they are asked for.
+        """Return the group as an xarray Dataset with units, its variables read when they are needed.
 
         The first column becomes the coordinate. With ``index`` that one is read now (8 bytes a row; row numbers need
         no reading), so that ``.sel`` finds rows by it; without, nothing is. Raises ExtraMissing without xarray.
@@ -61,7 +365,7 @@ class Columns:
     def to_pandas(self, names: Sequence[str] | None = None) -> "pd.DataFrame":
         """Read the group, or the columns named, into a pandas DataFrame whose index is the first column.
 
-        Units are in ``frame.attrs["units"]``, by name. Raises KeyError for a name that is none, ExtraMissing without
+        Units are in ``frame.attrs["units"]``, by name. Raises KeyError for an unknown name, ExtraMissing without
         pandas.
         """
         with needing("analysis", "to_pandas"):
@@ -75,4 +379,8 @@ class Columns:
     def __repr__(self) -> str:
         width = max(map(len, self.names))
         lines = [f"  {name:<{width}}  {each.units:<5}  {each.long_name}" for name, each in self._columns.items()]
-        return "\n".join([f"/{self.name}: {self.long_name}, {len(self):,} rows", *lines])
+        return shortened([f"/{self.name}: {self.long_name}, {len(self):,} rows", *lines])
+
+    def _repr_html_(self) -> str:
+        rows = [(name, each.units, each.long_name) for name, each in self._columns.items()]
+        return as_html(f"/{self.name}: {self.long_name}, {len(self):,} rows", ("column", "unit", "meaning"), rows)

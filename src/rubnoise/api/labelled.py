@@ -8,7 +8,7 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from rubnoise.api.column import Column
+from rubnoise.api.columns import Column
 
 
 class ColumnArray(BackendArray):

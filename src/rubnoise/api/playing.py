@@ -1,16 +1,68 @@
-"""A run played into its file, from its start or from where it stopped."""
+"""Describe a run, and write it into its file from its start or from where it stopped."""
 
-from typing import cast
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, cast
 
 from rubnoise.analysis.summary import summarise
+from rubnoise.errors import Refused
+from rubnoise.model import Model
 from rubnoise.record.sink import Tee
 from rubnoise.record.tally import Tally
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.intervention import Intervention
+from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import Engine, simulate
+from rubnoise.simulation.run import simulate, slider_constants
+from rubnoise.storage.forecast import check_disk_space, expected
+from rubnoise.storage.layout import RunDescription, features_of
+from rubnoise.storage.output import check_output
+from rubnoise.storage.provenance import gather
 from rubnoise.storage.writer import RunWriter
+from rubnoise.storage.written import Written
+
+if TYPE_CHECKING:
+    from rubnoise.api.record import Record
+
+PANEL_ROWS: Final = 65_536
+"""Rows of a record in memory that are written at once."""
+
+
+def describe(
+    scenario: Scenario,
+    path: str | os.PathLike[str],
+    command: Sequence[str],
+    intervene: Intervention | str | None = None,
+) -> RunDescription:
+    """Return the description of a result: its births are counted, nothing else is done.
+
+    ``intervene`` is what may end lives, or its name.
+    """
+    model, seed = scenario.model(), scenario.run.seed
+    return RunDescription(
+        title=scenario.title or Path(path).stem,
+        extent=extent(model, seed),
+        features=features_of(model),
+        compression="gzip" if scenario.output.compression == "gzip" else "none",
+        scenario_toml=scenario.text,
+        scenario_resolved=scenario.resolved(),
+        provenance=gather(
+            seed=seed,
+            calibrated_diameter=model.calibrated_diameter,
+            propagator_constants=named_constants(model),
+            command=command,
+            intervention=intervene if isinstance(intervene, str) else "" if intervene is None else name_of(intervene),
+        ),
+    )
+
+
+def named_constants(model: Model) -> dict[str, float]:
+    """Return the rounded constants of the slider's exact step by name; none without a slider."""
+    constants = slider_constants(model)
+    return {} if constants is None else constants.named()
 
 
 def play(
@@ -40,12 +92,36 @@ def play(
         watch=watch,
         commit=writer.commit,
     )
-    figures: dict[str, float | int | str] = {}
-    for figure in summarise(model, tally):
-        figures |= figure.as_attributes()
 
     def between() -> None:
         if watch is not None:
             watch(model.distance, end.junctions, len(end.live))
 
-    writer.publish(figures, between=between)
+    writer.publish(_figures(model, tally), between=between)
+
+
+def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False) -> Written | None:
+    """Write a run from memory into a result file, and return which file that is (see Record.save)."""
+    scenario = record.scenario
+    if scenario is None:
+        raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
+    model, tally = scenario.model(), Tally.of(scenario.model())
+    check_output(path, force=force)
+    check_disk_space(scenario, expected(scenario), path)
+    command = [Path(sys.argv[0]).name, *sys.argv[1:]]
+    with RunWriter(path, describe(scenario, path, command, record.intervention), force=force) as writer:
+        sink = Tee((writer, tally))
+        for group, columns in record.groups.items():
+            rows = next(iter(columns.values())).size
+            for first in range(0, rows, PANEL_ROWS):
+                last = min(first + PANEL_ROWS, rows)
+                sink.write(group, first, {name: values[first:last] for name, values in columns.items()})
+        writer.publish(_figures(model, tally))
+    return writer.written
+
+
+def _figures(model: Model, tally: Tally) -> dict[str, float | int | str]:
+    figures: dict[str, float | int | str] = {}
+    for figure in summarise(model, tally):
+        figures |= figure.as_attributes()
+    return figures

@@ -1,26 +1,229 @@
-"""An open result file."""
+"""What a run has, in a file or in memory; a run in a file, and one junction."""
 
 import json
 import os
-from collections.abc import Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field
 from functools import cached_property, partial
+from operator import index
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Final, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.column import Column
-from rubnoise.api.columns import Columns
-from rubnoise.api.contents import Contents
-from rubnoise.contact.pulses import Pulse
-from rubnoise.errors import RunFileRefused, ScenarioRefused
-from rubnoise.record.reader import Rows
+from rubnoise.api.columns import Column, Columns
+from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.errors import RunFileRefused, ScenarioRefused, needing
+from rubnoise.record.reader import Reader, Rows
+from rubnoise.record.rows import JunctionState
+from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
+from rubnoise.tables import as_html, shortened
+from rubnoise.units import in_unit
 
 if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rubnoise.analysis.verification import ResultFile
+    from rubnoise.api.answers import Comparison, Verification
+    from rubnoise.api.estimates import PowerSpectrum
+    from rubnoise.api.trace import Trace
+    from rubnoise.model import Model
     from rubnoise.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Junction:
+    """One junction's row: distances in um, area in um^2; times in s and strength in MPa where the run has them.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     junction = run.junction(17)
+    >>> middle = junction.birth_distance + junction.diameter
+    >>> bool(np.isclose(junction.area(middle), junction.max_area))
+    True
+    """
+
+    number: int
+    birth_distance: float
+    death_distance: float
+    life_distance: float
+    diameter: float
+    max_area: float
+    state: JunctionState
+    shear_strength: float | None = None
+    birth_time: float | None = None
+    death_time: float | None = None
+    pulse: Pulse = field(default=LENS, repr=False)
+
+    def area(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
+
+        With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
+        triangle (pi/4) d (d - x): whichever the run has.
+        """
+        s = np.asarray(in_unit(distance, "um"), dtype=np.float64)
+        alive = (self.birth_distance <= s) & (s < self.death_distance)
+        return np.where(alive, self.pulse.area(s - self.birth_distance, self.diameter), 0.0)
+
+    def _repr_html_(self) -> str:
+        units = {column.name: column.units for column in schema.JUNCTIONS.columns}
+        values = {name: getattr(self, name) for name in units if name != "junction"}
+        rows = [(name, value, units[name]) for name, value in values.items() if value is not None]
+        return as_html(f"junction {self.number}", ("", "value", "unit"), rows)
+
+
+class Contents(ABC):
+    """The groups of a result and what can be made of them."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def _groups(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name."""
+
+    @property
+    @abstractmethod
+    def _pulse(self) -> Pulse:
+        """Return the shape of the junctions' lives."""
+
+    def _attributes(self) -> Mapping[str, float | int | str]:
+        return {}
+
+    @property
+    def junctions(self) -> Columns:
+        """One row a junction, in order of birth."""
+        return self._groups()["junctions"]
+
+    @property
+    def trace(self) -> Columns:
+        """Real contact area, junction count and friction force at every tick."""
+        return self._groups()["trace"]
+
+    @property
+    def slider(self) -> Columns:
+        """The slider's motion at every tick; raises KeyError where the run has no slider."""
+        groups = self._groups()
+        if "slider" not in groups:
+            raise KeyError("the run has no slider")
+        return groups["slider"]
+
+    def junction(self, number: int) -> Junction:
+        """Return one junction by its row number, reading that row; raises IndexError where there is no such row."""
+        columns, number = self.junctions, index(number)
+        if not 0 <= number < len(columns):
+            there = f"junctions 0 to {len(columns) - 1}" if len(columns) else "no junctions at all"
+            raise IndexError(f"junction {number}: the run has {there}")
+        values = {name: columns[name][number].item() for name in columns if name != "junction"}
+        return Junction(number=number, pulse=self._pulse, **values | {"state": JunctionState(values["state"])})
+
+    def compare(self, bound: float | None = None) -> "Comparison":
+        """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
+
+        ``bound`` is the largest |z| of a figure that agrees; by default all figures of 99.9 % of right runs keep it.
+        Raises Refused for an unfinished run or is too short for any comparison.
+        """
+        from rubnoise.api.answers import compared
+
+        return compared(self.reader(), self._called, bound)
+
+    def verify(self, regenerate: int = 0) -> "Verification":
+        """Check every value against hashes, rows and scenario: a table of checks, and ``passed``.
+
+        ``regenerate``: how many blocks to make again from the seed and compare bit for bit. A run in memory is saved
+        into a temporary file for this. Raises Refused for an unfinished run.
+        """
+        from rubnoise.api.answers import verified
+
+        with self._file_of() as file:
+            return verified(file, self._called, regenerate)
+
+    def psd(self, quantity: str = "real_contact_area", *, segment: Any = None) -> "PowerSpectrum":
+        """Return Welch's estimate of a power spectral density, with the exact one where theory knows it.
+
+        "displacement", "velocity" and "friction_force" of a slider: one-sided over Hz, in m^2/Hz, (m/s)^2/Hz, N^2/Hz;
+        "real_contact_area" and "junction_count": two-sided over rad/um, in um^4 and 1 per rad/um. ``segment`` is the
+        length of a segment in s or um; by default there are some 64. Raises KeyError for a quantity the run lacks.
+        """
+        from rubnoise.api.estimates import spectrum_of
+
+        return spectrum_of(self, quantity, segment)
+
+    def plot(
+        self,
+        what: str = "trace",
+        ax: "Axes | None" = None,
+        *,
+        start: Any = None,
+        stop: Any = None,
+        of: str = "area",
+        beside: "Contents | Trace | None" = None,
+    ) -> "Figure":
+        """Draw a picture of the run beside theory, and return it as a matplotlib figure.
+
+        ``what`` is "trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase" or "landmarks", as for
+        `rubnoise plot`; ``of`` is whose spectrum "psd" shows: "area", "force", "displacement" or "velocity". With
+        ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
+        another run, for "slider", "phase" and spectra in Hz, or for spectra a `Trace` of yours. Raises Refused for a
+        picture that the run does not have, PicturesMissing without matplotlib.
+
+        >>> import rubnoise
+        >>> with rubnoise.open("fig5.h5") as run:
+        ...     figure = run.plot("psd", of="velocity")
+        >>> len(figure.axes)
+        1
+        """
+        from rubnoise.api.pictures import drawn
+
+        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside)
+
+    def groups_by_name(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name, of a run in a file and in memory alike."""
+        return self._groups()
+
+    def model(self) -> "Model":
+        """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
+        from rubnoise.analysis.stored_model import stored_model
+
+        return stored_model(self.reader())
+
+    @abstractmethod
+    def reader(self) -> Reader:
+        """Return the rows of a finished run, with what it says of itself; raises Refused for one that is not."""
+
+    @abstractmethod
+    def _file_of(self) -> "AbstractContextManager[ResultFile]":
+        """Return the run as an open file."""
+
+    @property
+    @abstractmethod
+    def _called(self) -> str:
+        """What messages call the run."""
+
+    def to_xarray(self, *, index: bool = True) -> "xr.DataTree":
+        """Return the result as an xarray DataTree: ``run.to_xarray()["trace"]``, and so for every group.
+
+        Variables are read when they are needed, as long as the run is open; ``index`` is as in Columns.to_xarray.
+        Raises ExtraMissing without xarray.
+        """
+        with needing("analysis", "to_xarray"):
+            from rubnoise.api import labelled
+        groups = {name: columns.to_xarray(index=index) for name, columns in self._groups().items()}
+        return labelled.tree(groups, self._attributes())
+
+    def to_pandas(self) -> "dict[str, pd.DataFrame]":
+        """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
+        return {name: columns.to_pandas() for name, columns in self._groups().items()}
 
 
 class Run(Contents):
@@ -89,9 +292,29 @@ class Run(Contents):
     def __repr__(self) -> str:
         if self._file.closed:
             return f"{self.path}: a run, closed"
-        heading = f"{self.path}: {self.attributes['title']}"
-        lines = [f"  .{name:<11} {len(group):>12,} rows: {', '.join(group)}" for name, group in self._found.items()]
-        return "\n".join([heading, *lines])
+        return shortened([f"{self.path}: {self.attributes['title']}", *listed(self._found)])
+
+    def _repr_html_(self) -> str:
+        if self._file.closed:
+            return as_html(f"{self.path}: a run, closed", (), ())
+        return as_html(f"{self.path}: {self.attributes['title']}", GROUP_HEADS, group_rows(self._found))
+
+    def reader(self) -> Reader:
+        """Return the open file; raises RunFileRefused for an unfinished run."""
+        if not self.provenance["finished"]:
+            from rubnoise.storage.resume import refusal
+
+            raise refusal(self.path)
+        return self._file
+
+    @contextmanager
+    def _file_of(self) -> Iterator[RunFile]:
+        self.reader()
+        yield self._file
+
+    @property
+    def _called(self) -> str:
+        return str(self.path)
 
     def _groups(self) -> Mapping[str, Columns]:
         return self._found
@@ -104,10 +327,30 @@ class Run(Contents):
         return self.attributes
 
 
+GROUP_HEADS: Final = ("group", "rows", "columns")
+
+
+def group_rows(groups: Mapping[str, Columns]) -> list[tuple[str, str, str]]:
+    """Return name, number of rows and columns of each group, as texts."""
+    return [(f".{name}", f"{len(group):,}", ", ".join(group)) for name, group in groups.items()]
+
+
+def listed(groups: Mapping[str, Columns]) -> list[str]:
+    """Return the groups as lines of a text."""
+    return [f"  {name:<12} {rows:>12} rows: {columns}" for name, rows, columns in group_rows(groups)]
+
+
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
-    """Open a result file for reading; raises RunFileRefused with the reason where it is none of ours or damaged.
+    """Open a result file for reading.
+
+    Raises RunFileRefused with the reason where it is not a result of rubnoise or is damaged.
 
     However long the run, this reads its structure only.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     run.scenario.title, run.junction(17).diameter > 0.0
+    ('Figure 5: excitation force and vibration', True)
     """
     return Run(open_run(path))
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from rubnoise.api.describing import named_constants
-from rubnoise.api.playing import play
+from rubnoise.api.playing import named_constants, play
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation.block import Watch
+from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import Engine, check_guests, extent
+from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.state import State
 from rubnoise.storage.forecast import expected
 from rubnoise.storage.layout import RunDescription
@@ -46,12 +46,19 @@ def resume(
 ) -> Run:
     """Resume an unfinished run, ``NAME.h5.part``, and open its result, ``NAME.h5``.
 
-    Every dataset equals that of a run that was never stopped, bit for bit. ``force`` allows an existing file to be
-    replaced; ``watch`` is called where the run resumes and after each range of ticks; ``observe`` gets the events from
-    there on. A run that was begun with an intervention needs it again as ``intervene``: a process that begins where the
-    run resumes. Raises RunFileRefused for a part that cannot be read, OutputRefused if the result may not be written
-    or another process writes it, Refused if this version of rubnoise would draw other numbers, or if ``observe`` or
-    ``intervene`` do not fit the run.
+    Every dataset equals that of an uninterrupted run, bit for bit. ``force`` allows an existing file to be replaced.
+    ``watch`` is called at the point of resumption and after each tick range, ``observe`` for all later events. A run
+    that began with an intervention needs it again as ``intervene``: a process that begins at that point. Raises
+    RunFileRefused for a part that cannot be read. Raises OutputRefused if the result may not be written, or another
+    process writes it. Raises Refused if this version of rubnoise would give other numbers, or if observer and
+    intervention do not fit the run.
+
+    >>> import rubnoise
+    >>> try:
+    ...     rubnoise.resume("nothing.h5.part")
+    ... except rubnoise.Refused as refused:
+    ...     print(refused)
+    nothing.h5.part: no such file
     """
     check_output(paths_of(part).final, force=True, unfinished=True)
     target = Path(part).with_suffix("")
@@ -83,13 +90,13 @@ def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescript
     try:
         description = examined(paths)
     except RunFileRefused as refusal:
-        raise OutputRefused(f"{refusal} (--force starts over)") from refusal
+        raise OutputRefused(f"{refusal} (force=True starts over)") from refusal
     different = list(_differences(description.scenario_resolved, scenario.resolved()))
     if different:
         more = ["..."] if len(different) > MOST_DIFFERENCES else []
         raise OutputRefused(
             f"{part}: belongs to another run: {'; '.join(different[:MOST_DIFFERENCES] + more)}"
-            f" (--force starts over; {resume_hint(part)})"
+            f" (force=True starts over; {resume_hint(part)})"
         )
     return description
 
@@ -132,7 +139,7 @@ def _check(run: "ResultFile") -> None:
     except (ArithmeticError, ValueError, IndexError) as problem:
         wrong = [" ".join(str(problem).split())]
     if wrong:
-        raise RunFileRefused(f"{run.path}: damaged: {wrong[0]}; rubnoise run --force starts over")
+        raise RunFileRefused(f"{run.path}: damaged: {wrong[0]}; rubnoise.run(..., force=True) starts over")
 
 
 def _check_intervention(description: RunDescription, part: str, intervene: Intervention | None) -> None:
@@ -141,7 +148,7 @@ def _check_intervention(description: RunDescription, part: str, intervene: Inter
     if begun and intervene is None:
         raise Refused(
             f"{part}: an intervention, {begun}, takes part in this run; in Python"
-            " rubnoise.resume(..., intervene=...) resumes it, rubnoise run --force starts over without it"
+            " rubnoise.resume(..., intervene=...) resumes it, rubnoise.run(..., force=True) starts over without it"
         )
     if intervene is not None and not begun:
         raise Refused(f"{part}: this run began without an intervention; resume it without one")
@@ -157,7 +164,7 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
     scenario = _stored(description, part)
     for reason in _obstacles(scenario, description):
         made_by = description.provenance.software.get("rubnoise", "of another version")
-        raise Refused(f"{part}: {reason}; rubnoise {made_by} can resume it, rubnoise run --force starts over")
+        raise Refused(f"{part}: {reason}; rubnoise {made_by} can resume it, rubnoise.run(..., force=True) starts over")
     if engine is None:
         return scenario
     return replace(scenario, run=scenario.run.model_copy(update={"engine": engine}))

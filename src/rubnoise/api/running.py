@@ -8,17 +8,18 @@ from operator import index
 from pathlib import Path
 from typing import cast
 
-from rubnoise.api.describing import describe
-from rubnoise.api.playing import play
+from rubnoise.api.playing import describe, play
 from rubnoise.api.record import Record
 from rubnoise.api.result import Run
 from rubnoise.api.resuming import go_on, interrupted
+from rubnoise.api.scenarios import load
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.intervention import Intervention
+from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.intervention import Intervention, name_of
 from rubnoise.simulation.observer import Observer
-from rubnoise.simulation.run import Engine, check_guests, extent
+from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.forecast import check_disk_space, check_memory, expected
 from rubnoise.storage.output import check_output
@@ -30,32 +31,39 @@ from rubnoise.theory.exact import exact as exact_of_model
 
 
 def simulate(
-    scenario: Scenario,
+    scenario: Scenario | str | os.PathLike[str],
     seed: int | None = None,
     *,
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> Record:
-    """Run a scenario and keep the result in memory: ``simulate(scenario)["trace"]["real_contact_area"]``.
+    """Run a scenario and keep the result in memory: ``simulate("paper/fig5").trace["real_contact_area"]``.
 
-    ``seed`` replaces that of the scenario; ``observe`` is called at births, deaths, sticks ... as they happen, and
-    changes nothing; ``intervene(env, live)`` is a SimPy process beside those of the junctions, begun at the start:
-    ``env.now`` is the distance in um, ``live`` the LiveJunctions, of which it may end some. What either raises ends the
-    run. Raises ScenarioRefused for a seed that is none, Refused where the memory of this machine does not hold the
-    result, or for an observer or intervention that is none or comes with the engine "batch".
+    The scenario is a Scenario, a file, or the name of one that comes with rubnoise. ``seed`` replaces its seed.
+    ``observe`` is called at births, deaths, sticks and so on, when they happen, and changes nothing.
+    ``intervene(env, live)`` is a SimPy process beside those of the junctions, which begins at the start. ``env.now`` is
+    the distance in um, and ``live`` the LiveJunctions, of which it may end some. An exception of either ends the run.
+    Raises ScenarioRefused for an invalid seed. Raises Refused if the memory is too small for the result, for an invalid
+    observer or intervention, or for one with the engine "batch".
+
+    >>> import rubnoise
+    >>> record = rubnoise.simulate("paper/fig5", seed=7)
+    >>> len(record.trace), record.trace["real_contact_area"].units
+    (200001, 'um^2')
     """
-    scenario = _seeded(scenario, seed)
+    scenario = _seeded(load(scenario), seed)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
     budget = expected(scenario)
     check_memory(scenario, budget, kept_bytes=budget.result_bytes)
     model, seed = scenario.model(), scenario.run.seed
-    record = Record(extent(model, seed), pulse=model.pulse)
+    intervention = "" if intervene is None else name_of(intervene)
+    record = Record(extent(model, seed), pulse=model.pulse, scenario=scenario, intervention=intervention)
     run_model(model, seed, record, engine=_engine(scenario), observe=observe, intervene=intervene)
     return record
 
 
 def run(
-    scenario: Scenario,
+    scenario: Scenario | str | os.PathLike[str],
     path: str | os.PathLike[str],
     *,
     seed: int | None = None,
@@ -66,19 +74,24 @@ def run(
     intervene: Intervention | None = None,
     durable: bool = True,
 ) -> Run:
-    """Run a scenario into a result file and open it; an unfinished run of it there is resumed.
+    """Run a scenario into a result file and open it. If an unfinished run of the scenario is there, resume that run.
 
-    ``seed`` replaces that of the scenario; ``force`` allows an existing file to be replaced, once the new one is whole;
-    ``command`` is what /provenance says was called; ``watch`` is called at the start, before anything is created, and
-    after each range of ticks; ``observe`` and ``intervene`` are as in `simulate`, and /provenance names an
-    intervention, without which its run cannot be resumed. An exception of either ends the run: a part to resume is
-    kept if there was a commit, else nothing. Without ``durable`` the run does not wait until the file is flushed to
-    disk, and a power cut within half a minute may take it. Raises OutputRefused before anything is
-    created, also where another run did not finish there, ScenarioRefused for a seed that is none, Refused where this
-    machine has too little memory or `simulate` would.
+    ``seed`` replaces the seed of the scenario. ``force`` allows an existing file to be replaced, when the new one is
+    complete. ``command`` is the command line that /provenance shows. ``watch`` is called at the start, before anything
+    is created, and after each tick range. ``observe`` and ``intervene`` are as in `simulate`. /provenance names an
+    intervention, and its run resumes only with one. An exception of either ends the run. The file then remains as a
+    part that can be resumed if the run lasted long enough, else nothing remains. Without ``durable`` the run does not
+    wait for the disk, and a power cut within half a minute may lose the file. Raises OutputRefused before anything is
+    created, also if another unfinished run is there. Raises ScenarioRefused for an invalid seed, and Refused if the
+    memory is too small or `simulate` would refuse.
+
+    >>> import rubnoise
+    >>> with rubnoise.run("paper/fig4", "fig4.h5", seed=7, force=True) as run:
+    ...     run.provenance["seed"]
+    7
     """
     check_output(path, force=force, unfinished=True)
-    scenario = _seeded(scenario, seed)
+    scenario = _seeded(load(scenario), seed)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
     check_disk_space(scenario, expected(scenario), path)
     begun = None if force else interrupted(scenario, path)
@@ -92,9 +105,14 @@ def run(
     return Run(open_run(path, own=writer.written))
 
 
-def exact(scenario: Scenario) -> Exact:
-    """Return what theory says about a scenario: moments, spectrum and the rest at points, the slider's response."""
-    return exact_of_model(scenario.model())
+def exact(scenario: Scenario | str | os.PathLike[str]) -> Exact:
+    """Return what theory says about a scenario: moments, spectrum and the rest at points, the slider's response.
+
+    >>> import rubnoise
+    >>> round(rubnoise.exact("paper/fig5").area.mean, 4)
+    204.6736
+    """
+    return exact_of_model(load(scenario).model())
 
 
 def _engine(scenario: Scenario) -> Engine:

@@ -2,7 +2,8 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -12,16 +13,17 @@ from typing import TYPE_CHECKING, Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.column import Column
-from rubnoise.api.columns import Columns
+from rubnoise.api.columns import Column, Columns
 from rubnoise.api.result import Run
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
+from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from rubnoise.analysis.replicates import Pooled
     from rubnoise.scenario import Scenario
@@ -40,7 +42,7 @@ class Failure:
 
 
 class SweepResult:
-    """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when asked for.
+    """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when they are needed.
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
     `seed`, `file`, `state` and `reason`, and every figure of /summary of the runs that are done.
@@ -165,7 +167,7 @@ class SweepResult:
         return found
 
     def run(self, run_id: str) -> Run:
-        """Open the result of a run by its name; raises KeyError for a name that is none.
+        """Open the result of a run by its name; raises KeyError for an unknown name.
 
         Raises RunFileRefused where there is no file, or where it is the result of another run.
         """
@@ -192,14 +194,15 @@ class SweepResult:
         return tuple(about.name for about in self._file.columns(SUMMARIES))
 
     def summary(self, name: str) -> NDArray[Any]:
-        """Read one of ``summaries``: one row a run, or a point; raises KeyError for a name that is none."""
+        """Read one of ``summaries``: one row a run, or a point; raises KeyError for an unknown name."""
         return self._file.read(SUMMARIES, name)
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the figures as an xarray Dataset whose dimensions are the swept keys and `replicate`.
 
-        Keys of [sweep.zip] share the dimension `side_by_side`; what has not been measured is nan. ``runs.to_xarray()``
-        has all runs in one row instead. Raises ExtraMissing without xarray.
+        A key goes by its last word too, ``.sel(mean_junction_count=20)``, where no other key ends with it. Keys of
+        [sweep.zip] share the dimension `side_by_side`; what has not been measured is nan. ``runs.to_xarray()`` has all
+        runs in one row instead. Raises ExtraMissing without xarray.
         """
         with needing("analysis", "to_xarray"):
             return labelled(self)
@@ -208,7 +211,25 @@ class SweepResult:
         if self._file.closed:
             return f"{self.path}: a sweep, closed"
         states = ", ".join(f"{self.count(state):,} {state}" for state in ("done", "failed", "planned"))
-        return "\n".join([f"{self.path}: {self.title}", f"  {len(self.points):,} points, {states}", *self.keys])
+        values = [f"  {key}: {', '.join(dict.fromkeys(str(point[key]) for point in self.values))}" for key in self.keys]
+        return shortened([f"{self.path}: {self.title}", f"  {len(self.points):,} points, {states}", *values])
+
+    def _repr_html_(self) -> str:
+        if self._file.closed:
+            return as_html(f"{self.path}: a sweep, closed", (), ())
+        states = ", ".join(f"{self.count(state):,} {state}" for state in ("done", "failed", "planned"))
+        rows = [(key, ", ".join(dict.fromkeys(str(point[key]) for point in self.values))) for key in self.keys]
+        return as_html(f"{self.path}: {self.title}", ("key", "values"), rows, f"{len(self.points):,} points, {states}")
+
+    def plot(self, quantity: str | None = None) -> "Figure":
+        """Draw a quantity, such as "displacement_std", against what is swept, with intervals and the exact curve.
+
+        Without a name it is "displacement_std", or "real_contact_area_std" for a sweep without a slider. Raises Refused
+        for a quantity that the sweep does not have, PicturesMissing without matplotlib.
+        """
+        from rubnoise.api.pictures import drawn_sweep
+
+        return drawn_sweep(self, quantity)
 
     def _columns(self, group: str) -> Columns:
         rows = self._file.rows(group)
@@ -221,7 +242,14 @@ class SweepResult:
 
 
 def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
-    """Open the folder of a sweep, finished or not; raises RunFileRefused where it has no index of ours."""
+    """Open the folder of a sweep, finished or not; raises RunFileRefused where it has no index of ours.
+
+    >>> import rubnoise
+    >>> rubnoise.run_sweep("paper/fig9", "fig9", jobs=1).close()
+    >>> with rubnoise.open_sweep("fig9") as sweep:
+    ...     sweep.count("done"), sweep.failures
+    (5, [])
+    """
     index = Path(folder) / INDEX
     try:
         index.stat()
@@ -255,7 +283,12 @@ def labelled(sweep: "SweepResult") -> Any:
         name: xr.Variable(tuple(shape), _spread(sweep.runs[name][:], shape, places), sweep.runs[name].attributes)
         for name in (*TEXTS, *NUMBERS, *_figures(sweep))
     }
-    return xr.Dataset(variables, coords=_coordinates(sweep, axes), attrs={"title": sweep.title})
+    found = xr.Dataset(variables, coords=_coordinates(sweep, axes), attrs={"title": sweep.title})
+    # Without an index .sel would not find values by the short names.
+    for word in short_names(sweep.keys, sweep.runs.names).values():
+        if word in found.coords:
+            found = found.set_xindex(word)
+    return found
 
 
 def _figures(sweep: "SweepResult") -> list[str]:
@@ -298,4 +331,13 @@ def _coordinates(sweep: "SweepResult", axes: Mapping[str, tuple[NDArray[Any], ND
         for key in sweep.side_by_side:
             column = sweep.points[key]
             coordinates[key] = xr.Variable((SIDE_BY_SIDE,), column[:][first], column.attributes)
+    for key, word in short_names(sweep.keys, {*coordinates, *sweep.runs.names}).items():
+        coordinates[word] = coordinates[key].copy()
     return coordinates
+
+
+def short_names(keys: Sequence[str], taken: Collection[str] = ()) -> dict[str, str]:
+    """Return the last words of keys, without their tables, where no two are the same and none is taken."""
+    words = {key: key.rpartition(".")[2] for key in keys}
+    alone = [word for word, count in Counter(words.values()).items() if count == 1]
+    return {key: word for key, word in words.items() if word in alone and word not in taken}

@@ -11,15 +11,21 @@ from functools import partial
 from operator import index
 from pathlib import Path
 from shlex import join
-from typing import Any, Final
+from typing import Any, Final, cast
 
+from numpy.typing import NDArray
+
+from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.api.running import run
-from rubnoise.api.summarising import keep_summary
+from rubnoise.api.scenarios import load_sweep
 from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
+from rubnoise.model import Model
 from rubnoise.scenario.points import Point
-from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.simulation.run import check_pulse
+from rubnoise.scenario.sweep import Sweep
+from rubnoise.simulation.block import Watch
+from rubnoise.simulation.extent import Engine, check_pulse
+from rubnoise.simulation.run import simulate
 from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse
 from rubnoise.sweep.cluster import Cluster
@@ -30,12 +36,44 @@ from rubnoise.sweep.journal import RunRow
 from rubnoise.sweep.pool import CANCELLATION, Pool
 from rubnoise.sweep.run_status import found_run
 
+
+def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
+    """Carry out one run of a sweep and return what it comes to, without a trace of it anywhere.
+
+    The arrays are those of `rubnoise.analysis.run_summary.CURVES`; ``watch`` is told after each panel and may raise,
+    as by itself it does where the sweep has been told to stop.
+    """
+    model = point.scenario.model()
+    sink = SummarySink(model)
+    simulate(model, point.seed, sink, engine=cast(Engine, point.scenario.run.engine), watch=watch)
+    summary = sink.finish()
+    figures: dict[str, float] = {}
+    for figure in summary.figures:
+        figures |= figure.as_attributes()
+    of_point = summary_theory(model) if point.replicate == 0 else {}
+    return RunRow(run_id=point.run_id, figures=figures, arrays=summary.curves, of_point=of_point)
+
+
+def summary_theory(model: Model) -> dict[str, NDArray[Any]]:
+    """Return where the curves of a model's summaries lie and what is expected there: `spectrum_place` and so on.
+
+    The same for all runs of a point; nan where theory is silent.
+    """
+    return {
+        f"{name}_{part}": getattr(theory, part)
+        for name, theory in curve_theory(model).items()
+        for part in ("place", "expected", "standard_error")
+        # The histogram's errors are those of each run.
+        if (name, part) != ("histogram", "standard_error")
+    }
+
+
 MOST_JOBS: Final = 1024
 PATIENCE: Final = 60.0
 BETWEEN: Final = 0.2
 """Seconds that a run waits for another process to be done with its file, and between two looks at it."""
 
-Watch = Callable[[SweepProgress], None]
+ProgressWatch = Callable[[SweepProgress], None]
 
 
 def run_sweep(
@@ -47,13 +85,19 @@ def run_sweep(
     shard: str | None = None,
     security: Any = None,
 ) -> SweepResult:
-    """Carry out every run of a sweep that is not done yet, and open the folder: ``run_sweep("fig7.toml", "fig7")``.
+    """Make every unfinished run of a sweep, and open its folder: ``run_sweep("paper/fig9", "fig9")``.
 
-    ``jobs`` processes share the work, one for each processor by default; with ``cluster`` the workers of a Dask
-    scheduler do, told by its address or its file, over TLS where ``security`` is a ``distributed.Security``; ``shard``
-    "2/8" does the second eighth. A run that fails does not keep others from being made: ask ``.failures``. Raises
-    ScenarioRefused, OutputRefused for a folder of something else, in use or on a disk without room, Refused for more
-    runs at once than memory holds, ExtraMissing without the library of a cluster.
+    The sweep is a Sweep, a file, or the name of one that comes with rubnoise. ``jobs`` processes share the work, by
+    default one for each processor. With ``cluster`` the workers of a Dask scheduler share it; give its address or its
+    file, and a ``distributed.Security`` as ``security`` for TLS. ``shard`` "2/8" makes the second eighth. After a
+    failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder that is
+    not this sweep's, is in use, or has no room on its disk. Raises Refused if memory is too small for so many runs at
+    once, and ExtraMissing without the library of a cluster.
+
+    >>> import rubnoise
+    >>> with rubnoise.run_sweep("paper/fig9", "fig9", jobs=1) as sweep:
+    ...     sweep.keys, len(sweep.points)
+    (('interface.mean_junction_count',), 5)
     """
     sweep = file if isinstance(file, Sweep) else load_sweep(file)
     carry_out(sweep, folder, jobs=jobs, cluster=cluster, shard=shard, security=security)
@@ -69,7 +113,7 @@ def carry_out(
     shard: str | None = None,
     security: Any = None,
     command: Sequence[str] | None = None,
-    watch: Watch = lambda _standing: None,
+    watch: ProgressWatch = lambda _standing: None,
 ) -> SweepOutcome:
     """Carry out a sweep, and return what became of it; see run_sweep.
 
@@ -102,12 +146,12 @@ def processors() -> int:
 def _workers(jobs: int | None, cluster: str | None, security: Any) -> Callable[[], AbstractContextManager[Workers]]:
     if cluster is not None:
         if jobs is not None:
-            raise Refused("--jobs: the workers of a cluster are its own; leave one of --jobs and --cluster out")
+            raise Refused("jobs: the workers of a cluster are its own; leave one of jobs and cluster out")
         return partial(Cluster, cluster, security)
     if security is not None:
         raise Refused("security: is for a cluster, and none is named")
     if jobs is not None and not 1 <= index(jobs) <= MOST_JOBS:
-        raise Refused(f"--jobs: {jobs} is no number of processes from 1 to {MOST_JOBS}")
+        raise Refused(f"jobs: {jobs} is no number of processes from 1 to {MOST_JOBS}")
     return partial(Pool, processors() if jobs is None else index(jobs))
 
 

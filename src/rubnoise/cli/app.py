@@ -18,7 +18,7 @@ import typer
 from typer import Typer
 
 from rubnoise.cli.commands import Command, Commands, escaping
-from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, in_shell
 
 DEBUG = "--debug"
 
@@ -42,6 +42,7 @@ COMMANDS: Final = {
     "listen": "listen.command",
     "teach": "teach.command",
     "export": "export.command",
+    "examples": "new.print_examples",
     "new": "new.command",
     "schema": "new.print_schema",
 }
@@ -141,9 +142,9 @@ def _debug_first(arguments: list[str]) -> list[str]:
 def _error_text(problem: Exception) -> str:
     """Return the message of a failure: one line, for a refused scenario one for each of its problems."""
     if isinstance(problem, RunFileRefused | OutputRefused):
-        return str(problem).replace("\n", "\\n")  # of a name, which has no line of its own
+        return in_shell(str(problem)).replace("\n", "\\n")  # of a name, which has no line of its own
     if isinstance(problem, RubnoiseError):
-        return str(problem)
+        return in_shell(str(problem))
     if isinstance(problem, OSError):
         return f"{problem.filename or 'output'}: {problem.strerror or problem}"
     if isinstance(problem, MemoryError):

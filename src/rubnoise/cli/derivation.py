@@ -20,8 +20,8 @@ from rubnoise.cli.layout import (
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
-from rubnoise.simulation.run import check_pulse
-from rubnoise.simulation.slider import cells_per_tick
+from rubnoise.simulation.cells import cells_per_tick
+from rubnoise.simulation.extent import check_pulse
 from rubnoise.storage.forecast import Budget, check_disk_space, counted, expected
 from rubnoise.theory.exact import Exact, exact
 

@@ -9,6 +9,7 @@ from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride
+from rubnoise.scenario.shipped import named
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.resume import refusal
@@ -23,7 +24,8 @@ def overrides(changes: Sequence[str] | None, *, seed: int | None = None, engine:
 
 
 def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario:
-    """Load a scenario and print its warnings; raises ScenarioRefused with every problem at once."""
+    """Load a scenario, from a file or by its shipped name, and print its warnings; raises ScenarioRefused."""
+    file = named(file)
     _refuse_result(file)
     scenario = load(file, changes)
     _warn(scenario.warnings, quiet=quiet)
@@ -32,6 +34,7 @@ def scenario_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False)
 
 def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Sweep:
     """Load a sweep and print its warnings; raises ScenarioRefused, also for a file that is one run."""
+    file = named(file)
     _refuse_result(file)
     sweep = load_sweep(file, changes)
     _warn(sweep.warnings, quiet=quiet)
@@ -40,6 +43,7 @@ def sweep_of(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) ->
 
 def scenario_or_sweep(file: Path, changes: Sequence[str] = (), *, quiet: bool = False) -> Scenario | Sweep:
     """Load a scenario or a sweep, whichever a file is, and print its warnings; raises ScenarioRefused."""
+    file = named(file)
     _refuse_result(file)
     found = load_either(file, changes)
     _warn(found.warnings, quiet=quiet)

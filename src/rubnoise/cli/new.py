@@ -1,4 +1,4 @@
-"""`rubnoise new` and `rubnoise schema`: a scenario file to begin with, and the JSON schema of such files."""
+"""`rubnoise new`, `rubnoise examples` and `rubnoise schema`: scenario files to begin with, and their JSON schema."""
 
 import json
 import os
@@ -11,23 +11,57 @@ from rubnoise.cli.layout import sentence
 from rubnoise.errors import OutputRefused
 
 
+def shipped_scenarios(incomplete: str) -> list[str]:
+    """Return the shipped scenarios whose names begin so, for shells to complete."""
+    from rubnoise.scenario.shipped import shipped_names
+
+    return [name for name in shipped_names() if name.startswith(incomplete)]
+
+
 def command(
     file: Annotated[Path, typer.Argument(help="The scenario file to make; it must not exist.", metavar="NAME.toml")],
+    *,
+    source: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            help="Copy this scenario of rubnoise's, such as paper/fig5; `rubnoise examples` lists them.",
+            metavar="EXAMPLE",
+            autocompletion=shipped_scenarios,
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Make a scenario file with every key of this version, each explained, the optional ones as comments.
 
-    It runs as it is. An existing file is never replaced.
+    It runs as it is. With --from it is a copy of a scenario that comes with rubnoise. An existing file is never
+    replaced.
 
     Example: rubnoise new contact.toml
     """
+    from rubnoise.scenario.shipped import copy_of
     from rubnoise.scenario.template import template
     from rubnoise.storage.output import whole_file
 
+    text = template() if source is None else copy_of(source)
     if os.path.lexists(file):
         raise OutputRefused(f"{file}: exists already; choose another name")
     with whole_file(file, force=False) as part:
-        part.write_text(template(), encoding="utf-8", newline="\n")
+        part.write_text(text, encoding="utf-8", newline="\n")
     print(sentence(f"{file}: written; `rubnoise check {file}` says what it means, `rubnoise run {file}` runs it"))
+
+
+def print_examples() -> None:
+    """List the scenarios that come with rubnoise; commands take their names where they take a scenario file.
+
+    Example: rubnoise examples
+    """
+    from rubnoise.scenario.shipped import shipped_titles
+
+    titles = shipped_titles()
+    width = max(map(len, titles), default=0)
+    for name, title in titles.items():
+        print(f"{name:<{width}}  {title}".rstrip())
 
 
 def print_schema() -> None:

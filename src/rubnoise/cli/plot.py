@@ -44,6 +44,9 @@ class Spectrum(StrEnum):
     VELOCITY = "velocity"
 
 
+RECORDS = (".csv", ".tsv", ".txt")
+"""Ends of names of records of the user's own, which are laid over spectra."""
+
 OVERLAID = (What.SLIDER, What.PHASE)
 """Pictures, beside spectra over frequency, in which a second run can be laid over the first."""
 
@@ -68,11 +71,18 @@ class PictureRequest:
         """What the picture's file is called after."""
         return self.what.value if self.heard is None else f"{self.what.value}_{self.heard}"
 
+    @property
+    def has_measured(self) -> bool:
+        """Whether a record of the user's own is laid over the run."""
+        return self.beside is not None and self.beside.suffix.lower() in RECORDS
+
     def check(self) -> None:
         """Raise BadParameter for options that are not for this picture."""
         if self.of is not Spectrum.AREA and self.what is not What.PSD:
             raise typer.BadParameter(f"--of is for psd, not for {self.what.value}")
-        if self.beside is not None and self.what not in OVERLAID and self.heard is None:
+        if self.has_measured and self.what is not What.PSD:
+            raise typer.BadParameter(f"--with {self.beside}: a record of yours is for psd, not for {self.what.value}")
+        if self.beside is not None and not self.has_measured and self.what not in OVERLAID and self.heard is None:
             raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
 
 
@@ -123,8 +133,9 @@ def command(
         Path | None,
         typer.Option(
             "--with",
-            help="Another run, laid over the first: for slider, phase, and psd of force, displacement or velocity.",
-            metavar="RUN.h5",
+            help="Another run, laid over the first: for slider, phase, and psd of force, displacement or velocity."
+            " For psd also a record of yours, a csv file.",
+            metavar="RUN.h5|CSV",
             show_default=False,
         ),
     ] = None,
@@ -167,7 +178,8 @@ def _picture(what: str | None) -> What:
 
 
 def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force: bool) -> None:
-
+    from rubnoise.api.pictures import measured_spectrum
+    from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import complete_run, finished_run
     from rubnoise.figures.catalogue import picture
     from rubnoise.figures.motion import prefix_refusals
@@ -177,12 +189,14 @@ def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force
     check_picture(path, force=force)
     with finished_run(file) as run, ExitStack() as opened:
         stretch = Stretch.of(run, request.start, request.stop)
-        other = None
-        if request.beside is not None:
+        other = measured = None
+        if request.has_measured:
+            measured = measured_spectrum(Trace.from_csv(request.beside or ""), request.heard)
+        elif request.beside is not None:
             file_beside = opened.enter_context(complete_run(request.beside))
             with prefix_refusals(f"--with {request.beside}"):
                 other = Stretch.of(file_beside)
-        draw = partial(picture, request.what.value, stretch, heard=request.heard, beside=other)
+        draw = partial(picture, request.what.value, stretch, heard=request.heard, beside=other, measured=measured)
         write_picture(path, draw, force=force)
 
 

@@ -4,11 +4,15 @@ Colour-blind readers can distinguish the colours, also in grey print; every axis
 """
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache
 from io import BytesIO
 from math import log10
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, how_to_install
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,10 +83,41 @@ def new_figure(width: float, height: float) -> "Figure":
 
     To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
     """
+    place = _PLACE.get()
+    figure: Figure = _picture_class()(figsize=(width, height), layout="constrained") if place is None else place
+    return figure
+
+
+@cache
+def _picture_class() -> Any:
+    """Return matplotlib's class of figures, with what a notebook asks for to show one without pyplot."""
     # Not through pyplot: it would look for a screen and keep every figure of the process.
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    return type("Figure", (Figure,), {"_repr_png_": as_png, "__doc__": Figure.__doc__})
+
+
+_PLACE: Final[ContextVar[Any]] = ContextVar("place", default=None)
+
+
+@contextmanager
+def in_place_of(ax: "Axes | None") -> Iterator[None]:
+    """Let `new_figure` return the place of axes in their own figure, which leave it; without axes, a new figure."""
+    if ax is None:
+        yield
+        return
+    figure, place = ax.figure, ax.get_subplotspec()
+    if place is None:
+        raise Refused("ax: these axes have no place in a grid; plt.subplots() makes some that have one")
+    ax.remove()
+    whole: Any = figure.figure
+    if whole.get_layout_engine() is None:
+        whole.set_layout_engine("constrained")
+    token = _PLACE.set(figure.add_subfigure(place))
+    try:
+        yield
+    finally:
+        _PLACE.reset(token)
 
 
 def house_style() -> Any:
@@ -90,7 +125,7 @@ def house_style() -> Any:
     try:
         import matplotlib as mpl
     except ImportError as problem:
-        raise PicturesMissing('a picture needs matplotlib: pip install "rubnoise[plot]"') from problem
+        raise PicturesMissing(f"a picture needs matplotlib: {how_to_install('plot')}") from problem
     # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
     settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
     return mpl.rc_context(settings | SETTINGS | {"backend": "agg"})

@@ -11,7 +11,12 @@ from rubnoise.contact.overlap import max_area
 
 
 class JunctionState(IntFlag):
-    """What the ``state`` of a junction's row says, in bits."""
+    """What the ``state`` of a junction's row says, in bits.
+
+    >>> import rubnoise
+    >>> rubnoise.JunctionState(3) == rubnoise.JunctionState.ALIVE_AT_START | rubnoise.JunctionState.ALIVE_AT_END
+    True
+    """
 
     COMPLETE = 0
     ALIVE_AT_START = 1

@@ -15,6 +15,7 @@ from rubnoise.regular_file import NotRegular, read_at_most
 from rubnoise.scenario import limits
 from rubnoise.scenario.problems import Path, Place, Problem
 from rubnoise.scenario.source import Source
+from rubnoise.units import is_of_pint
 
 SET = "--set"
 
@@ -282,6 +283,8 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic | np.ndarray) and value.ndim == 0:
         item = value.item()
         return float(item) if isinstance(item, np.floating) else item  # extended doubles, which Python lacks
+    if is_of_pint(value) and str(value.units) in ("dimensionless", ""):
+        return _plain(value.magnitude)
     return value
 
 

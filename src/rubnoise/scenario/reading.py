@@ -32,7 +32,12 @@ def loads(text: str, name: str = "<string>", overrides: Sequence[str] = ()) -> S
 def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
     """Return the scenario of values as a TOML file would give them, where a bare number is in working units.
 
-    Raises ScenarioRefused.
+    Working units are um, um^2, um/s, kg, MPa, N/m and N s/m. Raises ScenarioRefused with every problem.
+
+    >>> import rubnoise
+    >>> interface = {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20}
+    >>> rubnoise.build({"format": 1, "interface": interface, "sliding": {"distance": 1000.0}}).sliding.distance
+    1000.0
     """
     return _checked(layers.from_values(values, name), from_python=True)
 
@@ -92,4 +97,5 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, w
         text=given.main.text,
         warnings=tuple(map(str, in_order(warnings))),
         physics=model,
+        given=given.data,
     )

@@ -1,7 +1,7 @@
 """A scenario that has been checked: its sections in working units, and the physics that follows from its keys."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from math import sqrt
 from typing import Any, Final, Literal, cast
@@ -13,14 +13,21 @@ from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
+from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Scenario:
     """The sections of a scenario file, with values in um, s, kg, uN, MPa, N/m, N s/m and defaults filled in.
 
-    ``text`` is the file as read, ``warnings`` what is allowed and doubtful, each ready to print, ``physics`` the model.
+    ``text`` is the file as read, ``warnings`` what is allowed and doubtful, each ready to print, ``physics`` the model,
+    ``given`` the keys as they were given, without defaults.
+
+    >>> import rubnoise
+    >>> scenario = rubnoise.load("paper/fig5")
+    >>> scenario.sliding.speed, scenario.slider.stiffness, scenario.run.seed
+    (1000.0, 300.0, 1)
     """
 
     title: str
@@ -37,6 +44,24 @@ class Scenario:
     text: str
     warnings: tuple[str, ...]
     physics: Model
+    given: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> "Scenario":
+        """Return the scenario with other values of some keys, checked like a file.
+
+        ``replace(seed=3)`` and ``replace({"sliding.speed": "2 mm/s"})``: a key of only one table needs no dots. A value
+        is a text with a unit, a quantity of pint, or a number, in um, um^2, um/s, kg, MPa, N/m or N s/m. None takes a
+        key away, so that its default counts again. A mapping as the value of a table, such as ``slider``,
+        replaces the keys that it names. Raises ScenarioRefused with every problem.
+
+        >>> import rubnoise
+        >>> scenario = rubnoise.load("paper/fig5").replace({"sliding.distance": "5 mm"}, seed=3)
+        >>> scenario.run.seed, scenario.sliding.distance, scenario.replace(speed=2000.0).sliding.speed
+        (3, 5000.0, 2000.0)
+        """
+        from rubnoise.scenario.changes import replaced
+
+        return replaced(self, {**(changes or {}), **keys})
 
     def model(self) -> Model:
         """Return the physics of the run."""
@@ -53,6 +78,18 @@ class Scenario:
             if isinstance(section := getattr(self, name, None), sections.Section)
         }
         return {"format": sections.FORMAT, "title": self.title, **tables}
+
+    def __repr__(self) -> str:
+        tables = {name: table for name, table in self.resolved().items() if isinstance(table, Mapping)}
+        lines = [
+            f"  {name:<10} " + ", ".join(f"{key} {value}" for key, value in t.items()) for name, t in tables.items()
+        ]
+        return shortened([f"{self.title or 'a scenario'} ({self.name})", *lines])
+
+    def _repr_html_(self) -> str:
+        tables = {name: table for name, table in self.resolved().items() if isinstance(table, Mapping)}
+        rows = [(f"{name}.{key}", value) for name, table in tables.items() for key, value in table.items()]
+        return as_html(f"{self.title or 'a scenario'} ({self.name})", ("key", "value"), rows, "\n".join(self.warnings))
 
 
 def flattened(resolved: Mapping[str, Any]) -> dict[str, Any]:

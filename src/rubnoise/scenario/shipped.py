@@ -1,5 +1,8 @@
 """The scenario files that come with rubnoise: of the paper, its claims, its ancestors, and for lessons."""
 
+import os
+import tomllib
+from difflib import get_close_matches
 from pathlib import Path
 
 from rubnoise.errors import Refused
@@ -19,3 +22,72 @@ def shipped(name: str) -> Path:
         if path.is_file():
             return path
     raise Refused(f"scenarios/{name}: not found beside rubnoise in {_PACKAGE}; is the installation complete?")
+
+
+def shipped_names() -> tuple[str, ...]:
+    """Return the names of all of them, such as ``paper/fig5``, in alphabetical order."""
+    home = next((home for home in _HOMES if home.is_dir()), None)
+    return () if home is None else tuple(sorted(_name(path, home) for path in home.glob("*/*.toml")))
+
+
+def _name(path: Path, home: Path) -> str:
+    return path.relative_to(home).with_suffix("").as_posix()
+
+
+def by_name(name: str) -> Path:
+    """Return the path of a scenario by its name, with or without ``.toml``; raises Refused, with near names."""
+    names, wanted = shipped_names(), name.removesuffix(".toml").removeprefix("scenarios/")
+    if wanted in names:
+        return shipped(f"{wanted}.toml")
+    near = [each for each in names if each.rpartition("/")[2] == wanted] or get_close_matches(wanted, names, n=3)
+    raise Refused(f"{name}: no scenario of rubnoise's" + (f"; did you mean {' or '.join(near)}?" if near else ""))
+
+
+def named(source: str | os.PathLike[str]) -> Path:
+    """Return the path that a path or a name stands for: a file that exists, else a shipped scenario, else itself.
+
+    Raises Refused, with near names, for a word without ``.toml`` that is neither.
+    """
+    path, text = Path(source), os.fspath(source)
+    try:
+        there = os.path.lexists(path)
+    except ValueError:
+        return path  # reading it says what is wrong
+    if there or not isinstance(source, str | Path) or path.is_absolute():
+        return path
+    if text.removesuffix(".toml").removeprefix("scenarios/") in shipped_names():
+        return by_name(text)
+    near = get_close_matches(text, shipped_names(), n=3)
+    if path.suffix or not near:
+        return path
+    raise Refused(f"{text}: neither a file nor a scenario of rubnoise's; did you mean {' or '.join(near)}?")
+
+
+def shipped_titles() -> dict[str, str]:
+    """Return the title of every shipped scenario by its name; of one without, that of the file it extends."""
+    return {name: _title(by_name(name)) for name in shipped_names()}
+
+
+def _title(path: Path) -> str:
+    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    if "title" in data:
+        return str(data["title"])
+    return _title(path.parent / data["extends"]) if "extends" in data else ""
+
+
+def copy_of(name: str) -> str:
+    """Return the text of a shipped scenario as a file of its own; what it extends comes before its own keys.
+
+    Raises Refused, with near names, for a name that is none.
+    """
+    from rubnoise.scenario.writing import as_toml
+
+    path = by_name(name)
+    text = path.read_text(encoding="utf-8")
+    return as_toml(path) if "extends" in tomllib.loads(text) else text.removeprefix(_schema_line(text))
+
+
+def _schema_line(text: str) -> str:
+    """Return the first line where it names a schema by a path that holds in the checkout alone."""
+    first, _, _ = text.partition("\n")
+    return f"{first}\n" if first.startswith("#:schema") else ""

@@ -126,7 +126,13 @@ class Choice(Overlay):
 
 
 def expand(sweep: Sweep) -> tuple[Point, ...]:
-    """Return every run of a sweep: its points in the order written, the replicates of each one after another."""
+    """Return every run of a sweep: its points in the order written, the replicates of each one after another.
+
+    >>> import rubnoise
+    >>> first = rubnoise.expand(rubnoise.load_sweep("paper/fig9"))[0]
+    >>> first.values, first.replicate
+    ({'interface.mean_junction_count': 10}, 0)
+    """
     return points_of(sweep.cases, sweep.replicates)
 
 

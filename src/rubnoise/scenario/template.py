@@ -41,6 +41,12 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
 
 VARIED: Final = "Each value of a key is combined with each value of the others; lists of [sweep.zip] go in parallel."
 
+WITH_SLIDER: Final = ("strength", "slider")
+"""Optional tables that the template sets, so that a first run has a motion to look at and to listen to."""
+
+SET: Final = (("sliding", "speed"), ("slider", "damping"))
+"""Keys without a default that the template sets beside those that are needed."""
+
 REMARKS: Final[dict[tuple[str, str], str]] = {
     ("slider", "damping_ratio"): "Instead of damping.",
     ("slider", "tolerance"): "Only for two-way coupling.",
@@ -60,12 +66,14 @@ def template() -> str:
 def _table(name: str, section: type[Section] | Any) -> Iterator[str]:
     """Yield a table; one that may be left out is a comment as a whole."""
     optional = Document.model_fields[name].default is None
+    off = optional and name not in WITH_SLIDER
     text = " ".join((section.__doc__ or "").split())
     yield from _comment(f"{text} This table is optional." if optional else text)
-    yield f"{'#' if optional else ''}[{name}]"
+    yield f"{'#' if off else ''}[{name}]"
     for key, about in section.model_fields.items():
         value = _value(name, key, about)
-        yield from _key(key, value, about, off=optional or about.default is None, remark=REMARKS.get((name, key), ""))
+        unset = off or (not about.is_required() and about.default is None and (name, key) not in SET)
+        yield from _key(key, value, about, off=unset, remark=REMARKS.get((name, key), ""))
 
 
 def _sweep() -> Iterator[str]:

@@ -28,6 +28,14 @@ class LiveJunctions:
     """The junctions that are alive now: iterate for a LiveJunction each, in order of birth; ``end`` one by its number.
 
     Raises ValueError for a number to ``end`` that is not alive.
+
+    >>> import rubnoise
+    >>> def end_first(env, live):
+    ...     yield env.timeout(50.0)
+    ...     live.end(next(iter(live)).number)
+    >>> record = rubnoise.simulate("paper/fig4", intervene=end_first)
+    >>> int((record.junctions["state"][:] & rubnoise.JunctionState.ENDED_EARLY > 0).sum())
+    1
     """
 
     def __init__(self, pulse: Pulse) -> None:

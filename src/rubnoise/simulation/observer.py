@@ -34,6 +34,13 @@ class Observer:
     stick, slip, reversal, forward: given time (s), sliding distance (um) and velocity x' (um/s) where a two-way slider
     begins that, to the bit those of the row in /landmarks. Of a two-way run everything comes in order of time, a birth
     or death when the slider first passes there. Raises Refused for what cannot be called.
+
+    >>> import rubnoise
+    >>> born = []
+    >>> observer = rubnoise.Observer(birth=lambda number, distance: born.append(distance))
+    >>> record = rubnoise.simulate("paper/fig4", observe=observer)
+    >>> bool(len(born) == (record.junctions["birth_distance"][:] > 0.0).sum())
+    True
     """
 
     birth: OnLife | None = None
@@ -57,12 +64,12 @@ class Observer:
 
     @property
     def of_motion(self) -> tuple[str, ...]:
-        """Names of the landmarks that are asked for."""
+        """Names of the landmarks that it watches."""
         return tuple(name for name in _MOTION if getattr(self, name) is not None)
 
     @property
     def of_lives(self) -> bool:
-        """Whether births, mid-lives or deaths are asked for."""
+        """Whether it watches births, mid-lives or deaths."""
         return any(function is not None for function in (self.birth, self.mid_life, self.death))
 
 

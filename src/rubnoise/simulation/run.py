@@ -4,47 +4,20 @@ import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache, partial
-from typing import Literal
 
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.record.sink import Extent, Sink
+from rubnoise.record.sink import Sink
 from rubnoise.simulation.batch import play_at_once
 from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
-from rubnoise.simulation.draws import births_by_block, start
+from rubnoise.simulation.cells import cells_per_tick
+from rubnoise.simulation.draws import start
+from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervening, Intervention
 from rubnoise.simulation.junctions import play_block
 from rubnoise.simulation.observer import Notifier, Observer
-from rubnoise.simulation.slider import Propagator, cells_per_tick, propagator
+from rubnoise.simulation.slider import Propagator, propagator
 from rubnoise.simulation.state import State
-
-Engine = Literal["events", "batch"]
-"""How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
-
-
-def check_pulse(model: Model) -> None:
-    """Raise Refused for passes off the centre line, which no kernel sums yet."""
-    if model.pulse.offset != "none":
-        raise Refused(
-            "pulse.offset: junctions that miss the centre line have exact theory and no runs yet; "
-            '`rubnoise theory` answers, and offset = "none" runs'
-        )
-
-
-def extent(model: Model, seed: int) -> Extent:
-    """Return how many rows a run will have: its births are counted from the gaps alone, without any event.
-
-    Raises Refused as `check_pulse` does.
-    """
-    check_pulse(model)
-    born = list(births_by_block(model, seed))
-    return Extent(
-        junctions=start(model, seed).junctions + sum(born),
-        ticks=model.tick_count + 1,
-        slider=model.slider_rows,
-        landmarks=None if model.is_two_way else 0,
-        blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
-    )
 
 
 @lru_cache(maxsize=8)

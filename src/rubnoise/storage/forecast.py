@@ -17,7 +17,7 @@ from rubnoise.record.sink import Extent
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cost import PROGRAM_BYTES, PROGRAM_SECONDS, machine_speed, seconds, work, working_bytes
 from rubnoise.simulation.draws import births_per_block
-from rubnoise.simulation.run import Engine, extent
+from rubnoise.simulation.extent import Engine, extent
 from rubnoise.storage.layout import expected_bytes, features_of
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.response import response
@@ -259,7 +259,7 @@ def check_sweep_space(budget: Budget, folder: Path, *, jobs: int) -> None:
     if memory is not None and jobs * each > memory:
         raise Refused(
             f"{jobs} runs at once need about {_megabytes(jobs * each)} of memory, and {_megabytes(memory)} are left;"
-            + (f" --jobs {memory // each} fits" if memory >= each else " make interface.mean_junction_count smaller")
+            + (f" jobs={memory // each} fits" if memory >= each else " make interface.mean_junction_count smaller")
         )
 
 

@@ -191,9 +191,9 @@ def _mode(path: Path) -> int | None:
 
 def _check_absent(paths: OutputPaths, *, unfinished: bool) -> None:
     if _mode(paths.final) is not None:
-        raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
+        raise OutputRefused(f"{paths.final}: exists already (force=True replaces it)")
     if not unfinished and _mode(paths.part) is not None:
-        raise OutputRefused(f"{paths.part}: belongs to a running or stopped run (--force replaces a stopped one)")
+        raise OutputRefused(f"{paths.part}: belongs to a running or stopped run (force=True replaces a stopped one)")
 
 
 def _reason(problem: Exception) -> str:

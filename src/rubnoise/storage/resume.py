@@ -187,7 +187,7 @@ def publish_complete(paths: OutputPaths, check: Callable[[RunFile], None], *, fo
             paths.remove_beside()
             disk.remove(paths.part)
         elif paths.final.exists() and not force:
-            raise OutputRefused(f"{paths.final}: exists already (--force replaces it)")
+            raise OutputRefused(f"{paths.final}: exists already (force=True replaces it)")
         elif run.provenance["finished"] and not run.damaged():
             check(run)
             _publish(paths, run, force=force)
@@ -235,7 +235,7 @@ def _mend(paths: OutputPaths, run: str | None, ending: Ending) -> None:
     except RunFileRefused:
         of_another = False
     if of_another:
-        raise RunFileRefused(f"{paths.journal}: belongs to another run than the part file (--force starts over)")
+        raise RunFileRefused(f"{paths.journal}: belongs to another run than the part file (force=True starts over)")
     with refusing(paths.part), ExitStack() as opened:
         part = disk.reopen(paths.part)
         opened.callback(disk.close, part)

@@ -15,7 +15,8 @@ from rubnoise.errors import RubnoiseError, RunStopped
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent, Sink
 from rubnoise.scenario.points import Point
-from rubnoise.simulation.run import Engine, extent, simulate
+from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.run import simulate
 
 SECONDS: Final = 1.0
 """Work that one message brings: the message itself then costs nothing, and little is lost with a worker."""

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.tables import as_html
 from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.coupling import Coupling, coupling
@@ -26,6 +27,7 @@ from rubnoise.theory.occupancy import (
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import spectral_density
 from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
+from rubnoise.units import in_unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +53,10 @@ class Exact:
     force: Cumulants | None
     slider: Response | None
 
+    def _repr_html_(self) -> str:
+        known = ((name, getattr(self, name)) for name in self.__slots__ if name != "model")
+        return as_html("exact results", ("", "value"), [(name, value) for name, value in known if value is not None])
+
     @property
     def count_std(self) -> float:
         """Standard deviation of the number of live junctions."""
@@ -58,11 +64,11 @@ class Exact:
 
     def spectral_density(self, wavenumber: ArrayLike) -> Doubles:
         """Return the two-sided S(k) of the area in um^4 per rad/um at wavenumbers in rad/um, of any shape."""
-        return spectral_density(self.model, wavenumber)
+        return spectral_density(self.model, in_unit(wavenumber, "rad/um"))
 
     def autocovariance(self, lag: ArrayLike) -> Doubles:
         """Return R(tau) of the area in um^4 at lags in um, of any shape."""
-        return autocovariance(self.model, lag)
+        return autocovariance(self.model, in_unit(lag, "um"))
 
     def distribution(self) -> Distribution:
         """Return the distribution of the area: its ``cdf`` and ``density`` at any areas, its ``atom_at_zero``.
@@ -81,11 +87,11 @@ class Exact:
 
     def area_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean area in um^2 at distances in um after an empty start, of any shape."""
-        return area_from_empty(self.model, distance)
+        return area_from_empty(self.model, in_unit(distance, "um"))
 
     def count_from_empty(self, distance: ArrayLike) -> Doubles:
         """Return the mean number of live junctions at distances in um after an empty start, of any shape."""
-        return count_from_empty(self.model, distance)
+        return count_from_empty(self.model, in_unit(distance, "um"))
 
     def expected_mean_area(self, distance: float | None = None) -> float:
         """Return the expected mean of the area in um^2 over a run from its own start, or over its first um alone."""
@@ -96,7 +102,7 @@ class Exact:
         return expected_mean_count(self.model, self._slid(distance))
 
     def _slid(self, distance: float | None) -> float:
-        slid = self.model.distance if distance is None else float(distance)
+        slid = self.model.distance if distance is None else float(in_unit(distance, "um"))
         if not (isfinite(slid) and slid > 0.0):
             raise Refused(f"a mean over {slid:g} um of sliding: the distance is a number above 0")
         return slid
@@ -114,11 +120,11 @@ class Exact:
         Rice's rate and what shot noise adds to it: see `rubnoise.theory.crossings`. Raises Refused without slider,
         strength, speed or damping, for births that are not Poisson, and where the slider swings too often in one life.
         """
-        return crossing_rate(self.model, level)
+        return crossing_rate(self.model, in_unit(level, "um"))
 
     def gaussian_crossing_rate(self, level: ArrayLike) -> Doubles:
         """Return Rice's rate alone in 1/s, that of a Gaussian displacement; raises Refused as `crossing_rate` does."""
-        return gaussian_crossing_rate(self.model, level)
+        return gaussian_crossing_rate(self.model, in_unit(level, "um"))
 
     def motion_cumulants(self) -> MotionCumulants:
         """Return joint cumulants of the slider's motion, ``skewness`` and ``excess_kurtosis`` among them.

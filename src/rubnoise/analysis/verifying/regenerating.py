@@ -19,7 +19,8 @@ from rubnoise.model import Model
 from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.draws import start
-from rubnoise.simulation.run import extent, simulate, slider_constants
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate, slider_constants
 from rubnoise.simulation.state import LiveRows, State
 
 UNTOUCHED: Final = ("junction", "birth_distance", "diameter", "max_area", "shear_strength", "birth_time")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model
+from rubnoise.simulation.cells import coupled_spacing
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.field import GROUP, Field
 from rubnoise.simulation.coupled.motion import DONE, FULL, LOST, advance
@@ -17,7 +18,6 @@ from rubnoise.simulation.coupled.quadrature import NODES, TABLE
 from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.coupled.steps import WORK
 from rubnoise.simulation.kernels import Scratch
-from rubnoise.simulation.slider import coupled_spacing
 from rubnoise.simulation.state import LiveRows
 
 Earlier = Callable[[float, float], LiveRows]

@@ -1,0 +1,205 @@
+"""Spectra and autocovariances of records that are uniform in time or distance, of runs and of measurements."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import pi
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rubnoise.analysis.spectra import SEGMENTS, WelchSum
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.units import in_unit
+
+if TYPE_CHECKING:
+    from rubnoise.api.result import Contents
+
+SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
+    {"um": ("m", 1e-6), "um/s": ("m/s", 1e-6), "uN": ("N", 1e-6), "um^2": ("m^2", 1e-12), "MPa": ("Pa", 1e6)}
+)
+"""The units of spectra over frequency, and how many of them a working unit is."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PowerSpectrum:
+    """Welch's estimate of a power spectral density, with Hann windows that overlap by half.
+
+    Of a record in time: one-sided, over ``frequency`` in Hz, in SI units such as (m/s)^2/Hz. Of a record along the
+    sliding distance: two-sided, over ``wavenumber`` in rad/um, as `rubnoise.exact(...).spectral_density` has it.
+    ``exact`` is the exact density there where theory knows it, else None.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     seen = run.psd("velocity")
+    >>> seen.units, seen.place_units, bool(seen.density[np.argmin(abs(seen.frequency - 39.0))] > seen.density[-1])
+    ('(m/s)^2/Hz', 'Hz', True)
+    """
+
+    name: str
+    place: Doubles
+    place_units: str
+    density: Doubles
+    units: str
+    standard_error: Doubles
+    segments: int
+    exact: Doubles | None = None
+
+    @property
+    def frequency(self) -> Doubles:
+        """Frequencies in Hz; raises Refused for a record along the distance, which has wavenumbers."""
+        return self._places("Hz", "wavenumber")
+
+    @property
+    def wavenumber(self) -> Doubles:
+        """Wavenumbers in rad/um; raises Refused for a record in time, which has frequencies."""
+        return self._places("rad/um", "frequency")
+
+    def _places(self, units: str, other: str) -> Doubles:
+        if self.place_units != units:
+            raise Refused(f"this spectrum is over {self.place_units}: it has .{other}")
+        return self.place
+
+    def __repr__(self) -> str:
+        sides = "one-sided" if self.place_units == "Hz" else "two-sided"
+        return (
+            f"<{sides} spectrum of {self.name} in {self.units} at {self.place.size:,} points up to"
+            f" {self.place[-1]:.6g} {self.place_units}, {self.segments:,} segments>"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Autocovariance:
+    """The autocovariance of a record at lags from 0 on: ``covariance`` in ``units``, ``lag`` in ``lag_units``.
+
+    >>> import rubnoise
+    >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2, 0.3], "force (N)": [1.0, 2.0, 1.0, 2.0]})
+    >>> measured.acf(longest=0.1).correlation
+    array([ 1.  , -0.75])
+    """
+
+    name: str
+    lag: Doubles
+    lag_units: str
+    covariance: Doubles
+    units: str
+
+    @property
+    def correlation(self) -> Doubles:
+        """The covariance over its value at lag 0, which is the variance."""
+        return self.covariance / self.covariance[0]
+
+    def __repr__(self) -> str:
+        return (
+            f"<autocovariance of {self.name} in {self.units} at {self.lag.size:,} lags up to"
+            f" {self.lag[-1]:.6g} {self.lag_units}>"
+        )
+
+
+def power_spectrum(
+    name: str,
+    units: str,
+    panels: Iterable[Doubles],
+    *,
+    rows: int,
+    step: float,
+    place_units: str,
+    segment: Any = None,
+) -> PowerSpectrum:
+    """Return Welch's estimate from panels of a column of so many ``rows``, which are ``step`` apart.
+
+    Over time G(f) = 2 S(2 pi f), one-sided, in SI; along the distance S(k), two-sided, in working units.
+    """
+    ticks = 2 * (rows // (SEGMENTS + 1)) if segment is None else round(float(in_unit(segment, place_units)) / step)
+    ticks = max(8, 2 * (ticks // 2)) if segment is None else 2 * (ticks // 2)
+    if not 8 <= ticks <= rows:
+        told = f"{ticks} rows" if segment is not None else "8 rows at least"
+        raise Refused(
+            f"{name}: a segment of {told}, in a record of {rows:,}; a spectrum needs segments of 8 rows or more"
+        )
+    total = WelchSum(ticks, step)
+    for panel in panels:
+        total.add(np.asarray(panel, dtype=np.float64))
+    seen = total.spectrum()
+    if place_units != "s":
+        return PowerSpectrum(
+            name=name,
+            place=seen.wavenumber,
+            place_units=f"rad/{place_units}",
+            density=seen.density,
+            units=f"{_squared(units)} per rad/{place_units}",
+            standard_error=seen.standard_error,
+            segments=seen.segments,
+        )
+    shown, scale = SI.get(units, (units, 1.0))
+    factor = 2.0 * scale**2
+    return PowerSpectrum(
+        name=name,
+        place=seen.wavenumber / (2.0 * pi),
+        place_units="Hz",
+        density=factor * seen.density,
+        units=f"{_squared(shown)}/Hz",
+        standard_error=factor * seen.standard_error,
+        segments=seen.segments,
+    )
+
+
+def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpectrum:
+    """Return the spectrum of a column of a run, with the exact one where theory knows it (see Contents.psd)."""
+    groups, model = run.groups_by_name(), run.model()
+    slider = "slider" in groups and quantity in groups["slider"] and quantity not in ("time", "distance")
+    group = groups["slider" if slider else "trace"]
+    if quantity == "distance" or quantity not in group:
+        known = dict.fromkeys([*groups["trace"].names[1:], *(groups["slider"].names[2:] if "slider" in groups else ())])
+        raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}")
+    column, step = group[quantity], model.tick
+    if slider and model.sliding_speed is not None:
+        step = model.tick / model.sliding_speed
+    seen = power_spectrum(
+        quantity,
+        column.units,
+        column.panels(),
+        rows=len(column),
+        step=step,
+        place_units="s" if slider else "um",
+        segment=segment,
+    )
+    return replace(seen, exact=_exact_density(model, quantity, seen))
+
+
+def _exact_density(model: Model, quantity: str, seen: PowerSpectrum) -> Doubles | None:
+    """Return what theory says at the places of a spectrum; None where it is silent."""
+    from rubnoise.theory.drive import drive_of
+    from rubnoise.theory.response import displacement_spectrum, velocity_spectrum
+    from rubnoise.theory.spectrum import force_spectral_density, spectral_density
+
+    try:
+        if seen.place_units == "rad/um":
+            if quantity == "real_contact_area":
+                return spectral_density(model, seen.place)
+            if quantity == "friction_force" and model.strengths is not None:
+                return force_spectral_density(model, model.strengths, seen.place)
+            return None
+        if model.is_two_way:
+            return None
+        angular = 2.0 * pi * seen.place
+        if quantity == "friction_force":
+            drive = drive_of(model)
+            found = force_spectral_density(model, drive.strengths, angular / drive.speed) / drive.speed
+        else:
+            found = {"displacement": displacement_spectrum, "velocity": velocity_spectrum}[quantity](model, angular)
+    except (Refused, KeyError):
+        return None
+    return 2.0 * 1e-12 * found
+
+
+def _squared(unit: str) -> str:
+    if unit == "1":
+        return "1"
+    powered = re.fullmatch(r"([A-Za-z]+)\^(\d)", unit)
+    if powered:
+        return f"{powered[1]}^{2 * int(powered[2])}"
+    return f"{unit}^2" if unit.isalpha() else f"({unit})^2"

@@ -1,0 +1,129 @@
+"""Pictures of runs and of the paper, drawn from Python as by `rubnoise plot` and `rubnoise figures`."""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, cast, get_args
+
+from rubnoise.api.trace import Trace
+from rubnoise.errors import Refused
+from rubnoise.units import in_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rubnoise.api.result import Contents
+    from rubnoise.api.sweep_result import SweepResult
+
+AREA: Final = "area"
+
+
+def drawn(
+    run: "Contents",
+    what: str,
+    ax: "Axes | None" = None,
+    *,
+    start: Any = None,
+    stop: Any = None,
+    of: str = AREA,
+    beside: "Contents | Trace | None" = None,
+) -> "Figure":
+    """Draw a picture of a run and return its figure (see Contents.plot)."""
+    from rubnoise.figures.catalogue import OVERLAID, PICTURES, drawing
+    from rubnoise.figures.motion_spectrum import Heard
+    from rubnoise.figures.stretch import Stretch
+
+    if what not in PICTURES:
+        raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}")
+    heard = None if of == AREA else of
+    if heard is not None and (what != "psd" or heard not in get_args(Heard)):
+        raise Refused(f'of={of!r}: is for "psd", and "area", {", ".join(map(repr, get_args(Heard)))}')
+    if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and heard is None:
+        raise Refused('beside: another run goes with "slider", "phase", and "psd" of force, displacement or velocity')
+    if isinstance(beside, Trace) and what != "psd":
+        raise Refused('beside: a trace of yours goes with "psd"')
+    ends = [None if each is None else float(in_unit(each, "um")) for each in (start, stop)]
+    stretch = Stretch.of(run.reader(), *ends)
+    other = Stretch.of(beside.reader()) if beside is not None and not isinstance(beside, Trace) else None
+    measured = measured_spectrum(beside, heard) if isinstance(beside, Trace) else None
+    return drawing(what, stretch, heard=cast("Heard | None", heard), beside=other, measured=measured, ax=ax)
+
+
+def drawn_sweep(sweep: "SweepResult", quantity: str | None) -> "Figure":
+    """Draw a quantity of a sweep and return its figure (see SweepResult.plot)."""
+    from rubnoise.figures.study import study_of_sweep
+    from rubnoise.figures.study_picture import draw_study
+    from rubnoise.figures.style import house_style
+
+    known = ("displacement_std", "real_contact_area_std")
+    name = quantity or next((each for each in known if each in sweep.runs), known[-1])
+    with house_style():
+        return draw_study(study_of_sweep(sweep, name))
+
+
+def measured_spectrum(trace: Trace, heard: str | None) -> Any:
+    """Return what a trace has to lay over a spectrum: its name, places and densities, in the units of the picture.
+
+    Raises Refused for a trace that is not of such a quantity.
+    """
+    wanted, over = ("um^2", "um") if heard is None else (UNITS[heard], "s")
+    if trace.units[trace.place] != over:
+        raise Refused(f"{trace.name}: is over {trace.place} in {trace.units[trace.place]}; this picture needs {over}")
+    name = "real_contact_area" if heard is None else "friction_force" if heard == "force" else heard
+    fitting = [each for each in trace if each != trace.place and trace.units[each] == wanted]
+    if name not in fitting and len(fitting) != 1:
+        told = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
+        raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {told}")
+    seen = trace.psd(name if name in fitting else fitting[0])
+    scale = 1.0 if heard is None else PICTURED[heard]
+    return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]
+
+
+UNITS: Final = {"displacement": "um", "velocity": "um/s", "force": "uN"}
+PICTURED: Final = {"displacement": 1e12, "velocity": 1e6, "force": 1e6}
+"""From m^2/Hz, (m/s)^2/Hz and N^2/Hz to the um^2/Hz, (mm/s)^2/Hz and mN^2/Hz of the pictures."""
+
+
+def draw_figures(
+    names: str | Iterable[str] = "all",
+    folder: str | os.PathLike[str] = "figures",
+    *,
+    formats: str | Iterable[str] = ("png", "pdf", "svg"),
+    scenarios: str | os.PathLike[str] | None = None,
+    force: bool = False,
+) -> list[Path]:
+    """Draw figures of the paper into a folder, which is made if it is missing, and return the files.
+
+    ``names`` are "fig2" to "fig9" or "all"; ``scenarios`` is a folder of scenarios to use in place of those that come
+    with rubnoise; ``force`` allows existing files to be replaced. Raises Refused for an unknown name or format,
+    OutputRefused where a file may not be written, PicturesMissing without matplotlib.
+
+    >>> import rubnoise
+    >>> [file.name for file in rubnoise.draw_figures("fig3", "from_python", formats="png", force=True)]
+    ['fig3.png']
+    """
+    from rubnoise.figures.paper import check_sources, chosen, paper_figure
+    from rubnoise.figures.paper_sources import Sources
+    from rubnoise.figures.style import FORMATS, house_style
+    from rubnoise.storage.output import check_output, whole_file
+
+    wanted = chosen([names] if isinstance(names, str) else names)
+    asked = [formats] if isinstance(formats, str) else list(formats)
+    kinds = tuple(kind for kind in FORMATS if kind in asked)
+    if wrong := [kind for kind in asked if kind not in FORMATS]:
+        raise Refused(f"{', '.join(wrong)}: no format of a picture; there are {', '.join(FORMATS)}")
+    house_style()
+    place = None if scenarios is None else Path(scenarios)
+    check_sources(wanted, place)
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    files = {name: {kind: Path(folder) / f"{name}.{kind}" for kind in kinds} for name in wanted}
+    for own in files.values():
+        for file in own.values():
+            check_output(file, force=force)
+    for name, own in files.items():
+        pictures = paper_figure(name, kinds, Sources(folder=place))
+        for kind, file in own.items():
+            with whole_file(file, force=force) as part:
+                part.write_bytes(pictures[kind])
+    return [file for own in files.values() for file in own.values()]

@@ -1,0 +1,71 @@
+"""Which scenario is meant: a file, one that comes with rubnoise, or a Scenario."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from rubnoise.scenario import Scenario
+from rubnoise.scenario import load as load_file
+from rubnoise.scenario.shipped import named, shipped_names
+from rubnoise.scenario.sweep import Sweep
+from rubnoise.scenario.sweep import load_sweep as load_sweep_file
+
+
+def load(source: str | os.PathLike[str] | Scenario, overrides: Sequence[str] = ()) -> Scenario:
+    """Read a scenario: from a TOML file, or one that comes with rubnoise by its name, such as "paper/fig5".
+
+    A file that exists wins over a name. ``overrides`` are texts such as "run.seed=7", on top of the file. A Scenario
+    comes back as it is. Raises ScenarioRefused with every problem of the file, each with its line.
+
+    >>> import rubnoise
+    >>> rubnoise.load("paper/fig5", ["run.seed=7"]).run.seed
+    7
+    """
+    if isinstance(source, Scenario):
+        return source.replace(dict(_parted(each) for each in overrides)) if overrides else source
+    return load_file(named(source), overrides)
+
+
+def load_sweep(source: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Sweep:
+    """Read a file with a table `[sweep]`, or one that comes with rubnoise by its name, such as "paper/fig9".
+
+    Raises ScenarioRefused with every problem of every point, each with its line, and for a file that is no sweep.
+
+    >>> import rubnoise
+    >>> sweep = rubnoise.load_sweep("paper/fig9")
+    >>> sweep.keys, len(rubnoise.expand(sweep))
+    (('interface.mean_junction_count',), 5)
+    """
+    return load_sweep_file(named(source), overrides)
+
+
+def example(name: str) -> Scenario:
+    """Return a scenario that comes with rubnoise, such as "paper/fig5"; raises Refused, with near names, for no other.
+
+    >>> import rubnoise
+    >>> rubnoise.example("paper/fig5").title
+    'Figure 5: excitation force and vibration'
+    """
+    return load_file(shipped_path(name))
+
+
+def examples() -> tuple[str, ...]:
+    """Return the names of the scenarios and sweeps that come with rubnoise, for `load`, `example` and `run_sweep`.
+
+    >>> import rubnoise
+    >>> "paper/fig5" in rubnoise.examples()
+    True
+    """
+    return shipped_names()
+
+
+def shipped_path(name: str) -> Path:
+    """Return the file of a name; raises Refused, with near names, for a name that is none."""
+    from rubnoise.scenario.shipped import by_name
+
+    return by_name(name)
+
+
+def _parted(override: str) -> tuple[str, str]:
+    key, _, value = override.partition("=")
+    return key.strip(), value.strip()

@@ -1,0 +1,63 @@
+"""One scenario made from another by other values of some keys."""
+
+from collections.abc import Mapping
+from copy import deepcopy
+from typing import Any
+
+from rubnoise.errors import ScenarioRefused
+from rubnoise.scenario.document import Document
+from rubnoise.scenario.fields import did_you_mean
+from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.reading import build
+from rubnoise.scenario.scenario import Scenario
+
+EITHER = {("slider", "damping"): "damping_ratio", ("slider", "damping_ratio"): "damping"}
+"""Keys of which a scenario has one: setting it takes the other away."""
+
+
+def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
+    """Return a scenario with other values of some keys (see Scenario.replace)."""
+    values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
+    # The seed and the engine may have been changed since the file was read.
+    values["run"] = dict(scenario.resolved()["run"])
+    places = [(*_place(name), value) for name, value in changes.items()]
+    named = {key for _, key, _ in places}
+    for table, key, value in places:
+        if not table:
+            _set(values, key, value)
+        elif value is None and table not in values:
+            continue
+        else:
+            there = values.get(table)
+            values[table] = dict(there) if isinstance(there, Mapping) else {}
+            if value is not None and (other := EITHER.get((table, key))) and other not in named:
+                values[table].pop(other, None)
+            _set(values[table], key, value)
+    return build(values)
+
+
+def _set(table: dict[str, Any], key: str, value: Any) -> None:
+    if value is None:
+        table.pop(key, None)
+    elif isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
+        table[key] = {**table[key], **value}
+    else:
+        table[key] = value
+
+
+def _place(name: str) -> tuple[str, str]:
+    """Return the table of a key, empty at the top, and the key in it; raises ScenarioRefused for no such key."""
+    table, dot, key = name.partition(".")
+    if dot:
+        return table, key
+    if name in Document.model_fields:
+        return "", name
+    homes = [section for section, kind in SECTIONS.items() if name in kind.model_fields]
+    if len(homes) == 1:
+        return homes[0], name
+    if homes:
+        meant = " or ".join(f'"{home}.{name}"' for home in homes)
+        raise ScenarioRefused(f"replace: {name} is a key of several tables: say {meant}")
+    known = (*Document.model_fields, *(key for kind in SECTIONS.values() for key in kind.model_fields))
+    hint = did_you_mean(name, tuple(dict.fromkeys(known)))
+    raise ScenarioRefused(f"replace: no key {name}" + (f"; {hint}" if hint else ""))

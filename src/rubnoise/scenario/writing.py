@@ -1,0 +1,32 @@
+"""A scenario file written out with what it extends: one file that needs no other."""
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from rubnoise.scenario import layers
+
+
+def as_toml(path: Path) -> str:
+    """Return the keys of a file and of what it extends, merged, as the text of one file."""
+    given = layers.from_file(path)
+    comments = [line for line in given.main.text.splitlines() if line.startswith("# ")]
+    top = [f"{key} = {_value(value)}" for key, value in given.data.items() if not isinstance(value, Mapping)]
+    tables = [line for name, table in given.data.items() if isinstance(table, Mapping) for line in _table(name, table)]
+    return "\n".join([*comments, *top, *tables]) + "\n"
+
+
+def _table(name: str, table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a table of keys with simple values, then the tables in it; no key needs quotes."""
+    inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
+    plain = {key: value for key, value in table.items() if key not in inner}
+    if plain or not inner:
+        yield from ("", f"[{name}]", *(f"{key} = {_value(value)}" for key, value in plain.items()))
+    for key, value in inner.items():
+        yield from _table(f"{name}.{key}", value)
+
+
+def _value(value: Any) -> str:
+    """Return a text, number, boolean or list of these as TOML, which writes them as JSON does."""
+    return json.dumps(value, ensure_ascii=False)
