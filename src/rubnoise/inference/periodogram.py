@@ -20,8 +20,8 @@ MOST_SAMPLES: Final = 1 << 20
 """Of one segment: memory grows with it."""
 
 FIRST_BIN: Final = 2
-_WIDENING = 0.04  # of the wavenumber
-_WIDEST_PHASE = 0.4  # of k d: the spectrum of equal sizes swings with a period of pi
+_WIDENING = 0.05  # of the wavenumber
+_WIDEST_PHASE = 0.8  # of k d: the spectrum of equal sizes swings with a period of pi
 _FOLDS = 3  # aliases that are taken from the table, on either side; those beyond from the tail
 _NODES, _WEIGHTS = np.array([-0.7745966692414834, 0.0, 0.7745966692414834]), np.array([5.0, 8.0, 5.0]) / 18.0
 
@@ -73,7 +73,7 @@ class Bands:
 
 
 def band_edges(samples: int, phase_per_bin: float) -> Integers:
-    """Return the first bin of each band, and one beyond the last: bands widen with the wavenumber up to k d = 0.4.
+    """Return the first bin of each band, and one beyond the last: bands widen with the wavenumber by less than 0.8 of k d.
 
     ``phase_per_bin`` is k d of the first bin, as far as d is known.
     """
