@@ -16,14 +16,14 @@ from rubnoise.inference.periodogram import Bands, tukey
 from rubnoise.inference.scoring import FIRST, Fit
 
 _GROUPS = 14
-_LIGHTEST_GROUP = 12.0  # bands' worth: a group of fewer is too skew for a chi-square
+_LIGHTEST_GROUP = 16.0  # bands' worth: a group of fewer is too skew even for its cube root
 _RANK = 1e-6
 _BLOCKS = 40
 _LAGS = (0.25, 0.5, 1.0)  # of the mean diameter
 _NEIGHBOURS = 24
 _PARTS = 4
 
-SPECTRUM: Final = 0.006
+SPECTRUM: Final = 0.005
 REVERSAL: Final = 0.006
 LINE: Final = 0.005
 THIRD: Final = 0.004
@@ -81,14 +81,16 @@ def spectrum_test(fit: Fit) -> HonestyTest:
     left = left[extra:, extra:] / np.outer(mean, mean)
     relative = fit.residual[extra:] / mean
     averaging = _groups(bands)
-    value, spread = averaging @ relative, averaging @ left @ averaging.T
-    scale = np.sqrt(np.maximum((averaging @ (fit.scatter[extra:, extra:] / np.outer(mean, mean)) @ averaging.T).diagonal(), 1e-300))
+    whole = averaging @ (fit.scatter[extra:, extra:] / np.outer(mean, mean)) @ averaging.T
+    spread, variance = averaging @ left @ averaging.T, whole.diagonal()
+    # Wilson and Hilferty (1931): the cube root of a mean of energies is normal where the mean itself is still skew.
+    value = 3.0 * (np.cbrt(np.maximum(1.0 + averaging @ relative, 0.0)) - 1.0 + variance / 9.0)
+    scale = np.sqrt(variance)
     sizes, axes = np.linalg.eigh(spread / np.outer(scale, scale))
     held = sizes > max(_RANK * float(sizes.max()), 1e-4)
     along = axes.T @ (value / scale)
     statistic = float(np.sum(np.square(along[held]) / sizes[held]))
     freedom = int(held.sum())
-    # A sum of few squares of skewed band means has a longer tail than chi-square: gamma of the mean worth.
     p = float(gammaincc(0.5 * freedom, 0.5 * statistic)) if freedom else 1.0
     worst = int(np.argmax(np.abs(value / scale)))
     words = f"the spectrum in {value.size} log bands: chi-square {statistic:.1f} on {freedom}"
@@ -97,7 +99,7 @@ def spectrum_test(fit: Fit) -> HonestyTest:
 
 
 def _groups(bands: Bands) -> Doubles:
-    """Return a matrix that averages bands into groups of equal extent in ln k, each worth 12 values at least."""
+    """Return a matrix that averages bands into groups of equal extent in ln k, each worth 16 values at least."""
     place = np.log(bands.wavenumber)
     edges = np.linspace(place[0], place[-1], _GROUPS + 1)[1:-1]
     number = np.searchsorted(edges, place, side="right")
