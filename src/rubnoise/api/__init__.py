@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
     from rubnoise.api.column import Column
     from rubnoise.api.columns import Columns
+    from rubnoise.api.inferring import infer
     from rubnoise.api.junction import Junction
     from rubnoise.api.record import Record
     from rubnoise.api.result import Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult, open_sweep
     from rubnoise.api.sweeping import run_sweep
     from rubnoise.errors import Refused, RubnoiseError
+    from rubnoise.inference.inference import Inference
     from rubnoise.record.rows import JunctionState
     from rubnoise.scenario import Scenario, build, load
     from rubnoise.scenario.sweep import expand, load_sweep
@@ -27,6 +29,7 @@ __all__ = [
     "Column",
     "Columns",
     "Exact",
+    "Inference",
     "Junction",
     "JunctionState",
     "LiveJunctions",
@@ -40,6 +43,7 @@ __all__ = [
     "build",
     "exact",
     "expand",
+    "infer",
     "load",
     "load_sweep",
     "open",
@@ -54,6 +58,7 @@ HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
     "rubnoise.api.column": ("Column",),
     "rubnoise.api.columns": ("Columns",),
+    "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.junction": ("Junction",),
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.result": ("Run", "open"),
@@ -62,6 +67,7 @@ HOMES: Final = {
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
     "rubnoise.api.sweeping": ("run_sweep",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
+    "rubnoise.inference.inference": ("Inference",),
     "rubnoise.record.rows": ("JunctionState",),
     "rubnoise.scenario": ("Scenario", "build", "load"),
     "rubnoise.scenario.sweep": ("expand", "load_sweep"),

@@ -25,6 +25,7 @@ FEWEST_SAMPLES: Final = 3.0
 _LEAST_GAIN = 25.0
 _SHORTEST = 64
 _NOISE_BANDS = 10
+_CLIPPED, _PLATEAU = 1e-3, 4
 _FEWEST_ALIVE, _MOST_ALIVE = 0.1, 1e5
 
 
@@ -76,6 +77,7 @@ class Inference:
     ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
     ``tests`` of the trace against the model; ``not_identified`` names what cannot be told, with what would tell it;
     ``law_free`` are numbers that lean on no law. ``refused_because`` is None, or why there are no estimates.
+    ``bootstrap`` is empty, or how estimates of simulated traces scatter.
     """
 
     estimates: Mapping[str, Estimate]
@@ -89,6 +91,7 @@ class Inference:
     refused_because: str | None
     signal: Signal = field(repr=False)
     fit: Fit | None = field(repr=False, default=None)
+    bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
@@ -124,7 +127,7 @@ def infer_signal(
     scale = float(values.std())
     if not scale > 1e-12 * float(np.abs(values).max()):
         return _refusal(signal, "the trace is constant; a sensor that moves is needed")
-    if reason := _strokes(values, zero):
+    if reason := _clipped(values) or _strokes(values, zero):
         return _refusal(signal, reason)
     values = values / scale
     half_width = _half_width(values)
@@ -167,6 +170,22 @@ def _refusal(signal: Signal, reason: str) -> Inference:
         refused_because=reason,
         signal=signal,
     )
+
+
+def _clipped(values: Doubles) -> str:
+    """Return what shows that a sensor was at its end; nothing where it was not.
+
+    A maximum that lasts: a trace of junctions has a kink at each of its maxima, and never a plateau there.
+    """
+    at_top = values == values.max()
+    runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], at_top.view(np.int8), [0]]))))[::2]
+    if int(at_top.sum()) > max(10, _CLIPPED * values.size) and int(runs.max()) >= _PLATEAU:
+        first = int(np.argmax(at_top)) + 1
+        return (
+            f"the sensor was clipped: {int(at_top.sum())} samples are at the largest value, {int(runs.max())} of them in"
+            f" a row, first at sample {first}; measure again with a wider range"
+        )
+    return ""
 
 
 def _strokes(values: Doubles, zero: str) -> str:
@@ -284,13 +303,12 @@ def _estimates(fit: Fit, signal: Signal, scale: float) -> dict[str, Estimate]:
     if free != ("strength",):
         powers = {"births": 1.0, "diameter": 1.0}
         found["junction_count"] = _positive(2.0 * contact.births * place.diameter, fit.error(powers), "1")
-    told = signal.scale is not None
-    if told and "births" in free:
+    if "births" in free:
         area = contact.births * FIRST * fit.moment(3) * place.diameter**3 * tick**2
         powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
         found["mean_real_contact_area"] = _positive(area, fit.error(powers), "um^2")
-    if told and "strength" in free and "births" in free:
-        unit = scale * (signal.scale or 1.0) / tick**2
+    if signal.scale is not None and "strength" in free and "births" in free and not signal.is_area:
+        unit = scale * signal.scale / tick**2
         found["shear_strength"] = _positive(contact.strength * unit, fit.error({"strength": 1.0}), "MPa")
     if "inequality" in free and not signal.is_area:
         found["strength_spread"] = _strength_spread(contact.inequality, fit.error({"inequality": 1.0}))
@@ -341,9 +359,7 @@ def _not_identified(fit: Fit, signal: Signal) -> dict[str, str]:
     if free == ("strength",):
         either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would tell it'
         reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
-        reasons["mean_real_contact_area"] = f"needs the strength as well; {either}"
-    if signal.scale is None:
-        reasons["mean_real_contact_area"] = f"the unit {signal.unit or 'none'} is no force; --unit with the force per count"
+        reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
     if not fit.problem.population.spread:
         reasons["relative_spread"] = f"the law {fit.problem.population.name} has none to find; --law auto compares laws"
     if signal.is_area:
@@ -351,7 +367,9 @@ def _not_identified(fit: Fit, signal: Signal) -> dict[str, str]:
         return reasons
     if "strength" not in free or free == ("strength",) or signal.scale is None:
         reasons["shear_strength"] = (
-            "it was given" if fit.known.strength is not None else "needs a trusted zero (--zero known) and a unit of force"
+            "it was given"
+            if fit.known.strength is not None
+            else "needs a trusted zero of the sensor (--zero known) and a unit of force (--unit mN)"
         )
     if "inequality" not in free:
         reasons["strength_spread"] = "needs a trusted zero (--zero known) and the mean strength (--strength) together"
