@@ -11,6 +11,7 @@ import sys
 import threading
 from dataclasses import dataclass, field
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
@@ -263,9 +264,16 @@ def _of_dataset(path: Path, name: str) -> Measured:
     return Measured(name=name, values=values, unit=found["unit"], step=step, along=along)
 
 
+def _load_hdf5() -> None:
+    """Load all that reading a dataset needs: in the sandbox nothing can be opened, no module either."""
+    import_module("rubnoise.storage.pages")
+    import_module("h5py._hl.dims")
+
+
 def _from_sandbox(descriptor: int, name: str) -> bytes:
     from rubnoise.storage.sandbox import sandboxed
 
+    _load_hdf5()
     if threading.active_count() == 1:
         return sandboxed(descriptor, partial(read_dataset, name=name))
     # A program with threads should not copy itself: a new one of one thread does it.
@@ -281,6 +289,7 @@ def serve_dataset() -> None:
     """Be that program: read the dataset that the argument names of the file on standard input."""
     from rubnoise.storage.sandbox import sandboxed
 
+    _load_hdf5()
     sys.stdout.buffer.write(sandboxed(0, partial(read_dataset, name=sys.argv[1])))
 
 
