@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rubnoise.figures.style import BLUE, FAINT, VERMILION, as_bytes, house_style, new_figure
+from rubnoise.figures.style import BLUE, FAINT, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.inference.inference import Inference
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def _drawn(found: Inference) -> "Figure":
     if fit is None:
         raise AssertionError("an inference that was refused has no picture")
     figure = new_figure(9.0, 10.5)
-    grid = figure.add_gridspec(3, 2, hspace=0.45, wspace=0.32, left=0.1, right=0.97, top=0.96, bottom=0.06)
+    grid = figure.add_gridspec(3, 2)
     shown = signal.values[:_SHOWN]
     place = signal.tick * np.arange(shown.size)
     axes = figure.add_subplot(grid[0, :])
@@ -54,7 +54,9 @@ def _drawn(found: Inference) -> "Figure":
     axes.loglog(k, mean * unit, color=VERMILION, label="expected")
     low = np.maximum(mean - 2.0 * error, 0.02 * mean)
     axes.fill_between(k, low * unit, (mean + 2.0 * error) * unit, color=VERMILION, alpha=0.2, linewidth=0)
-    axes.set(xlabel="wavenumber (rad/um)", ylabel=f"spectral density (({signal.unit})^2 um)", title="Spectrum")
+    axes.set(xlabel="wavenumber (rad/um)", ylabel=f"spectral density ({signal.unit}^2 um)", title="Spectrum")
+    logarithmic(axes.xaxis)
+    logarithmic(axes.yaxis)
     axes.legend()
 
     axes = figure.add_subplot(grid[1, 1])
@@ -62,6 +64,7 @@ def _drawn(found: Inference) -> "Figure":
     for level in (-2.0, 0.0, 2.0):
         axes.axhline(level, color=VERMILION if level == 0.0 else FAINT, linewidth=0.8)
     axes.set(xlabel="wavenumber (rad/um)", ylabel="residual (standard errors)", title="Residuals")
+    logarithmic(axes.xaxis)
 
     axes = figure.add_subplot(grid[2, 0])
     lags, measured = _autocovariance(signal.values, int(6.0 * fit.contact.place.diameter))

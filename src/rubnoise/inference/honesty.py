@@ -12,7 +12,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
-from rubnoise.inference.periodogram import Bands, tukey
+from rubnoise.inference.periodogram import Bands, masked_bins, tukey
 from rubnoise.inference.scoring import FIRST, Fit
 
 _GROUPS = 14
@@ -164,6 +164,7 @@ def line_test(centred: Doubles, fit: Fit) -> HonestyTest:
     middle = 0.5 * (bands.first + bands.last)
     expected = np.exp(np.interp(np.log(bins), np.log(middle), np.log(fit.expected.mean)))
     ratio = power[first : last + 1] / expected
+    ratio[masked_bins(bands.masked, n)[first : last + 1]] = float(np.median(ratio))
     wide = 2 * _NEIGHBOURS + 3
     if ratio.size < 2 * wide:
         return HonestyTest(name="line", statistic=0.0, p=1.0, level=LINE, words="largest line: too few bins")

@@ -9,6 +9,7 @@ from math import ceil, pi
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.inference.populations import EnergyTable
@@ -20,6 +21,7 @@ MOST_SAMPLES: Final = 1 << 20
 """Of one segment: memory grows with it."""
 
 FIRST_BIN: Final = 2
+_TAPER_BINS = 4.0
 _WIDENING = 0.05  # of the wavenumber
 _WIDEST_PHASE = 0.8  # of k d: the spectrum of equal sizes swings with a period of pi
 _FOLDS = 3  # aliases that are taken from the table, on either side; those beyond from the tail
@@ -40,6 +42,7 @@ def tukey(count: int) -> Doubles:
 class Bands:
     """A periodogram in bands, distances in ticks: k = 2 pi p / n per tick for bins p of segments of n samples.
 
+    ``masked`` are ranges in cycles per tick that are left out.
     ``first`` and ``last`` are the bins of each band; ``energy`` the mean of sum-of-squares-normalised |X|^2 over its
     ``bins`` bins and all ``segments``, in the trace's unit squared per (rad/tick), two-sided; ``variance_factor`` is by
     how much the taper raises the variance of sums over many bins; ``curvature`` turns d2S/dk2 into the leakage;
@@ -55,6 +58,7 @@ class Bands:
     variance_factor: float
     curvature: float
     mean_part: Doubles
+    masked: tuple[tuple[float, float], ...] = ()
 
     @property
     def wavenumber(self) -> Doubles:
@@ -103,10 +107,7 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
         part = rfft((values[number * n : (number + 1) * n] - mean) * window)
         power += np.square(part.real) + np.square(part.imag)
     power /= segments * square
-    kept = np.ones(power.size)
-    cycles = np.arange(power.size) / n
-    for low, high in masked:
-        kept[(cycles >= low - 1.5 / n) & (cycles <= high + 1.5 / n)] = 0.0
+    kept = np.where(masked_bins(masked, n), 0.0, 1.0)
     edges = band_edges(n, 2.0 * pi / n * diameter)
     counts = np.add.reduceat(kept[: edges[-1]], edges[:-1])
     used = counts > 0.0
@@ -128,7 +129,17 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
         variance_factor=float(n * np.sum(window**4) / square**2),
         curvature=float(0.5 * np.sum(np.square(np.diff(window))) / square),
         mean_part=mean_part,
+        masked=masked,
     )
+
+
+def masked_bins(masked: tuple[tuple[float, float], ...], samples: int) -> NDArray[np.bool_]:
+    """Return which bins lie in ranges in cycles per tick, or so near that the taper carries them there."""
+    cycles = np.arange(samples // 2 + 1) / samples
+    within = np.zeros(cycles.size, dtype=np.bool_)
+    for low, high in masked:
+        within |= (cycles >= low - _TAPER_BINS / samples) & (cycles <= high + _TAPER_BINS / samples)
+    return within
 
 
 class Expectation:
@@ -167,6 +178,7 @@ class Expectation:
         mean = size * (energy + self._bands.curvature * bend + tail - self._bands.mean_part * table.zero)
         slope = size * (by_log_diameter - 4.0 * tail) + 6.0 * mean
         shape = size * (by_shape + table.tail_by_shape * self._tail / diameter**4)
+        shape -= size * self._bands.mean_part * table.zero_by_shape
         return np.stack([mean, slope, shape])
 
     def drift(self) -> Doubles:

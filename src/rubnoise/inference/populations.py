@@ -200,6 +200,7 @@ class EnergyTable:
     rows: Doubles
     zero: float
     tail: float
+    zero_by_shape: float
     tail_by_shape: float
 
     def at(self, phase: Doubles) -> Doubles:
@@ -243,14 +244,21 @@ def energy_table(name: str, shape: float) -> EnergyTable:
     scaled = energy * (1.0 + z**4)
     first = _slope(scaled) - 4.0 * z**4 / (1.0 + z**4) * scaled
     second = (1.0 + z**4) * _slope(first / (1.0 + z**4))
-    step = _SHAPE_STEP * max(shape, 0.01)
-    wider, narrower = population.moment(2, shape + step), population.moment(2, max(shape - step, 0.0))
     return EnergyTable(
         rows=np.stack([scaled, first, second, by_shape * (1.0 + z**4)]),
         zero=4.0 / 9.0 * population.moment(6, shape),
         tail=4.0 * population.moment(2, shape),
-        tail_by_shape=4.0 * (wider - narrower) / (shape + step - max(shape - step, 0.0)) if population.spread else 0.0,
+        zero_by_shape=4.0 / 9.0 * moment_slope(population, shape, 6),
+        tail_by_shape=4.0 * moment_slope(population, shape, 2),
     )
+
+
+def moment_slope(population: Population, shape: float, power: int) -> float:
+    """Return dE[x^n]/ds of sizes of unit mean, by a central difference; 0 without a shape to be found."""
+    if not population.spread:
+        return 0.0
+    change = _SHAPE_STEP * shape
+    return (population.moment(power, shape + change) - population.moment(power, shape - change)) / (2.0 * change)
 
 
 def _averaged(weights: Doubles) -> Doubles:

@@ -5,7 +5,7 @@ noise of the junctions themselves, so that intervals need no bootstrap.
 """
 
 from dataclasses import dataclass, replace
-from math import log, sqrt
+from math import sqrt
 from typing import Final
 
 import numpy as np
@@ -13,11 +13,10 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
 from rubnoise.inference.fitting import Expected, Place, Problem
-from rubnoise.inference.populations import life_energy, shot_sizes
+from rubnoise.inference.populations import life_energy, moment_slope, shot_sizes
 
 _STEPS = 25
 _CLOSE = 1e-6
-_SHAPE_STEP = 1e-4
 _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
 FIRST: Final = LENS.life_integral(1)
@@ -89,15 +88,14 @@ class Fit:
 
     def by_shape(self, power: int) -> float:
         """Return d ln E[x^n] / d ln s."""
-        return _moment_slope(self.problem, self.contact.place.shape, power)
+        shape = self.contact.place.shape
+        return shape * moment_slope(self.problem.population, shape, power) / self.moment(power)
 
 
-def _moment_slope(problem: Problem, shape: float, power: int) -> float:
+def _third_slope(problem: Problem, shape: float) -> float:
+    """Return d ln E[x^3] / d ln s."""
     population = problem.population
-    if not population.spread:
-        return 0.0
-    above, below = (population.moment(power, shape * (1.0 + step)) for step in (_SHAPE_STEP, -_SHAPE_STEP))
-    return log(above / below) / (2.0 * _SHAPE_STEP)
+    return shape * moment_slope(population, shape, 3) / population.moment(3, shape)
 
 
 def expected_mean(problem: Problem, contact: Contact) -> float:
@@ -204,7 +202,7 @@ def _derivatives(
     names = (*own, *expected.names[1:])
     by[0, names.index("diameter")] = 3.0 * mean
     if "shape" in names:
-        by[0, names.index("shape")] = mean * _moment_slope(problem, contact.place.shape, 3)
+        by[0, names.index("shape")] = mean * _third_slope(problem, contact.place.shape)
     return names, by
 
 
