@@ -102,7 +102,7 @@ def _of_text(path: Path, wanted: str | None) -> Measured:
     step, along = None, "time"
     if place is not None:
         along = _along(*heads[place])
-        step = _even(table[:, place], heads[place], path, numbers, _resolution(kept[1:3], separator, place))
+        step = _even(table[:, place], heads[place], path, numbers, _resolution(kept[1:101], separator, place))
     return Measured(
         name=heads[chosen][0], values=np.ascontiguousarray(table[:, chosen]), unit=heads[chosen][1], step=step, along=along
     )
@@ -170,7 +170,7 @@ def _chosen(path: Path, names: list[str], wanted: str | None, place: int | None)
 def _resolution(rows: list[tuple[int, str]], separator: str, place: int) -> float:
     """Return the last decimal with which places are written."""
     cells = [next(csv.reader([line], delimiter=separator))[place].strip() for _, line in rows]
-    return max(10.0 ** -len(cell.partition("e")[0].partition(".")[2]) for cell in cells)
+    return min(10.0 ** -len(cell.partition("e")[0].partition(".")[2]) for cell in cells)
 
 
 def _even(places: Doubles, head: tuple[str, str], path: Path, lines: list[int], resolution: float) -> float:
