@@ -3,7 +3,7 @@
     .venv/bin/python tools/infer_study.py run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
     .venv/bin/python tools/infer_study.py table FOLDER
 
-`run` may be stopped at any time; the same command goes on where it was. Each finished fit is a line of a file in FOLDER.
+`run` may be stopped at any time; the same command goes on where it was. Each finished fit is a line in FOLDER.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ class Cell:
 def cells() -> list[Cell]:
     """Return every cell of the study."""
     found = [Cell(name=f"{law} {n}", law=law, count=n, fitted=law) for law in POPULATIONS for n in COUNTS]
-    found += [Cell(name=f"clean {law}", law=law, noise=0.0, fitted=law) for law in ("normal", "lognormal", "exponential")]
+    found += [
+        Cell(name=f"clean {law}", law=law, noise=0.0, fitted=law) for law in ("normal", "lognormal", "exponential")
+    ]
     found += [Cell(name=f"long {law}", law=law, lives=5000, fitted=law) for law in ("normal",)]
     found += [Cell(name=f"auto {law}", law=law, fitted="auto") for law in POPULATIONS]
     found += [Cell(name=f"unknown {law}", law=law, fitted="auto", zero="unknown") for law in POPULATIONS]

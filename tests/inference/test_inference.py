@@ -82,7 +82,10 @@ def test_derivatives_are_those_of_the_expectation(name: str) -> None:
     at = problem.expected(place)
     for column, parameter in enumerate(at.names):
         step = 1e-4
-        ends = [problem.expected(replace(place, **{parameter: getattr(place, parameter) * np.exp(s)})) for s in (step, -step)]
+        ends = [
+            problem.expected(replace(place, **{parameter: getattr(place, parameter) * np.exp(s)}))
+            for s in (step, -step)
+        ]
         slope = (ends[0].mean - ends[1].mean) / (2.0 * step)
         assert at.by[:, column] == pytest.approx(slope, rel=5e-3, abs=2e-4 * np.abs(slope).max()), parameter
 
@@ -118,7 +121,10 @@ def test_number_size_spread_and_strength_lie_where_they_are(law: str, seed: int)
 def test_scaling_the_trace_scales_strengths_and_scaling_ticks_scales_sizes(normal: Signal, found: Inference) -> None:
     twice = infer_signal(replace(normal, values=2.0 * normal.values), zero="known", law="normal", tests=False)
     wider = infer_signal(replace(normal, tick=3.0 * normal.tick), zero="known", law="normal", tests=False)
-    ratios = {name: (twice.estimates[name].value / each.value, wider.estimates[name].value / each.value) for name, each in found.estimates.items()}
+    ratios = {
+        name: (twice.estimates[name].value / each.value, wider.estimates[name].value / each.value)
+        for name, each in found.estimates.items()
+    }
     assert ratios["junction_count"] == pytest.approx((1.0, 1.0))
     assert ratios["diameter"] == pytest.approx((1.0, 3.0))
     assert ratios["shear_strength"] == pytest.approx((2.0, 1.0 / 9.0))
@@ -142,7 +148,9 @@ def test_a_known_strength_tells_the_number_without_the_mean(normal: Signal) -> N
 
 def test_zero_and_strength_together_tell_the_spread_of_strengths() -> None:
     unequal = LAWS["lognormal"].make(250.0, 150.0, {})
-    got = infer_signal(signal(contact("normal", 0.2, 20, 900, strengths=unequal), 3), zero="known", strength=250.0, law="normal")
+    got = infer_signal(
+        signal(contact("normal", 0.2, 20, 900, strengths=unequal), 3), zero="known", strength=250.0, law="normal"
+    )
     low, high = got.estimates["strength_spread"].interval
     each = got.estimates["strength_spread"]
     assert abs(each.value - 0.6) <= BOUND * each.standard_error
@@ -222,7 +230,10 @@ def test_a_trace_backwards_in_a_mirror_is_the_same_trace(normal: Signal, found: 
         (np.ones(1000), "constant"),
         (np.arange(10.0), "10 samples"),
         (np.minimum(np.sin(0.01 * np.arange(5000.0)), 0.5), "clipped"),
-        (np.sign(np.sin(0.01 * np.arange(5000.0))) + 0.1 * np.random.default_rng(1).standard_normal(5000), "several strokes"),
+        (
+            np.sign(np.sin(0.01 * np.arange(5000.0))) + 0.1 * np.random.default_rng(1).standard_normal(5000),
+            "several strokes",
+        ),
         (-50.0 - np.random.default_rng(1).standard_normal(5000), "negative"),
     ],
 )
@@ -253,7 +264,9 @@ def test_errors_are_as_large_as_they_say(law: str) -> None:
     scores = []
     for seed in range(100, 100 + n):
         got = infer_signal(signal(model, seed), zero="known", law=law, tests=False)
-        scores.append([z(got, "junction_count", 20.0), z(got, "diameter", model.sizes.mean), z(got, "shear_strength", 250.0)])
+        scores.append(
+            [z(got, "junction_count", 20.0), z(got, "diameter", model.sizes.mean), z(got, "shear_strength", 250.0)]
+        )
     table = np.array(scores)
     assert np.all(np.abs(table.mean(axis=0)) <= BOUND / np.sqrt(n))
     assert np.all(np.abs(table.var(axis=0) - 1.0) <= 1.5 * BOUND * np.sqrt(2.0 / n))

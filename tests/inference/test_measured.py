@@ -45,7 +45,9 @@ def written(path: Path, text: str) -> Path:
         ("distance (mm),friction (V)", ",", "V", 500.0, "distance"),
     ],
 )
-def test_headers_say_units_and_places(tmp_path: Path, head: str, separator: str, unit: str, step: float, along: str) -> None:
+def test_headers_say_units_and_places(
+    tmp_path: Path, head: str, separator: str, unit: str, step: float, along: str
+) -> None:
     rows = "\n".join(f"{0.5 * n}{separator}{value}" for n, value in enumerate(FORCE.tolist()))
     read = read_measured(written(tmp_path / "a.csv", f"# a comment\n{head}\n\n{rows}\n"))
     assert (read.unit, read.along) == (unit, along)
@@ -56,7 +58,10 @@ def test_headers_say_units_and_places(tmp_path: Path, head: str, separator: str,
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("time (s),force (mN)\n0,1\n0.1,2\n0.3,3\n0.4,4\n0.5,5\n", "line 4: time goes on by 0.2 s where the usual step is 0.1"),
+        (
+            "time (s),force (mN)\n0.00,1\n0.10,2\n0.30,3\n0.40,4\n0.50,5\n",
+            "line 4: time goes on by 0.2 s where the usual step is 0.1",
+        ),
         ("time (s),force (mN)\n0,1\n0.1,nan\n0.2,3\n", "line 3: force is nan"),
         ("time (s),force (mN)\n0,1\n0.1,x\n0.2,3\n", "line 3: 'x' is no number"),
         ("time (s),force (mN)\n0,1\n0.1\n0.2,3\n", "line 3: 1 cells; there are 2 names"),

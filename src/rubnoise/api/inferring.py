@@ -1,4 +1,4 @@
-"""From a measured trace to its junctions: a trace in, numbers with intervals out, and a scenario that simulates them."""
+"""From a measured trace to its junctions: numbers with intervals, and a scenario that simulates what was found."""
 
 import os
 import re
@@ -42,8 +42,8 @@ def infer(
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
     ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
-    object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns time
-    into sliding distance. ``zero`` is "known" where a value of 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
+    object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns
+    time into sliding distance. ``zero`` is "known" where a value of 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
     ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap``
     traces are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter.
     Raises Refused for bad input. What statistics refuse stands in ``refused_because``, what speaks against the model in
@@ -63,7 +63,9 @@ def infer(
     found = infer_signal(signal, zero=zero, strength=psi, law=law, masked=masked, drift=drift)
     if not bootstrap or found.refused_because is not None:
         return found
-    return replace(found, bootstrap=_bootstrapped(found, bootstrap, zero=zero, strength=psi, masked=masked, drift=drift))
+    return replace(
+        found, bootstrap=_bootstrapped(found, bootstrap, zero=zero, strength=psi, masked=masked, drift=drift)
+    )
 
 
 def _measured(trace: Any, column: str | None) -> Measured:
@@ -137,7 +139,9 @@ def _signal(measured: Measured, speed: float | None, unit: str | None, rate: flo
         raise Refused('the trace has no time and no distance; --rate says how often it was sampled, as in "20 kHz"')
     if measured.along == "time":
         if speed is None:
-            raise Refused('--speed is needed: the trace is over time, junctions live by distance; as in --speed "1 mm/s"')
+            raise Refused(
+                '--speed is needed: the trace is over time, junctions live by distance; as in --speed "1 mm/s"'
+            )
         step *= speed
     elif speed is not None:
         raise Refused("--speed: the trace is over sliding distance, which needs no speed")
@@ -185,7 +189,13 @@ class _Trace:
 
 
 def _bootstrapped(
-    found: Inference, count: int, *, zero: Any, strength: float | None, masked: tuple[tuple[float, float], ...], drift: bool
+    found: Inference,
+    count: int,
+    *,
+    zero: Any,
+    strength: float | None,
+    masked: tuple[tuple[float, float], ...],
+    drift: bool,
 ) -> dict[str, Estimate]:
     """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
     told: dict[str, list[float]] = {}
@@ -284,4 +294,3 @@ def found_scenario(found: Inference, *, speed: float | str | None = None, streng
         "",
     ]
     return "\n".join(lines)
-

@@ -56,9 +56,7 @@ def command(
         str | None,
         typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED", show_default=False),
     ] = None,
-    column: Annotated[
-        str | None, typer.Option(help="Which column.", metavar="NAME", show_default=False)
-    ] = None,
+    column: Annotated[str | None, typer.Option(help="Which column.", metavar="NAME", show_default=False)] = None,
     unit: Annotated[
         str | None,
         typer.Option(
@@ -93,9 +91,7 @@ def command(
         Path | None,
         typer.Option("-o", "--output", help="Write a scenario that simulates what was found.", metavar="TOML"),
     ] = None,
-    report: Annotated[
-        Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")
-    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
     """Tell number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
@@ -129,7 +125,9 @@ def command(
         )
     except FileNotFoundError as problem:
         raise Refused(f"{trace}: no such file") from problem
-    scenario = None if output is None or found.refused_because else found_scenario(found, speed=speed, strength=strength)
+    scenario = (
+        None if output is None or found.refused_because else found_scenario(found, speed=speed, strength=strength)
+    )
     print(json.dumps(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
     if output is not None and scenario is not None:
         with whole_file(output, force=force) as part:

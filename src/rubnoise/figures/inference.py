@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from rubnoise.arrays import Doubles
 
 _SHOWN = 2000
-_STYLE = "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}pre{white-space:pre-wrap}svg{max-width:100%;height:auto}"
+_STYLE = (
+    "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
+    "pre{white-space:pre-wrap}svg{max-width:100%;height:auto}"
+)
 
 
 def page(found: Inference, name: str, lines: list[str]) -> str:
@@ -27,8 +30,10 @@ def page(found: Inference, name: str, lines: list[str]) -> str:
     )
     title = escape(f"Junctions behind {name}")
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>{_STYLE}</style></head>'
-        f"<body><h1>{title}</h1><pre>{escape(chr(10).join(lines))}</pre>{picture}<h2>Tests</h2><ul>{tests}</ul></body></html>\n"
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
+        f"<style>{_STYLE}</style></head>"
+        f"<body><h1>{title}</h1><pre>{escape(chr(10).join(lines))}</pre>{picture}"
+        f"<h2>Tests</h2><ul>{tests}</ul></body></html>\n"
     )
 
 

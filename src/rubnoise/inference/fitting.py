@@ -107,7 +107,7 @@ def deviance(bands: Bands, mean: Doubles) -> float:
 
 
 def climb(problem: Problem, start: Place) -> tuple[Place, float]:
-    """Return the place of least Whittle deviance near a start, and the deviance there: scoring with Levenberg's damping.
+    """Return the place of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
 
     Source: Whittle (1953); Levenberg (1944); Marquardt (1963), doi:10.1137/0111030.
     """
@@ -163,7 +163,9 @@ def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
 
 def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, float]:
     """Return the best place of several starts, and its deviance."""
-    begun = [(deviance(problem.bands, problem.expected(place).mean), place) for place in starts(problem, diameter, noise)]
+    begun = [
+        (deviance(problem.bands, problem.expected(place).mean), place) for place in starts(problem, diameter, noise)
+    ]
     begun.sort(key=lambda each: each[0])
     climbed = [climb(problem, place) for _, place in begun[:_STARTS_REFINED]]
     return min(climbed, key=lambda each: each[1])

@@ -195,7 +195,9 @@ def third_test(centred: Doubles, fit: Fit, *, zero_known: bool) -> HonestyTest:
     contact, place = fit.contact, fit.contact.place
     measured = float(np.mean(centred**3))
     psi = contact.strength
-    expected = contact.births * psi**3 * contact.inequality**3 * LENS.life_integral(3) * fit.moment(7) * place.diameter**7
+    expected = (
+        contact.births * psi**3 * contact.inequality**3 * LENS.life_integral(3) * fit.moment(7) * place.diameter**7
+    )
     sizes, probability = shot_sizes(fit.problem.population, place.shape)
     d = place.diameter * sizes
     variance = place.rate * LENS.life_integral(2) * fit.moment(5) * place.diameter**5
@@ -206,11 +208,15 @@ def third_test(centred: Doubles, fit: Fit, *, zero_known: bool) -> HonestyTest:
     error = sqrt(gaussian / n) + sqrt(contact.births * float(np.square(alone) @ probability) / n)
     told = zero_known or fit.known.strength is not None
     if told:
-        powers = {name: {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0}.get(name, 0.0) for name in fit.names}
+        powers = {
+            name: {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0}.get(name, 0.0)
+            for name in fit.names
+        }
         powers["shape"] = fit.by_shape(7)
         z = (measured - expected) / sqrt(error**2 + (expected * min(fit.error(powers), 1.0)) ** 2)
         p = _two_sided(z)
-        words = f"third cumulant: {measured / max(abs(expected), 1e-300):.2f} of that of the contact found, {z:+.1f} standard errors"
+        ratio = measured / max(abs(expected), 1e-300)
+        words = f"third cumulant: {ratio:.2f} of that of the contact found, {z:+.1f} standard errors"
     else:
         z = measured / error
         p = 0.5 * erfc(z / sqrt(2.0))

@@ -182,8 +182,8 @@ def _clipped(values: Doubles) -> str:
     if int(at_top.sum()) > max(10, _CLIPPED * values.size) and int(runs.max()) >= _PLATEAU:
         first = int(np.argmax(at_top)) + 1
         return (
-            f"the sensor was clipped: {int(at_top.sum())} samples are at the largest value, {int(runs.max())} of them in"
-            f" a row, first at sample {first}; measure again with a wider range"
+            f"the sensor was clipped: {int(at_top.sum())} samples are at the largest value, {int(runs.max())} of them"
+            f" in a row, first at sample {first}; measure again with a wider range"
         )
     return ""
 
@@ -285,7 +285,9 @@ def _walk_alone(problem: Problem, flat: float) -> Doubles:
     mean = np.full(bands.energy.size, flat)
     for _ in range(20):
         weights = bands.weight / np.square(mean)
-        found = np.maximum(np.linalg.lstsq(columns * np.sqrt(weights)[:, None], bands.energy * np.sqrt(weights))[0], 0.0)
+        found = np.maximum(
+            np.linalg.lstsq(columns * np.sqrt(weights)[:, None], bands.energy * np.sqrt(weights))[0], 0.0
+        )
         mean = np.maximum(columns @ found, 1e-6 * flat)
     return mean
 

@@ -77,7 +77,7 @@ class Bands:
 
 
 def band_edges(samples: int, phase_per_bin: float) -> Integers:
-    """Return the first bin of each band, and one beyond the last: bands widen with the wavenumber by less than 0.8 of k d.
+    """Return the first bin of each band, and one beyond the last: bands are wider further up, to 0.8 of k d.
 
     ``phase_per_bin`` is k d of the first bin, as far as d is known.
     """

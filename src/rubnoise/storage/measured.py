@@ -90,7 +90,9 @@ def _of_text(path: Path, wanted: str | None) -> Measured:
     separator = next((mark for mark in ("\t", ";", ",") if mark in kept[0][1]), ",")
     heads = [_named(cell) for cell in next(csv.reader([kept[0][1]], delimiter=separator))]
     if all(_is_number(name) for name, _ in heads):
-        raise Refused(f'{path}: line {kept[0][0]}: numbers; a first line of names is needed, as in "time (s){separator}force (mN)"')
+        raise Refused(
+            f'{path}: line {kept[0][0]}: numbers; a first line of names is needed: "time (s){separator}force (mN)"'
+        )
     table = _numbers(path, kept[1:], separator, len(heads))
     numbers = [number for number, _ in kept[1:]]
     places = [n for n, (name, unit) in enumerate(heads) if _along(name, unit)]
@@ -98,13 +100,19 @@ def _of_text(path: Path, wanted: str | None) -> Measured:
     chosen = _chosen(path, [name for name, _ in heads], wanted, place)
     if not np.isfinite(table[:, chosen]).all():
         row = int(np.argmin(np.isfinite(table[:, chosen])))
-        raise Refused(f"{path}: line {numbers[row]}: {heads[chosen][0]} is {table[row, chosen]}; every sample needs a number")
+        raise Refused(
+            f"{path}: line {numbers[row]}: {heads[chosen][0]} is {table[row, chosen]}; every sample needs a number"
+        )
     step, along = None, "time"
     if place is not None:
         along = _along(*heads[place])
         step = _even(table[:, place], heads[place], path, numbers, _resolution(kept[1:101], separator, place))
     return Measured(
-        name=heads[chosen][0], values=np.ascontiguousarray(table[:, chosen]), unit=heads[chosen][1], step=step, along=along
+        name=heads[chosen][0],
+        values=np.ascontiguousarray(table[:, chosen]),
+        unit=heads[chosen][1],
+        step=step,
+        along=along,
     )
 
 
@@ -211,7 +219,9 @@ def _of_wave(path: Path, wanted: str | None) -> Measured:
         values = values[:, None]
     names = [str(channel + 1) for channel in range(values.shape[1])]
     chosen = _chosen(path, names, wanted, None)
-    return Measured(name=f"channel {names[chosen]}", values=values[:, chosen].copy(), unit="", step=1.0 / rate, along="time")
+    return Measured(
+        name=f"channel {names[chosen]}", values=values[:, chosen].copy(), unit="", step=1.0 / rate, along="time"
+    )
 
 
 def _of_matlab(path: Path, wanted: str | None) -> Measured:
@@ -221,7 +231,11 @@ def _of_matlab(path: Path, wanted: str | None) -> Measured:
         content = loadmat(path, squeeze_me=True, struct_as_record=True)
     except Exception as problem:
         raise Refused(f"{path}: is no MATLAB 5 file that can be read: {problem}; save it with -v6 or -v7") from problem
-    rows = {name: value for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "fiu"}
+    rows = {
+        name: value
+        for name, value in content.items()
+        if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "fiu"
+    }
     places = [name for name in rows if name.lower() in {"t", "time"}]
     names = list(rows)
     place = names.index(places[0]) if places else None
@@ -331,5 +345,7 @@ def _datasets(file: Any) -> list[str]:
     import h5py
 
     found: list[str] = []
-    file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) and len(found) < 12 else None)
+    file.visititems(
+        lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) and len(found) < 12 else None
+    )
     return found
