@@ -43,7 +43,7 @@ def infer(
 
     ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
     object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns
-    time into sliding distance. ``zero`` is "known" where a value of 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
+    time into sliding distance. ``zero`` is "known" where 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
     ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap``
     traces are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter.
     Raises Refused for bad input. What statistics refuse stands in ``refused_because``, what speaks against the model in
