@@ -56,6 +56,12 @@ class RunOutside(RubnoiseError):  # noqa: N818  (nothing failed: the run is not 
     exit_code = 3
 
 
+class TraceDoubtful(RubnoiseError):  # noqa: N818  (nothing failed: the trace is not of the model, or says too little)
+    """A measured trace that does not follow the model, or is too little to tell its junctions; exit code 3."""
+
+    exit_code = 3
+
+
 class RunDiffers(RubnoiseError):  # noqa: N818  (nothing failed: the file is not what it says it is)
     """A result file in which something is not what it should be; exit code 3."""
 

@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
-from mutations import analysis, contact, lesson, outside, record, scenario, simulation, storage, sweep, theory
+from mutations import (
+    analysis,
+    contact,
+    inference,
+    lesson,
+    outside,
+    record,
+    scenario,
+    simulation,
+    storage,
+    sweep,
+    theory,
+)
 from mutations.mutant import Edit, Mutant, one
 
 __all__ = ["MUTANTS", "ROOMS", "Edit", "Mutant", "one"]
@@ -13,6 +25,7 @@ ROOMS = {
     "record": record.MUTANTS,
     "theory": theory.MUTANTS,
     "scenario": scenario.MUTANTS,
+    "inference": inference.MUTANTS,
     "storage": storage.MUTANTS,
     "analysis": analysis.MUTANTS,
     "sweep": sweep.MUTANTS,

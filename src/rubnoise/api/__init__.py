@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rubnoise.api.columns import Column, Columns
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
     from rubnoise.api.pictures import draw_figures
+    from rubnoise.api.inferring import infer
     from rubnoise.api.record import Record
     from rubnoise.api.result import Junction, Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rubnoise.api.sweeping import run_sweep
     from rubnoise.api.trace import Trace
     from rubnoise.errors import Refused, RubnoiseError
+    from rubnoise.inference.inference import Inference
     from rubnoise.record.rows import JunctionState
     from rubnoise.scenario import Scenario, build
     from rubnoise.scenario.sweep import expand
@@ -37,6 +39,7 @@ __all__ = [
     "Columns",
     "Comparison",
     "Exact",
+    "Inference",
     "Junction",
     "JunctionState",
     "LiveJunctions",
@@ -56,6 +59,7 @@ __all__ = [
     "example",
     "examples",
     "expand",
+    "infer",
     "load",
     "load_sweep",
     "open",
@@ -71,6 +75,7 @@ HOMES: Final = {
     "rubnoise.api.answers": ("Comparison", "Verification"),
     "rubnoise.api.columns": ("Column", "Columns"),
     "rubnoise.api.pictures": ("draw_figures",),
+    from rubnoise.api.inferring import infer
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.result": ("Junction", "Run", "open"),
     "rubnoise.api.resuming": ("resume",),
@@ -81,6 +86,7 @@ HOMES: Final = {
     "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
     "rubnoise.api.trace": ("Trace",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
+    "rubnoise.inference.inference": ("Inference",),
     "rubnoise.record.rows": ("JunctionState",),
     "rubnoise.scenario": ("Scenario", "build"),
     "rubnoise.scenario.sweep": ("expand",),

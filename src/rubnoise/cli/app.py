@@ -31,6 +31,7 @@ COMMANDS: Final = {
     "junction": "junction.command",
     "junctions": "junctions.command",
     "compare": "compare.command",
+    "infer": "infer.command",
     "verify": "verify.command",
     "view": "view.command",
     "report": "report.command",

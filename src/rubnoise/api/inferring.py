@@ -1,0 +1,296 @@
+"""From a measured trace to its junctions: numbers with intervals, and a scenario that simulates what was found."""
+
+import os
+import re
+from dataclasses import replace
+from math import isfinite
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.laws import LAWS
+from rubnoise.errors import Refused
+from rubnoise.inference.inference import Estimate, Inference, Signal, infer_signal
+from rubnoise.model import Model
+from rubnoise.record.sink import Columns
+from rubnoise.simulation.run import simulate
+from rubnoise.storage.measured import Measured, read_measured
+from rubnoise.units import AREA, SPEED, STRESS, QuantityError, parse_unit, read_quantity
+
+FORCE: Final = (1, 1, -2)
+_RATE: Final = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(Hz|kHz|MHz|mHz)?\s*")
+_HERTZ: Final = {"mHz": 1e-3, "Hz": 1.0, "kHz": 1e3, "MHz": 1e6, None: 1.0}
+_MASK: Final = 0.01  # of the frequency, on either side
+
+
+def infer(
+    trace: Any,
+    *,
+    speed: str | float | None = None,
+    column: str | None = None,
+    unit: str | None = None,
+    rate: str | float | None = None,
+    zero: Literal["known", "unknown"] = "unknown",
+    strength: str | float | None = None,
+    law: str = "auto",
+    mask: str | tuple[str, ...] = (),
+    drift: bool = False,
+    bootstrap: int = 0,
+) -> Inference:
+    """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
+
+    ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
+    object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns
+    time into sliding distance. ``zero`` is "known" where 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
+    ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap``
+    traces are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter.
+    Raises Refused for bad input. What statistics refuse stands in ``refused_because``, what speaks against the model in
+    ``flags``. Source: docs/inference.md.
+    """
+    if zero not in {"known", "unknown"}:
+        raise Refused(f"--zero: {zero} is neither known nor unknown")
+    measured = _measured(trace, column)
+    velocity = _quantity(speed, SPEED, "--speed")
+    signal = _signal(measured, velocity, unit, _rate(rate, "--rate"))
+    if strength is not None and signal.scale is None:
+        raise Refused(f"--strength: the trace is in {signal.unit}, which is no force; --unit takes one, such as mN")
+    if strength is not None and signal.is_area:
+        raise Refused("--strength: a trace of area has no strengths")
+    psi = _quantity(strength, STRESS, "--strength")
+    masked = _masked(mask, velocity, measured.along)
+    found = infer_signal(signal, zero=zero, strength=psi, law=law, masked=masked, drift=drift)
+    if not bootstrap or found.refused_because is not None:
+        return found
+    return replace(
+        found, bootstrap=_bootstrapped(found, bootstrap, zero=zero, strength=psi, masked=masked, drift=drift)
+    )
+
+
+def _measured(trace: Any, column: str | None) -> Measured:
+    if isinstance(trace, str | os.PathLike):
+        own = _own_result(trace, column)
+        return read_measured(trace, column) if own is None else own
+    if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
+        names = [name for name in trace.columns if name != trace.place]
+        if column is None and len(names) != 1:
+            raise Refused(f"which column? column= takes one of: {', '.join(names)}")
+        name = column or names[0]
+        if name not in names:
+            raise Refused(f"column {name}: the columns are {', '.join(names)}")
+        along = "time" if trace.units[trace.place] == "s" else "distance"
+        values = np.asarray(trace.columns[name], dtype=np.float64)
+        return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
+    values = np.asarray(trace, dtype=np.float64)
+    if values.ndim != 1 or not np.isfinite(values).all():
+        raise Refused("a trace is one row of finite numbers")
+    return Measured(name="trace", values=values, unit="", step=None, along="time")
+
+
+def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
+    """Return a column of the trace of a result of ours; None for any other file."""
+    from rubnoise.regular_file import read_at_most
+
+    path = os.fspath(trace)
+    if not os.path.exists(path) or read_at_most(path, 4) != b"\x89HDF":  # noqa: PTH110  (a path with a colon may be no path)
+        return None
+    from rubnoise.api.result import open as open_result
+
+    with open_result(path) as run:
+        there = run.trace
+        name = column or ("friction_force" if "friction_force" in there else "real_contact_area")
+        if name not in there or name not in {"friction_force", "real_contact_area"}:
+            raise Refused(f"{path}: --column {name}: /trace has friction_force, with a strength, and real_contact_area")
+        unit = "uN" if name == "friction_force" else "um^2"
+        return Measured(
+            name=name, values=np.array(there[name][:]), unit=unit, step=run.scenario.model().tick, along="distance"
+        )
+
+
+def _quantity(value: str | float | None, kind: Any, option: str) -> float | None:
+    if value is None:
+        return None
+    try:
+        number = float(read_quantity(value, kind)) if isinstance(value, str) else float(value)
+    except QuantityError as problem:
+        raise Refused(f"{option}: {value}: {problem}{f'; {problem.hint}' if problem.hint else ''}") from problem
+    if not (isfinite(number) and number > 0.0):
+        raise Refused(f'{option}: {value} is not above 0; right form: "{kind.example}"')
+    return number
+
+
+def _rate(value: str | float | None, option: str) -> float | None:
+    """Return a frequency in Hz."""
+    if value is None:
+        return None
+    match = _RATE.fullmatch(str(value))
+    number = float(match[1]) * _HERTZ[match[2]] if match else 0.0
+    if not (isfinite(number) and number > 0.0):
+        raise Refused(f'{option}: {value} is no frequency; right form: "20 kHz"')
+    return number
+
+
+def _signal(measured: Measured, speed: float | None, unit: str | None, rate: float | None) -> Signal:
+    step = measured.step if rate is None else 1.0 / rate
+    if rate is not None and measured.step is not None:
+        raise Refused(f"--rate: the trace says itself how its samples lie, every {measured.step:g}")
+    if step is None:
+        raise Refused('the trace has no time and no distance; --rate says how often it was sampled, as in "20 kHz"')
+    if measured.along == "time":
+        if speed is None:
+            raise Refused(
+                '--speed is needed: the trace is over time, junctions live by distance; as in --speed "1 mm/s"'
+            )
+        step *= speed
+    elif speed is not None:
+        raise Refused("--speed: the trace is over sliding distance, which needs no speed")
+    written = unit or measured.unit
+    if not written:
+        raise Refused(f"{measured.name}: no unit; --unit mN names it, --unit V one without a scale of force")
+    scale, is_area = _scale(written)
+    return Signal(values=measured.values, tick=step, unit=written, scale=scale, is_area=is_area)
+
+
+def _scale(unit: str) -> tuple[float | None, bool]:
+    """Return how many uN (or um^2) a value of 1 is, and whether it is an area; None for other units."""
+    match = re.fullmatch(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([^0-9].*)", unit.strip())
+    factor, name = (float(match[1]), match[2]) if match else (1.0, unit.strip())
+    try:
+        known = parse_unit(name)
+    except QuantityError:
+        return None, False
+    if tuple(known.dimension) == FORCE:
+        return factor * float(known.size), False
+    if tuple(known.dimension) == AREA.dimension:
+        return factor * float(known.size), True
+    return None, False
+
+
+def _masked(mask: str | tuple[str, ...], speed: float | None, along: str) -> tuple[tuple[float, float], ...]:
+    """Return the masked ranges in cycles per um."""
+    wanted = [text for part in ((mask,) if isinstance(mask, str) else mask) for text in part.split(",")]
+    if wanted and (along != "time" or speed is None):
+        raise Refused("--mask: frequencies are of a trace over time")
+    rates = [_rate(text, "--mask") or 0.0 for text in wanted]
+    return tuple(((1.0 - _MASK) * each / (speed or 1.0), (1.0 + _MASK) * each / (speed or 1.0)) for each in rates)
+
+
+class _Trace:
+    """Keeps one column of a run in memory."""
+
+    def __init__(self, name: str, rows: int) -> None:
+        self.name, self.values = name, np.empty(rows)
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Keep rows of the trace (see Sink)."""
+        if group == "trace":
+            self.values[first_row : first_row + columns[self.name].size] = columns[self.name]
+
+
+def _bootstrapped(
+    found: Inference,
+    count: int,
+    *,
+    zero: Any,
+    strength: float | None,
+    masked: tuple[tuple[float, float], ...],
+    drift: bool,
+) -> dict[str, Estimate]:
+    """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
+    told: dict[str, list[float]] = {}
+    for seed in range(1, count + 1):
+        again = replace(found.signal, values=_simulated(found, seed))
+        refit = infer_signal(
+            again, zero=zero, strength=strength, law=found.law, masked=masked, drift=drift, tests=False
+        )
+        for name, each in refit.estimates.items():
+            told.setdefault(name, []).append(each.value)
+    return {
+        name: Estimate(
+            value=float(np.mean(values)),
+            standard_error=float(np.std(values)),
+            interval=(float(np.quantile(values, 0.025)), float(np.quantile(values, 0.975))),
+            unit=found.estimates[name].unit,
+        )
+        for name, values in told.items()
+        if name in found.estimates
+    }
+
+
+def _simulated(found: Inference, seed: int) -> Doubles:
+    """Return a trace of what was found, of the same length, by the batch engine."""
+    fit, signal = found.fit, found.signal
+    if fit is None:
+        raise Refused("nothing was found that could be simulated")
+    contact, tick, rows = fit.contact, signal.tick, signal.values.size
+    diameter = contact.place.diameter * tick
+    model = Model(
+        mean_real_contact_area=1.0,
+        mean_junction_count=2.0 * contact.births * contact.place.diameter,
+        calibration="exact",
+        calibrated_diameter=diameter,
+        sizes=fit.problem.population.law(diameter, contact.place.shape),
+        births=PoissonBirths(mean_spacing=tick / contact.births),
+        strengths=None,
+        sliding_speed=None,
+        distance=tick * (rows - 1),
+        start="stationary",
+        slider=None,
+        tick=tick,
+        tick_count=rows - 1,
+    )
+    sink = _Trace("real_contact_area", rows)
+    simulate(model, seed, sink, engine="batch")
+    scale = float(signal.values.std())
+    noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
+    return scale * (contact.strength / tick**2 * sink.values + noise)
+
+
+def found_scenario(found: Inference, *, speed: float | str | None = None, strength: float | str | None = None) -> str:
+    """Return the text of a scenario that simulates what was found, over the distance of the trace.
+
+    Raises Refused where number or strength is not identified: a scenario needs both.
+    """
+    if found.refused_because is not None or found.fit is None:
+        raise Refused(f"there is nothing to write: {found.refused_because}")
+    for name in ("junction_count", "mean_real_contact_area"):
+        if name not in found.estimates:
+            raise Refused(f"-o: {name} is not told, and a scenario needs it: {found.not_identified[name]}")
+    velocity, psi = _quantity(speed, SPEED, "--speed"), _quantity(strength, STRESS, "--strength")
+    if psi is None and "shear_strength" in found.estimates:
+        psi = found.estimates["shear_strength"].value
+    fit, signal = found.fit, found.signal
+    shape, count = fit.contact.place.shape, found.estimates["junction_count"].value
+    diameter = found.estimates["diameter"].value
+    law = found.law
+    if law == "normal":
+        # The scenario's centre is that before drawing again, and N_jm counts lives of that length.
+        count *= fit.problem.population.law(diameter, shape).centre / diameter  # type: ignore[attr-defined]
+    lines = [
+        "# What `rubnoise infer` found. Values are estimates; `infer` prints their intervals.",
+        "format = 1",
+        'title = "What was found in a measured trace"',
+        "",
+        "[interface]",
+        f'mean_real_contact_area = "{found.estimates["mean_real_contact_area"].value:.6g} um^2"',
+        f"mean_junction_count = {count:.6g}",
+        'calibration = "matched"',
+        "",
+        "[diameter]",
+        f'law = "{law}"',
+        *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
+        "",
+        *(["[strength]", f'mean = "{psi:.6g} MPa"', ""] if psi is not None else []),
+        "[sliding]",
+        *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
+        f'distance = "{signal.tick * signal.values.size:.6g} um"',
+        "",
+        "[output]",
+        f'tick = "{signal.tick:.6g} um"',
+        "",
+        "[run]",
+        'engine = "batch"',
+        "",
+    ]
+    return "\n".join(lines)

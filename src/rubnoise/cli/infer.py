@@ -1,0 +1,233 @@
+"""`rubnoise infer`: from a measured trace back to its junctions, as text, as JSON, as a scenario and as a page."""
+
+from collections.abc import Iterator
+from enum import StrEnum
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rubnoise.cli.layout import line, printable, remark
+
+if TYPE_CHECKING:
+    from rubnoise.inference.inference import Estimate, Inference
+
+NAMES = (
+    "junction_count",
+    "diameter",
+    "relative_spread",
+    "shear_strength",
+    "strength_spread",
+    "mean_real_contact_area",
+    "noise",
+)
+
+
+class Zero(StrEnum):
+    """Whether a value of 0 means no force."""
+
+    KNOWN = "known"
+    UNKNOWN = "unknown"
+
+
+class LawChoice(StrEnum):
+    """Laws of sizes."""
+
+    AUTO = "auto"
+    FIXED = "fixed"
+    NORMAL = "normal"
+    LOGNORMAL = "lognormal"
+    EXPONENTIAL = "exponential"
+    GAMMA = "gamma"
+
+
+def command(
+    trace: Annotated[
+        str,
+        typer.Argument(
+            help="A measured trace: CSV, TSV, WAV, MATLAB 5, a result, or FILE.h5:PATH for a dataset.",
+            metavar="TRACE",
+            show_default=False,
+        ),
+    ],
+    *,
+    speed: Annotated[
+        str | None,
+        typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED", show_default=False),
+    ] = None,
+    column: Annotated[str | None, typer.Option(help="Which column.", metavar="NAME", show_default=False)] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(
+            help='Unit of the values, or what a value of 1 is: mN, "0.5 mN", V.', metavar="U", show_default=False
+        ),
+    ] = None,
+    rate: Annotated[
+        str | None,
+        typer.Option(help='Samples a second, where the file has no time: "20 kHz".', metavar="R", show_default=False),
+    ] = None,
+    zero: Annotated[
+        Zero, typer.Option(help="Whether 0 means no force: known or unknown.", metavar="ZERO")
+    ] = Zero.UNKNOWN,
+    strength: Annotated[
+        str | None,
+        typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI", show_default=False),
+    ] = None,
+    law: Annotated[
+        LawChoice,
+        typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
+    ] = LawChoice.AUTO,
+    mask: Annotated[
+        list[str] | None,
+        typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F", show_default=False),
+    ] = None,
+    drift: Annotated[bool, typer.Option("--drift", help="Fit a random walk of the sensor as well.")] = False,
+    bootstrap: Annotated[
+        int, typer.Option(help="Simulate so many traces of what was found, to check its errors.", metavar="N", min=0)
+    ] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Write a scenario that simulates what was found.", metavar="TOML"),
+    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+) -> None:
+    """Tell number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
+
+    The exit code is 3 if the trace does not follow the model, or says too little.
+
+    Example: rubnoise infer friction.csv --speed "1 mm/s" --zero known
+    """
+    import json
+
+    from rubnoise.api.inferring import found_scenario, infer
+    from rubnoise.errors import Refused, TraceDoubtful
+    from rubnoise.storage.output import check_output, whole_file
+
+    for path in (output, report):
+        if path is not None:
+            check_output(path, force=force)
+    try:
+        found = infer(
+            trace,
+            speed=speed,
+            column=column,
+            unit=unit,
+            rate=rate,
+            zero=zero.value,
+            strength=strength,
+            law=law.value,
+            mask=tuple(mask or ()),
+            drift=drift,
+            bootstrap=bootstrap,
+        )
+    except FileNotFoundError as problem:
+        raise Refused(f"{trace}: no such file") from problem
+    scenario = (
+        None if output is None or found.refused_because else found_scenario(found, speed=speed, strength=strength)
+    )
+    print(json.dumps(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
+    if output is not None and scenario is not None:
+        with whole_file(output, force=force) as part:
+            part.write_text(scenario, encoding="utf-8")
+    if report is not None and found.refused_because is None:
+        from rubnoise.figures.inference import page
+
+        text = page(found, trace, list(described(found, trace)))
+        with whole_file(report, force=force) as part:
+            part.write_text(text, encoding="utf-8")
+    if found.refused_because is not None:
+        raise TraceDoubtful(f"{printable(trace)}: refused: {found.refused_because}")
+    if found.flags:
+        raise TraceDoubtful(f"{printable(trace)}: flagged: {'; '.join(found.flags)}")
+
+
+def contents(found: "Inference", trace: str) -> dict[str, Any]:
+    """Return an inference by name."""
+    return {
+        "trace": trace,
+        "law": found.law,
+        "estimates": {name: _as_json(found.estimates[name]) for name in NAMES if name in found.estimates},
+        "not_identified": dict(found.not_identified),
+        "flags": found.flags,
+        "refused": found.refused_because,
+        "laws": {
+            each.law: {
+                "criterion": each.criterion,
+                "worse_by": each.worse_by,
+                "worse_by_error": each.error,
+                "told_apart": each.told_apart,
+                "estimates": {name: _as_json(each.estimates[name]) for name in NAMES if name in each.estimates},
+            }
+            for each in found.laws
+        },
+        "tests": {
+            each.name: {"statistic": each.statistic, "p": each.p, "level": each.level, "flagged": each.flagged}
+            for each in found.tests
+        },
+        "law_free": dict(found.law_free),
+        "bootstrap": {name: _as_json(each) for name, each in found.bootstrap.items()},
+    }
+
+
+def _as_json(estimate: "Estimate") -> dict[str, Any]:
+    return {
+        "value": estimate.value,
+        "standard_error": estimate.standard_error,
+        "interval": list(estimate.interval),
+        "unit": estimate.unit,
+    }
+
+
+_LABELS = {
+    "junction_count": "junctions at a time",
+    "diameter": "mean diameter",
+    "relative_spread": "spread over mean",
+    "shear_strength": "shear strength",
+    "strength_spread": "spread of strengths",
+    "mean_real_contact_area": "real contact area",
+    "noise": "noise of the sensor",
+}
+
+
+def described(found: "Inference", trace: str) -> Iterator[str]:
+    """Yield what was found, line by line."""
+    signal = found.signal
+    length = signal.tick * signal.values.size
+    yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
+    if found.refused_because is not None:
+        yield remark(f"refused: {found.refused_because}")
+        return
+    alike = [each.law for each in found.laws if not each.told_apart and each.law != found.law]
+    told = f"{found.law}; not told apart from it: {', '.join(alike)}" if alike else found.law
+    yield line("law of sizes", told)
+    for name in NAMES:
+        if name in found.estimates:
+            yield line(_LABELS[name], _value(found.estimates[name]))
+    if alike:
+        yield remark("Intervals hold those of every law that is not told apart.")
+    for name, reason in found.not_identified.items():
+        yield remark(f"{_LABELS[name]}: not told: {reason}")
+    yield "without a law"
+    yield line("diameter m6/m5", f"{found.law_free['effective_diameter']:.4g} um")
+    if "effective_count" in found.law_free:
+        yield line("number, if sizes were equal", f"{found.law_free['effective_count']:.4g}")
+    if found.bootstrap:
+        yield "bootstrap: mean and scatter of simulated traces"
+        for name, each in found.bootstrap.items():
+            yield line(_LABELS[name], f"{each.value:.4g} +- {each.standard_error:.2g} {_unit(each)}".rstrip())
+    yield "tests of the trace"
+    for test in found.tests:
+        yield remark(f"{'FLAGGED: ' if test.flagged else ''}{test.words} (p = {test.p:.2g})")
+
+
+def _value(estimate: "Estimate") -> str:
+    low, high = estimate.interval
+    ends = f"{low:.4g} to {high:.4g}" if isfinite(high) else f"from {low:.4g}"
+    return f"{estimate.value:.4g} {_unit(estimate)}".rstrip() + f"  (95 %: {ends})"
+
+
+def _unit(estimate: "Estimate") -> str:
+    return "" if estimate.unit == "1" else estimate.unit

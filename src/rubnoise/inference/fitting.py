@@ -1,0 +1,171 @@
+"""A population fitted to bands of a periodogram: Levenberg steps, several starts, then weights that know of shot noise.
+
+First Whittle's likelihood finds the place: bands independent, each gamma distributed about its mean. The few large
+junctions of a record make all its bands rise and fall together, however, and its mean with them. So `scoring` goes on
+with weights that know of this.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.inference.periodogram import Bands, Expectation
+from rubnoise.inference.populations import EnergyTable, Population, energy_table
+
+FLOOR: Final = 1e-13
+"""Noise below this part of the largest band counts as none."""
+
+_MOST_STEPS = 60
+_CLOSE = 1e-9
+_STIFFEST = 1e12
+_STARTS_REFINED = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Place:
+    """Where a fit stands, lengths in ticks and the trace in its own unit.
+
+    ``rate`` is lam E[psi^2], ``diameter`` the mean one, ``shape`` that of the population, ``noise`` the variance of
+    white noise, ``drift`` that of the steps of a random walk (None where none is fitted).
+    """
+
+    rate: float
+    diameter: float
+    shape: float
+    noise: float
+    drift: float | None = None
+
+
+NAMES = ("rate", "diameter", "shape", "noise", "drift")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Expected:
+    """The expected bands at a place, and their derivatives by the logarithms of what is fitted (columns ``names``)."""
+
+    mean: Doubles
+    by: Doubles
+    names: tuple[str, ...]
+    signal: Doubles
+
+
+class Problem:
+    """Bands and a population whose parameters are wanted."""
+
+    def __init__(self, bands: Bands, population: Population, *, drift: bool) -> None:
+        """Keep what does not change from step to step."""
+        self.bands = bands
+        self.population = population
+        self.expectation = Expectation(bands)
+        self.floor = FLOOR * float(bands.energy.max())
+        self.walk = self.expectation.drift() if drift else None
+
+    def table(self, place: Place) -> EnergyTable:
+        """Return the energies of the population at a place."""
+        return energy_table(self.population.name, place.shape)
+
+    def expected(self, place: Place) -> Expected:
+        """Return what is expected of each band at a place; what lies at a bound is not among the derivatives."""
+        energy, slope, by_shape = self.expectation.population(self.table(place), place.diameter) * place.rate
+        mean = energy + place.noise
+        names, by = ["rate", "diameter"], [energy, slope]
+        if self.population.spread and place.shape > self.population.narrowest:
+            names.append("shape")
+            by.append(by_shape * place.shape)
+        if place.noise > self.floor:
+            names.append("noise")
+            by.append(np.full_like(mean, place.noise))
+        if self.walk is not None and place.drift is not None:
+            mean = mean + place.drift * self.walk
+            if place.drift > 0.0:
+                names.append("drift")
+                by.append(place.drift * self.walk)
+        return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names), signal=energy)
+
+    def moved(self, place: Place, names: tuple[str, ...], step: Doubles) -> Place:
+        """Return a place a step in logarithms away, kept within bounds."""
+        move = dict(zip(names, np.clip(step, -1.0, 1.0).tolist(), strict=True))
+        values = {name: getattr(place, name) for name in NAMES}
+        for name, by in move.items():
+            values[name] *= float(np.exp(by))
+        population = self.population
+        if population.spread:
+            values["shape"] = min(max(values["shape"], population.narrowest), population.widest)
+        if values["noise"] <= self.floor:
+            values["noise"] = 0.0
+        if values["drift"] is not None and self.walk is not None:
+            values["drift"] = 0.0 if values["drift"] * float(self.walk.max()) < self.floor else values["drift"]
+        return Place(**values)
+
+
+def deviance(bands: Bands, mean: Doubles) -> float:
+    """Return twice the Whittle log likelihood ratio of the bands themselves to their expected means."""
+    ratio = bands.energy / np.maximum(mean, 1e-300)
+    return float(2.0 * np.sum(bands.weight * (ratio - 1.0 - np.log(np.maximum(ratio, 1e-300)))))
+
+
+def climb(problem: Problem, start: Place) -> tuple[Place, float]:
+    """Return the place of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
+
+    Source: Whittle (1953); Levenberg (1944); Marquardt (1963), doi:10.1137/0111030.
+    """
+    bands, place = problem.bands, start
+    found = problem.expected(place)
+    best = deviance(bands, found.mean)
+    damping = 1e-2
+    for _ in range(_MOST_STEPS):
+        weights = bands.weight / np.square(found.mean)
+        score = found.by.T @ (weights * (bands.energy - found.mean))
+        information = (found.by.T * weights) @ found.by
+        accepted = False
+        while damping < _STIFFEST:
+            diagonal = np.diag(information.diagonal() * damping + 1e-12 * information.diagonal().max())
+            step = np.linalg.solve(information + diagonal, score)
+            trial = problem.moved(place, found.names, step)
+            there = problem.expected(trial)
+            worth = deviance(bands, there.mean)
+            if worth <= best:
+                accepted = True
+                break
+            damping *= 10.0
+        if not accepted:
+            break
+        gain, best, place, found = best - worth, worth, trial, there
+        damping = max(0.1 * damping, 1e-12)
+        if gain < _CLOSE * max(1.0, best):
+            break
+    return place, best
+
+
+def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
+    """Return places from which to climb: each shape, with diameters about one that is known to a factor of some.
+
+    ``rate`` is chosen so that the low bands have their energy.
+    """
+    bands = problem.bands
+    low = bands.energy[: max(3, bands.energy.size // 12)]
+    weights = bands.weight[: low.size]
+    found = []
+    for shape in problem.population.starts:
+        moments = problem.population.moment
+        # The spectrum falls at a wavenumber that goes with sqrt(m8 / m6), not with the mean.
+        typical = (moments(8, shape) / moments(6, shape)) ** 0.5
+        for factor in (0.7, 1.3):
+            size = factor * diameter / typical
+            energy = problem.expectation.population(energy_table(problem.population.name, shape), size)[0]
+            level = float(np.sum(weights * low) / np.sum(weights * energy[: low.size]))
+            drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
+            found.append(Place(rate=level, diameter=size, shape=shape, noise=noise, drift=drift))
+    return found
+
+
+def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, float]:
+    """Return the best place of several starts, and its deviance."""
+    begun = [
+        (deviance(problem.bands, problem.expected(place).mean), place) for place in starts(problem, diameter, noise)
+    ]
+    begun.sort(key=lambda each: each[0])
+    climbed = [climb(problem, place) for _, place in begun[:_STARTS_REFINED]]
+    return min(climbed, key=lambda each: each[1])

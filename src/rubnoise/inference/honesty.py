@@ -1,0 +1,241 @@
+"""Tests that a trace is what the model says, each with a rate of false alarms that adds up to less than 5 %.
+
+Spectrum, time reversal, largest line, third cumulant and steadiness of the mean: where one speaks, the numbers found
+are those of a model that the trace does not follow.
+"""
+
+from dataclasses import dataclass
+from math import erfc, sqrt
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import LENS
+from rubnoise.inference.periodogram import Bands, masked_bins, tukey
+from rubnoise.inference.scoring import FIRST, Fit
+
+_GROUPS = 14
+_LIGHTEST_GROUP = 16.0  # bands' worth: a group of fewer is too skew even for its cube root
+_RANK = 1e-6
+_BLOCKS = 40
+_LAGS = (0.25, 0.5, 1.0)  # of the mean diameter
+_NEIGHBOURS = 24
+_PARTS = 4
+
+SPECTRUM: Final = 0.005
+REVERSAL: Final = 0.006
+LINE: Final = 0.005
+THIRD: Final = 0.004
+STEADY: Final = 0.004
+"""Probabilities below which a test speaks; of a right trace one of them does in less than 5 %."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HonestyTest:
+    """One test: its name, statistic, probability ``p`` under the model, the ``level`` below which it speaks, and words.
+
+    ``flagged`` says whether it speaks; ``words`` what was found, as a sentence.
+    """
+
+    name: str
+    statistic: float
+    p: float
+    level: float
+    words: str
+
+    @property
+    def flagged(self) -> bool:
+        """Whether the trace fails the test."""
+        return self.p < self.level
+
+
+def honesty_tests(values: Doubles, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
+    """Return the tests of a trace (less nothing) against a fit."""
+    centred = values - values.mean()
+    diameter = fit.contact.place.diameter
+    return (
+        spectrum_test(fit),
+        reversal_test(centred, diameter),
+        line_test(centred, fit),
+        third_test(centred, fit, zero_known=zero_known),
+        steadiness_test(values, fit),
+    )
+
+
+def _two_sided(z: float) -> float:
+    return erfc(abs(z) / sqrt(2.0))
+
+
+def spectrum_test(fit: Fit) -> HonestyTest:
+    """Return the chi-square of relative residuals in log bands, with the covariance that fitting leaves of them.
+
+    Sigma - D (D' Sigma^-1 D)^-1 D', averaged over the bands of a group by their worth.
+    """
+    from scipy.special import gammaincc
+
+    bands = fit.problem.bands
+    extra = fit.residual.size - bands.energy.size
+    mean = fit.expected.mean
+    left = fit.scatter - fit.by @ fit.covariance @ fit.by.T
+    left = left[extra:, extra:] / np.outer(mean, mean)
+    relative = fit.residual[extra:] / mean
+    averaging = _groups(bands)
+    whole = averaging @ (fit.scatter[extra:, extra:] / np.outer(mean, mean)) @ averaging.T
+    spread, variance = averaging @ left @ averaging.T, whole.diagonal()
+    # Wilson and Hilferty (1931): the cube root of a mean of energies is normal where the mean itself is still skew.
+    value = 3.0 * (np.cbrt(np.maximum(1.0 + averaging @ relative, 0.0)) - 1.0 + variance / 9.0)
+    scale = np.sqrt(variance)
+    sizes, axes = np.linalg.eigh(spread / np.outer(scale, scale))
+    held = sizes > max(_RANK * float(sizes.max()), 1e-4)
+    along = axes.T @ (value / scale)
+    statistic = float(np.sum(np.square(along[held]) / sizes[held]))
+    freedom = int(held.sum())
+    p = float(gammaincc(0.5 * freedom, 0.5 * statistic)) if freedom else 1.0
+    worst = int(np.argmax(np.abs(value / scale)))
+    words = f"the spectrum in {value.size} log bands: chi-square {statistic:.1f} on {freedom}"
+    words += f", furthest off by {100.0 * value[worst]:+.0f} % in band {worst + 1}"
+    return HonestyTest(name="spectrum", statistic=statistic, p=p, level=SPECTRUM, words=words)
+
+
+def _groups(bands: Bands) -> Doubles:
+    """Return a matrix that averages bands into groups of equal extent in ln k, each worth 16 values at least."""
+    place = np.log(bands.wavenumber)
+    edges = np.linspace(place[0], place[-1], _GROUPS + 1)[1:-1]
+    number = np.searchsorted(edges, place, side="right")
+    groups: list[list[int]] = []
+    worth = np.inf
+    last = -1
+    for band, group in enumerate(number.tolist()):
+        if group != last and worth >= _LIGHTEST_GROUP:
+            groups.append([])
+            worth = 0.0
+        last = group
+        groups[-1].append(band)
+        worth += float(bands.weight[band])
+    if len(groups) > 1 and bands.weight[groups[-1]].sum() < _LIGHTEST_GROUP:
+        groups[-2] += groups.pop()
+    matrix = np.zeros((len(groups), bands.energy.size))
+    for row, members in zip(matrix, groups, strict=True):
+        row[members] = bands.weight[members] / bands.weight[members].sum()
+    return matrix
+
+
+def reversal_test(centred: Doubles, diameter: float) -> HonestyTest:
+    """Return Student's test that E[y(s)^2 y(s + tau) - y(s) y(s + tau)^2] is zero, over blocks, at three lags.
+
+    A life is its own mirror image, so that a right trace has no direction. The largest of the three counts, thrice.
+    Source: Ramsey and Rothman (1996), doi:10.2307/2077961.
+    """
+    from scipy.special import stdtr
+
+    largest, most = 0.0, 0.0
+    for part in _LAGS:
+        lag = max(1, round(part * diameter))
+        earlier, later = centred[:-lag], centred[lag:]
+        product = earlier * later * (earlier - later)
+        length = product.size // _BLOCKS
+        blocks = product[: length * _BLOCKS].reshape(_BLOCKS, length).mean(axis=1)
+        t = float(blocks.mean() / max(blocks.std(ddof=1) / sqrt(_BLOCKS), 1e-300))
+        if abs(t) > abs(largest):
+            largest, most = t, part
+    p = min(1.0, len(_LAGS) * 2.0 * float(stdtr(_BLOCKS - 1, -abs(largest))))
+    words = f"time reversal: {largest:+.1f} standard errors at a lag of {most:g} diameters"
+    return HonestyTest(name="time reversal", statistic=largest, p=p, level=REVERSAL, words=words)
+
+
+def line_test(centred: Doubles, fit: Fit) -> HonestyTest:
+    """Return the test of the largest bin over its neighbours, in units of the fitted spectrum, against all bins.
+
+    A bin over the mean of 2 m neighbours exceeds x with probability (1 + x / 2 m)^(-2 m): Fisher's test in a window.
+    """
+    from scipy.fft import rfft
+    from scipy.ndimage import uniform_filter1d
+
+    bands = fit.problem.bands
+    n = bands.samples
+    window = tukey(n)
+    power = np.zeros(n // 2 + 1)
+    for number in range(bands.segments):
+        part = rfft(centred[number * n : (number + 1) * n] * window)
+        power += np.square(part.real) + np.square(part.imag)
+    first, last = int(bands.first[0]), int(bands.last[-1])
+    bins = np.arange(first, last + 1)
+    middle = 0.5 * (bands.first + bands.last)
+    expected = np.exp(np.interp(np.log(bins), np.log(middle), np.log(fit.expected.mean)))
+    ratio = power[first : last + 1] / expected
+    ratio[masked_bins(bands.masked, n)[first : last + 1]] = float(np.median(ratio))
+    wide = 2 * _NEIGHBOURS + 3
+    if ratio.size < 2 * wide:
+        return HonestyTest(name="line", statistic=0.0, p=1.0, level=LINE, words="largest line: too few bins")
+    near = uniform_filter1d(ratio, 3, mode="reflect") * 3.0
+    around = (uniform_filter1d(ratio, wide, mode="reflect") * wide - near) / (wide - 3)
+    over = ratio / np.maximum(around, 1e-300)
+    place = int(np.argmax(over))
+    freedom = 2.0 * _NEIGHBOURS * bands.segments
+    if bands.segments == 1:
+        p = (1.0 + float(over[place]) / freedom) ** (-freedom)
+    else:
+        from scipy.special import fdtrc
+
+        p = float(fdtrc(2.0 * bands.segments, 2.0 * freedom, over[place]))
+    p = min(1.0, p * ratio.size)
+    words = f"largest line: {over[place]:.1f} times its neighbours, at {bins[place] / n:.4g} cycles per sample"
+    return HonestyTest(name="line", statistic=float(over[place]), p=p, level=LINE, words=words)
+
+
+def third_test(centred: Doubles, fit: Fit, *, zero_known: bool) -> HonestyTest:
+    """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
+
+    Where neither mean nor strength is known, only its sign can be tested. Its error has a Gaussian part, 6 int R^3,
+    and one of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand.
+    """
+    from rubnoise.inference.populations import shot_sizes
+
+    contact, place = fit.contact, fit.contact.place
+    measured = float(np.mean(centred**3))
+    psi = contact.strength
+    expected = (
+        contact.births * psi**3 * contact.inequality**3 * LENS.life_integral(3) * fit.moment(7) * place.diameter**7
+    )
+    sizes, probability = shot_sizes(fit.problem.population, place.shape)
+    d = place.diameter * sizes
+    variance = place.rate * LENS.life_integral(2) * fit.moment(5) * place.diameter**5
+    alone = psi**3 * LENS.life_integral(3) * d**7 - 3.0 * variance * psi * FIRST * d**3
+    reach = place.diameter * fit.moment(6) / fit.moment(5)
+    gaussian = 6.0 * (variance**3 * reach + place.noise * (3.0 * variance**2 + place.noise**2))
+    n = centred.size
+    error = sqrt(gaussian / n) + sqrt(contact.births * float(np.square(alone) @ probability) / n)
+    told = zero_known or fit.known.strength is not None
+    if told:
+        powers = {
+            name: {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0}.get(name, 0.0)
+            for name in fit.names
+        }
+        powers["shape"] = fit.by_shape(7)
+        z = (measured - expected) / sqrt(error**2 + (expected * min(fit.error(powers), 1.0)) ** 2)
+        p = _two_sided(z)
+        ratio = measured / max(abs(expected), 1e-300)
+        words = f"third cumulant: {ratio:.2f} of that of the contact found, {z:+.1f} standard errors"
+    else:
+        z = measured / error
+        p = 0.5 * erfc(z / sqrt(2.0))
+        words = f"third cumulant: {z:+.1f} standard errors from zero; junctions make it positive"
+    return HonestyTest(name="third cumulant", statistic=z, p=p, level=THIRD, words=words)
+
+
+def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
+    """Return the chi-square of the means of four quarters, which have the variance S(0) / length."""
+    from scipy.special import gammaincc
+
+    place = fit.contact.place
+    density = place.rate * FIRST**2 * fit.moment(6) * place.diameter**6 + place.noise
+    length = values.size // _PARTS
+    means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
+    variance = density / length
+    if place.drift:
+        variance += place.drift * length
+    statistic = float(np.sum(np.square(means - means.mean())) / variance)
+    p = float(gammaincc(0.5 * (_PARTS - 1), 0.5 * statistic))
+    words = f"steadiness: means of four quarters differ by chi-square {statistic:.1f} on {_PARTS - 1}"
+    return HonestyTest(name="steadiness", statistic=statistic, p=p, level=STEADY, words=words)

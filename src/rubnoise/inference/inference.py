@@ -1,0 +1,428 @@
+"""From a trace to its junctions: number, size, spread and strength with intervals, or why the trace cannot tell."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import exp, sqrt
+from typing import Final, Literal
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import LENS
+from rubnoise.errors import Refused
+from rubnoise.inference.fitting import Place, Problem, deviance, whittle
+from rubnoise.inference.honesty import HonestyTest, honesty_tests
+from rubnoise.inference.periodogram import Bands, banded
+from rubnoise.inference.populations import POPULATIONS
+from rubnoise.inference.scoring import FIRST, Fit, Known, covariance, score
+
+Z: Final = 1.959963984540054
+LAWS: Final = tuple(POPULATIONS)
+FEWEST_SIZES: Final = 20.0
+"""Mean diameters of sliding below which nothing is told."""
+FEWEST_SAMPLES: Final = 3.0
+"""Samples per mean diameter below which its life is not seen."""
+_LEAST_GAIN = 25.0
+_SHORTEST = 64
+_NOISE_BANDS = 10
+_CLIPPED, _PLATEAU = 1e-3, 4
+_FEWEST_ALIVE, _MOST_ALIVE = 0.1, 1e5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signal:
+    """A trace ready for inference: values every ``tick`` um of sliding.
+
+    ``scale`` turns its values into uN (for an area in um^2, whose junctions have the strength 1, ``is_area`` is true);
+    None where the unit is of something else, such as V: then strengths cannot be told. ``unit`` is the written one.
+    """
+
+    values: Doubles = field(repr=False)
+    tick: float
+    unit: str
+    scale: float | None
+    is_area: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Estimate:
+    """A number with its standard error and 95 % interval, in a unit."""
+
+    value: float
+    standard_error: float
+    interval: tuple[float, float]
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawFit:
+    """One law beside the others: its criterion, and by how much it is worse than the best.
+
+    ``criterion`` is the Whittle deviance plus twice the number of parameters; ``worse_by`` its excess over the best
+    law's, with the standard error that the excess has; ``told_apart`` whether it exceeds 2 and twice this error.
+    """
+
+    law: str
+    criterion: float
+    worse_by: float
+    error: float
+    told_apart: bool
+    estimates: Mapping[str, Estimate]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inference:
+    """What a trace tells of its junctions.
+
+    ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
+    ``tests`` of the trace against the model; ``not_identified`` names what cannot be told, with what would tell it;
+    ``law_free`` are numbers that lean on no law. ``refused_because`` is None, or why there are no estimates.
+    ``bootstrap`` is empty, or how estimates of simulated traces scatter.
+    """
+
+    estimates: Mapping[str, Estimate]
+    not_identified: Mapping[str, str]
+    law: str
+    laws: tuple[LawFit, ...]
+    tests: tuple[HonestyTest, ...]
+    law_free: Mapping[str, float]
+    parameters: tuple[str, ...]
+    covariance: Doubles = field(repr=False)
+    refused_because: str | None
+    signal: Signal = field(repr=False)
+    fit: Fit | None = field(repr=False, default=None)
+    bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """The 95 % interval of each estimate."""
+        return {name: each.interval for name, each in self.estimates.items()}
+
+    @property
+    def flags(self) -> list[str]:
+        """What speaks against the model, a sentence each."""
+        return [each.words for each in self.tests if each.flagged]
+
+
+def infer_signal(
+    signal: Signal,
+    *,
+    zero: Literal["known", "unknown"] = "unknown",
+    strength: float | None = None,
+    law: str = "auto",
+    masked: tuple[tuple[float, float], ...] = (),
+    drift: bool = False,
+    tests: bool = True,
+) -> Inference:
+    """Return what a signal tells: by its spectrum, and by its mean where the zero of the sensor is known.
+
+    ``strength`` in MPa is E[psi], where it is known; ``masked`` are ranges in cycles per um that are left out;
+    ``drift`` adds a random walk. Raises Refused for a law that is not one of LAWS, for values that are no trace.
+    """
+    if law != "auto" and law not in POPULATIONS:
+        raise Refused(f"--law: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
+    values = np.asarray(signal.values, dtype=np.float64)
+    if values.size < _SHORTEST:
+        return _refusal(signal, f"the record has {values.size} samples; it needs at least {_SHORTEST}")
+    scale = float(values.std())
+    if not scale > 1e-12 * float(np.abs(values).max()):
+        return _refusal(signal, "the trace is constant; a sensor that moves is needed")
+    if reason := _clipped(values) or _strokes(values, zero):
+        return _refusal(signal, reason)
+    values = values / scale
+    half_width = _half_width(values)
+    bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
+    known = _known(signal, values, zero, strength, scale)
+    third = float(np.mean((values - values.mean()) ** 3))
+    names = tuple(POPULATIONS) if law == "auto" else (law,)
+    fits = [_fitted(bands, name, half_width, known, third, drift=drift) for name in names]
+    best = min(fits, key=_criterion)
+    if reason := _too_little(best, signal):
+        return _refusal(signal, reason)
+    laws = tuple(_beside(each, best, signal, scale) for each in fits)
+    open_to = [each for each in laws if not each.told_apart]
+    estimates = {name: _widened(name, each, open_to) for name, each in _estimates(best, signal, scale).items()}
+    return Inference(
+        estimates=estimates,
+        not_identified=_not_identified(best, signal),
+        law=best.problem.population.name,
+        laws=laws,
+        tests=honesty_tests(values, best, zero_known=zero == "known") if tests else (),
+        law_free=_law_free(best, signal),
+        parameters=best.names,
+        covariance=best.covariance,
+        refused_because=None,
+        signal=signal,
+        fit=best,
+    )
+
+
+def _refusal(signal: Signal, reason: str) -> Inference:
+    return Inference(
+        estimates={},
+        not_identified={},
+        law="",
+        laws=(),
+        tests=(),
+        law_free={},
+        parameters=(),
+        covariance=np.empty((0, 0)),
+        refused_because=reason,
+        signal=signal,
+    )
+
+
+def _clipped(values: Doubles) -> str:
+    """Return what shows that a sensor was at its end; nothing where it was not.
+
+    A maximum that lasts: a trace of junctions has a kink at each of its maxima, and never a plateau there.
+    """
+    at_top = values == values.max()
+    runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], at_top.view(np.int8), [0]]))))[::2]
+    if int(at_top.sum()) > max(10, _CLIPPED * values.size) and int(runs.max()) >= _PLATEAU:
+        first = int(np.argmax(at_top)) + 1
+        return (
+            f"the sensor was clipped: {int(at_top.sum())} samples are at the largest value, {int(runs.max())} of them"
+            f" in a row, first at sample {first}; measure again with a wider range"
+        )
+    return ""
+
+
+def _strokes(values: Doubles, zero: str) -> str:
+    """Return what shows that a trace with a trusted zero has strokes both ways; nothing where it has not."""
+    if zero != "known":
+        return ""
+    level = float(np.median(np.abs(values)))
+    side = np.sign(np.where(np.abs(values) > 0.3 * level, values, 0.0))
+    sides = side[side != 0.0]
+    turns = int(np.count_nonzero(np.diff(sides)))
+    if min(np.mean(sides > 0.0), np.mean(sides < 0.0)) > 0.02 and turns * 50 < sides.size:
+        where = np.flatnonzero(side != 0.0)[np.flatnonzero(np.diff(sides))[:5] + 1]
+        return (
+            f"several strokes in one trace: the force changes its sign {turns} times, first at samples"
+            f" {', '.join(map(str, where.tolist()))}; give one stroke at a time"
+        )
+    if np.mean(values < 0.0) > 0.5:
+        return "the mean is negative: with a known zero the force of friction is positive; check the sign of the speed"
+    return ""
+
+
+def _half_width(values: Doubles) -> float:
+    """Return the lag in ticks at which the autocovariance has fallen to half, Rabinowicz's way to a size."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    part = values[: 1 << 20] - values[: 1 << 20].mean()
+    length = next_fast_len(2 * part.size)
+    transform = rfft(part, length)
+    covariance = irfft(np.square(transform.real) + np.square(transform.imag), length)[: part.size // 2]
+    # White noise stands at lag 0 alone.
+    top = float(covariance[1] + 0.5 * (covariance[1] - covariance[2]))
+    below = covariance[1:] < 0.5 * top
+    return float(np.argmax(below)) + 1.0 if below.any() else 0.25 * part.size
+
+
+def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, scale: float) -> Known:
+    """Return what is known beside the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
+    given = 1.0 if signal.is_area else strength
+    unit = None if signal.scale is None else signal.scale * scale
+    inside = None if given is None or unit is None else given * signal.tick**2 / unit
+    return Known(mean=float(values.mean()) if zero == "known" else None, strength=inside, births=0.0)
+
+
+def _fitted(bands: Bands, name: str, half_width: float, known: Known, third: float, *, drift: bool) -> Fit:
+    problem = Problem(bands, POPULATIONS[name], drift=drift)
+    noise = max(0.5 * float(np.median(bands.energy[-_NOISE_BANDS:])), 10.0 * problem.floor)
+    place, worth = whittle(problem, half_width, noise)
+    if known.free == ("strength",):
+        known = replace(known, births=_births_by_skewness(problem, place, third))
+    return score(problem, place, known, worth)
+
+
+def _births_by_skewness(problem: Problem, place: Place, third: float) -> float:
+    """Return lam per tick for which the third cumulant lam psi^3 c_3 E[d^7] is as measured, given lam psi^2."""
+    single = LENS.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7
+    births = place.rate**3 * single**2 / max(third, 1e-12) ** 2
+    return float(np.clip(births, _FEWEST_ALIVE / place.diameter, _MOST_ALIVE / place.diameter))
+
+
+def _criterion(fit: Fit) -> float:
+    return deviance(fit.problem.bands, fit.expected.mean) + 2.0 * len(fit.names)
+
+
+def _too_little(fit: Fit, signal: Signal) -> str:
+    """Return why a record says too little, with the number that would be needed; nothing where it is enough."""
+    bands, place = fit.problem.bands, fit.contact.place
+    flat = float(np.sum(bands.weight * bands.energy) / bands.weight.sum())
+    without = [np.full(bands.energy.size, flat)]
+    if fit.problem.walk is not None:
+        without.append(_walk_alone(fit.problem, flat))
+    gain = min(deviance(bands, each) for each in without) - deviance(bands, fit.expected.mean)
+    if gain < _LEAST_GAIN:
+        return (
+            f"no signal of junctions beyond noise and drift: it improves the fit by {max(gain, 0.0):.1f}, and"
+            f" {_LEAST_GAIN:g} are needed"
+        )
+    size = place.diameter * signal.tick
+    if place.diameter < FEWEST_SAMPLES:
+        return (
+            f"junctions of {size:.3g} um are {place.diameter:.2g} samples long; {FEWEST_SAMPLES:g} are needed: a tick"
+            f" of {size / FEWEST_SAMPLES:.3g} um or less"
+        )
+    sizes = bands.span / place.diameter
+    if sizes < FEWEST_SIZES:
+        return (
+            f"the record is {sizes:.3g} sizes of {size:.3g} um long; {FEWEST_SIZES:g} are needed, that is"
+            f" {FEWEST_SIZES * size:.4g} um of sliding"
+        )
+    return ""
+
+
+def _walk_alone(problem: Problem, flat: float) -> Doubles:
+    """Return the bands of the random walk and white noise that fit best, by a few scoring steps."""
+    bands = problem.bands
+    assert problem.walk is not None  # noqa: S101  (asked for with a drift alone)
+    columns = np.stack([problem.walk, np.ones(bands.energy.size)], axis=-1)
+    mean = np.full(bands.energy.size, flat)
+    for _ in range(20):
+        weights = bands.weight / np.square(mean)
+        found = np.maximum(
+            np.linalg.lstsq(columns * np.sqrt(weights)[:, None], bands.energy * np.sqrt(weights))[0], 0.0
+        )
+        mean = np.maximum(columns @ found, 1e-6 * flat)
+    return mean
+
+
+def _estimates(fit: Fit, signal: Signal, scale: float) -> dict[str, Estimate]:
+    """Return what a fit tells by name, in um, MPa and the unit of the trace."""
+    contact, place, tick = fit.contact, fit.contact.place, signal.tick
+    population = fit.problem.population
+    found = {"diameter": _positive(place.diameter * tick, fit.error({"diameter": 1.0}), "um")}
+    spread = population.relative_spread(place.shape)
+    if population.spread:
+        found["relative_spread"] = _spread(fit, spread)
+    found["noise"] = _noise(fit, scale, signal.unit)
+    free = fit.known.free
+    if free != ("strength",):
+        powers = {"births": 1.0, "diameter": 1.0}
+        found["junction_count"] = _positive(2.0 * contact.births * place.diameter, fit.error(powers), "1")
+    if "births" in free:
+        area = contact.births * FIRST * fit.moment(3) * place.diameter**3 * tick**2
+        powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
+        found["mean_real_contact_area"] = _positive(area, fit.error(powers), "um^2")
+    if signal.scale is not None and "strength" in free and "births" in free and not signal.is_area:
+        unit = scale * signal.scale / tick**2
+        found["shear_strength"] = _positive(contact.strength * unit, fit.error({"strength": 1.0}), "MPa")
+    if "inequality" in free and not signal.is_area:
+        found["strength_spread"] = _strength_spread(contact.inequality, fit.error({"inequality": 1.0}))
+    return found
+
+
+def _positive(value: float, error: float, unit: str) -> Estimate:
+    """Return an estimate whose logarithm has an error."""
+    reach = min(Z * error, 700.0)
+    return Estimate(
+        value=value, standard_error=value * error, interval=(value * exp(-reach), value * exp(reach)), unit=unit
+    )
+
+
+def _spread(fit: Fit, spread: float) -> Estimate:
+    """Return the spread with its interval; where its law is at its narrowest, from 0 to what could be seen."""
+    population, shape = fit.problem.population, fit.contact.place.shape
+    step = 1e-4 * shape
+    slope = (population.relative_spread(shape + step) - population.relative_spread(shape - step)) / (2.0 * step)
+    if "shape" not in fit.names:
+        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, spread), unit="1")
+    error = fit.error({"shape": 1.0})
+    value = population.relative_spread(shape)
+    log_error = error * shape * slope / value
+    # A spread whose error is as large as itself may be none.
+    low = max(0.0, value * (1.0 - Z * log_error)) if log_error > 0.35 else value * exp(-Z * log_error)
+    high = value * (1.0 + Z * log_error) if log_error > 0.35 else value * exp(Z * log_error)
+    return Estimate(value=value, standard_error=value * log_error, interval=(low, high), unit="1")
+
+
+def _noise(fit: Fit, scale: float, unit: str) -> Estimate:
+    value = sqrt(fit.contact.place.noise) * scale
+    if "noise" not in fit.names:
+        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale), unit=unit)
+    return _positive(value, 0.5 * fit.error({"noise": 1.0}), unit)
+
+
+def _strength_spread(inequality: float, error: float) -> Estimate:
+    """Return the relative spread of strengths, sqrt(w - 1)."""
+    low, high = (sqrt(max(inequality * exp(sign * Z * error) - 1.0, 0.0)) for sign in (-1.0, 1.0))
+    value = sqrt(max(inequality - 1.0, 0.0))
+    return Estimate(value=value, standard_error=0.5 * (high - low) / Z, interval=(low, high), unit="1")
+
+
+def _not_identified(fit: Fit, signal: Signal) -> dict[str, str]:
+    """Return what cannot be told, each with what would tell it."""
+    free, reasons = fit.known.free, {}
+    if free == ("strength",):
+        either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would tell it'
+        reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
+        reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
+    if not fit.problem.population.spread:
+        reasons["relative_spread"] = f"the law {fit.problem.population.name} has none to find; --law auto compares laws"
+    if signal.is_area:
+        reasons["shear_strength"] = reasons["strength_spread"] = "a trace of area has no strengths"
+        return reasons
+    if "strength" not in free or free == ("strength",) or signal.scale is None:
+        reasons["shear_strength"] = (
+            "it was given"
+            if fit.known.strength is not None
+            else "needs a trusted zero of the sensor (--zero known) and a unit of force (--unit mN)"
+        )
+    if "inequality" not in free:
+        reasons["strength_spread"] = "needs a trusted zero (--zero known) and the mean strength (--strength) together"
+    return reasons
+
+
+def _beside(fit: Fit, best: Fit, signal: Signal, scale: float) -> LawFit:
+    """Return a law's fit beside the best one: Vuong's test on the difference of their Whittle likelihoods.
+
+    Source: Vuong (1989), doi:10.2307/1912557, with the covariance of the bands instead of that of independent values.
+    """
+    difference = _criterion(fit) - _criterion(best)
+    bands = best.problem.bands
+    slope = 2.0 * bands.weight * (1.0 / fit.expected.mean - 1.0 / best.expected.mean)
+    scatter = covariance(best.problem, best.contact, best.expected.mean)[1:, 1:]
+    error = sqrt(max(float(slope @ scatter @ slope), 0.0))
+    return LawFit(
+        law=fit.problem.population.name,
+        criterion=_criterion(fit),
+        worse_by=difference,
+        error=error,
+        told_apart=fit is not best and difference > max(2.0, 2.0 * error),
+        estimates=_estimates(fit, signal, scale),
+    )
+
+
+def _widened(name: str, estimate: Estimate, laws: list[LawFit]) -> Estimate:
+    """Return an estimate whose interval holds those of all laws that are not told apart."""
+    others = [each.estimates[name].interval for each in laws if name in each.estimates]
+    ends = [estimate.interval, *others]
+    return Estimate(
+        value=estimate.value,
+        standard_error=estimate.standard_error,
+        interval=(min(low for low, _ in ends), max(high for _, high in ends)),
+        unit=estimate.unit,
+    )
+
+
+def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
+    """Return numbers that lean on no law: m_6/m_5 from S(0) over the variance, and N of equal sizes from the mean.
+
+    d_eff = S(0) c_2 / (variance c_1^2), N_eff = 1.5124 mean^2 / variance; S(0) is the mean of the bands below a tenth
+    of k d, the variance that of the trace less its noise.
+    """
+    bands, place = fit.problem.bands, fit.contact.place
+    variance = max(1.0 - place.noise, 1e-12)
+    typical = place.diameter * sqrt(fit.moment(8) / fit.moment(6))
+    low = np.maximum(bands.wavenumber * typical < 0.6, np.arange(bands.energy.size) < 5)
+    zero = float(np.sum((bands.weight * bands.energy)[low]) / np.sum(bands.weight[low])) - place.noise
+    second = LENS.life_integral(2)
+    found = {"effective_diameter": max(zero, 0.0) * second / (variance * FIRST**2) * signal.tick}
+    if fit.known.mean is not None:
+        found["effective_count"] = 2.0 * second / FIRST**2 * fit.known.mean**2 / variance
+    return found

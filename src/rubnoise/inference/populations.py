@@ -1,0 +1,298 @@
+"""Laws of junction sizes as a fit needs them: of unit mean, by one shape, with their energy spectra at hand.
+
+A fit asks for the mean energy of a life some hundred times, each time for another shape. In the logarithm of the
+diameter it is a convolution, so that two fast transforms give it at all wavenumbers at once.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
+from math import erf, exp, lgamma, log, pi, prod, sqrt
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.laws import LAWS, Law
+from rubnoise.contact.pulses import LENS
+from rubnoise.theory.transform import transform_of
+
+STEP: Final = 1.0 / 1024.0
+"""Of ln(k d) and of ln d. At k d = 300 a swing of the transform has ten places."""
+
+_LOWEST, _HIGHEST = -7.0, 6.5  # of ln(k E[d])
+_SMALLEST, _LARGEST = -6.0, 8.0  # of ln(d / E[d])
+_FOLLOWED, _SETTLED = 400.0, 700.0  # phases between which the swing is faded out
+_BALANCE = 3.0  # power of k d that keeps all places of the convolution within the digits of a double
+_SHAPE_STEP = 1e-3
+_NEGLIGIBLE = 1e-9
+_SHOT_NODES = 64
+_SHOT_POWER = 12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Population:
+    """A law of diameters of unit mean that one shape parameter s describes.
+
+    ``log_density`` is the logarithm of the density of d, up to nothing, at d and s; ``moment`` returns E[d^n] at n and
+    s. ``spread`` is whether there is a shape to be found, between ``narrowest`` and ``widest``; the shape of the normal
+    law is std over centre before drawing again, of the others std over mean.
+    """
+
+    name: str
+    spread: bool
+    log_density: Callable[[Doubles, float], Doubles] = field(repr=False)
+    moment: Callable[[int, float], float] = field(repr=False)
+    narrowest: float = 0.0
+    widest: float = 0.0
+    starts: tuple[float, ...] = (0.0,)
+
+    def relative_spread(self, shape: float) -> float:
+        """Return std over mean of the law as it is drawn."""
+        return sqrt(max(self.moment(2, shape) - 1.0, 0.0))
+
+    def law(self, mean: float, shape: float) -> Law:
+        """Return the law of `rubnoise.contact.laws` with this mean in um."""
+        centre = mean / _normal_mean(shape) if self.name == "normal" else mean
+        return LAWS[self.name].make(centre, shape * centre, {})
+
+
+def _normal_log_density(x: Doubles, shape: float) -> Doubles:
+    centre = 1.0 / _normal_mean(shape)
+    std = shape * centre
+    return -0.5 * np.square((x - centre) / std) - log(sqrt(2.0 * pi) * std * _positive_part(shape))
+
+
+def _positive_part(shape: float) -> float:
+    return 0.5 * (1.0 + erf(1.0 / (shape * sqrt(2.0))))
+
+
+def _normal_mean(shape: float) -> float:
+    """Return the mean of Normal(1, s), drawn again while not positive."""
+    if shape == 0.0:
+        return 1.0
+    return 1.0 + shape * exp(-0.5 / shape**2) / (sqrt(2.0 * pi) * _positive_part(shape))
+
+
+def _normal_moment(power: int, shape: float) -> float:
+    mean = _normal_mean(shape)
+    before, here = 1.0, mean
+    for n in range(2, power + 1):
+        before, here = here, here + (n - 1) * shape**2 * before
+    return here / mean**power if power else 1.0
+
+
+def _lognormal_log_density(x: Doubles, shape: float) -> Doubles:
+    variance = np.log1p(shape**2)
+    return -0.5 * np.square(np.log(x) + 0.5 * variance) / variance - np.log(x * sqrt(2.0 * pi * variance))
+
+
+def _gamma_log_density(x: Doubles, shape: float) -> Doubles:
+    k = 1.0 / shape**2
+    return k * log(k) - lgamma(k) + (k - 1.0) * np.log(x) - k * x
+
+
+def _gamma_moment(power: int, shape: float) -> float:
+    return prod(1.0 + n * shape**2 for n in range(power))
+
+
+_SPREAD_STARTS = (0.08, 0.25, 0.6)
+
+POPULATIONS: Final[dict[str, Population]] = {
+    each.name: each
+    for each in (
+        Population(
+            name="fixed",
+            spread=False,
+            log_density=lambda x, _shape: np.zeros_like(x),
+            moment=lambda _power, _shape: 1.0,
+        ),
+        Population(
+            name="normal",
+            spread=True,
+            log_density=_normal_log_density,
+            moment=_normal_moment,
+            narrowest=0.005,
+            widest=2.0,
+            starts=_SPREAD_STARTS,
+        ),
+        Population(
+            name="lognormal",
+            spread=True,
+            log_density=_lognormal_log_density,
+            moment=lambda power, shape: (1.0 + shape**2) ** (0.5 * power * (power - 1)),
+            narrowest=0.005,
+            widest=1.2,
+            starts=_SPREAD_STARTS,
+        ),
+        Population(
+            name="exponential",
+            spread=False,
+            log_density=lambda x, _shape: -x,
+            moment=lambda power, _shape: _gamma_moment(power, 1.0),
+            starts=(1.0,),
+        ),
+        Population(
+            name="gamma",
+            spread=True,
+            log_density=_gamma_log_density,
+            moment=_gamma_moment,
+            narrowest=0.005,
+            widest=1.6,
+            starts=_SPREAD_STARTS,
+        ),
+    )
+}
+"""The laws that a fit may choose from, by their names in a scenario."""
+
+
+@cache
+def _log_diameters() -> Doubles:
+    return np.arange(_SMALLEST, _LARGEST, STEP)
+
+
+@cache
+def _log_phases() -> Doubles:
+    return np.arange(_LOWEST, _HIGHEST, STEP)
+
+
+@cache
+def _balanced_transform() -> tuple[Doubles, int]:
+    """Return the Fourier transform of e^(3y) a^(e^y)^2 over all ln(k d), and its length in places."""
+    from scipy.fft import next_fast_len, rfft
+
+    places = _log_phases().size + _log_diameters().size - 1
+    phases = np.exp(_LOWEST + _SMALLEST + STEP * np.arange(places))
+    length = next_fast_len(places)
+    return rfft(life_energy(phases) * phases**_BALANCE, length), length
+
+
+def life_energy(phase: Doubles) -> Doubles:
+    """Return a^(z)^2 of the lens of unit diameter at z = k d, any shape; its swing is faded out from z = 400 to 700."""
+    transform = transform_of(LENS)
+    near = np.minimum(phase, _SETTLED)
+    energy = transform.square(near)
+    far = phase > _FOLLOWED
+    beyond = phase[far]
+    faded = np.minimum((beyond - _FOLLOWED) / (_SETTLED - _FOLLOWED), 1.0)
+    kept = 0.5 * (1.0 + np.cos(pi * faded))
+    settled = np.square(transform.level(beyond)) + transform.swing(beyond)
+    energy[far] = kept * energy[far] + (1.0 - kept) * settled
+    return energy
+
+
+def _weights(population: Population, shape: float) -> Doubles:
+    """Return the density of ln d times the step, which is the probability of each place."""
+    y = _log_diameters()
+    x = np.exp(y)
+    with np.errstate(under="ignore"):
+        return STEP * np.exp(np.maximum(population.log_density(x, shape), -700.0)) * x
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EnergyTable:
+    """The mean energy e(z) = E[x^6 a^(z x)^2] of sizes x of unit mean, at z = k E[d].
+
+    ``rows`` are e, its first and second derivative by ln z, and its derivative by the shape, times z^2 + z^6 over z^2,
+    at even steps of ln z; ``zero`` and ``tail`` are e(0) = (4/9) E[x^6] and 4 E[x^2], with which e goes as tail / z^4.
+    """
+
+    rows: Doubles
+    zero: float
+    tail: float
+    zero_by_shape: float
+    tail_by_shape: float
+
+    def at(self, phase: Doubles) -> Doubles:
+        """Return e, de/dln z, d2e/dln z^2 and de/ds at phases (a row each); below the table e(0), above it its tail."""
+        scale = 1.0 + np.square(np.square(phase))
+        place = (np.log(np.maximum(phase, 1e-300)) - _LOWEST) / STEP
+        first = np.clip(np.floor(place).astype(np.int64), 1, self.rows.shape[1] - 3)
+        t = np.clip(place - first, 0.0, 1.0)
+        # Lagrange's polynomial through four neighbours.
+        weights = (
+            -t * (t - 1.0) * (t - 2.0) / 6.0,
+            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+            -(t + 1.0) * t * (t - 2.0) / 2.0,
+            (t + 1.0) * t * (t - 1.0) / 6.0,
+        )
+        found: Doubles = sum(self.rows[:, first + k - 1] * weights[k] for k in range(4)) / scale  # type: ignore[assignment]
+        beyond = place > self.rows.shape[1] - 2
+        if beyond.any():
+            falling = 1.0 / np.square(np.square(phase[beyond]))
+            found[0, beyond] = self.tail * falling
+            found[1, beyond] = -4.0 * self.tail * falling
+            found[2, beyond] = 16.0 * self.tail * falling
+            found[3, beyond] = self.tail_by_shape * falling
+        return found
+
+
+@lru_cache(maxsize=64)
+def energy_table(name: str, shape: float) -> EnergyTable:
+    """Return the mean energies of a population with a shape."""
+    population = POPULATIONS[name]
+    z = np.exp(_log_phases())
+    if name == "fixed":
+        energy, by_shape = life_energy(z), np.zeros_like(z)
+    elif not population.spread:
+        energy, by_shape = _averaged(_weights(population, shape)[None])[0], np.zeros_like(z)
+    else:
+        change = _SHAPE_STEP * shape
+        shapes = (shape, shape - change, shape + change)
+        energy, below, above = _averaged(np.stack([_weights(population, each) for each in shapes]))
+        by_shape = (above - below) / (2.0 * change)
+    scaled = energy * (1.0 + z**4)
+    first = _slope(scaled) - 4.0 * z**4 / (1.0 + z**4) * scaled
+    second = (1.0 + z**4) * _slope(first / (1.0 + z**4))
+    return EnergyTable(
+        rows=np.stack([scaled, first, second, by_shape * (1.0 + z**4)]),
+        zero=4.0 / 9.0 * population.moment(6, shape),
+        tail=4.0 * population.moment(2, shape),
+        zero_by_shape=4.0 / 9.0 * moment_slope(population, shape, 6),
+        tail_by_shape=4.0 * moment_slope(population, shape, 2),
+    )
+
+
+def moment_slope(population: Population, shape: float, power: int) -> float:
+    """Return dE[x^n]/ds of sizes of unit mean, by a central difference; 0 without a shape to be found."""
+    if not population.spread:
+        return 0.0
+    change = _SHAPE_STEP * shape
+    return (population.moment(power, shape + change) - population.moment(power, shape - change)) / (2.0 * change)
+
+
+def _averaged(weights: Doubles) -> Doubles:
+    """Return E[x^6 a^(z x)^2] at every phase of the table, a row for each row of probabilities."""
+    from scipy.fft import irfft, rfft
+
+    transform, length = _balanced_transform()
+    balanced = weights * np.exp((6.0 - _BALANCE) * _log_diameters())
+    sums = irfft(transform * np.conj(rfft(balanced, length, axis=-1)), length, axis=-1)[:, : _log_phases().size]
+    return np.maximum(sums, 0.0) * np.exp(-_BALANCE * _log_phases())
+
+
+def _slope(values: Doubles) -> Doubles:
+    """Return the derivative by ln z, by differences of fourth order."""
+    slope: Doubles = np.gradient(values, STEP)
+    slope[2:-2] = (8.0 * (values[3:-1] - values[1:-3]) - (values[4:] - values[:-4])) / (12.0 * STEP)
+    return slope
+
+
+def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles]:
+    """Return sizes of unit mean and their probabilities, for the covariance that single junctions bring.
+
+    It averages up to x^12, so that its sizes reach further than those that most traces hold.
+    """
+    if population.name == "fixed":
+        return np.ones(1), np.ones(1)
+    y = _log_diameters()
+    weight = _weights(population, shape)
+    ends = []
+    for power in (1, _SHOT_POWER):
+        share = np.log(np.maximum(weight, 1e-300)) + power * y
+        held = np.flatnonzero(share > share.max() + log(_NEGLIGIBLE))
+        ends.append((held[0], held[-1]))
+    places = np.linspace(y[ends[0][0]], y[ends[1][1]], _SHOT_NODES)
+    x = np.exp(places)
+    probability = np.exp(np.maximum(population.log_density(x, shape), -700.0)) * x
+    return x, probability / probability.sum()

@@ -1,0 +1,217 @@
+"""Number and strength beside size: scoring steps on the bands and the mean, weighed by their whole covariance.
+
+What a record holds of its large junctions moves its bands and its mean together. The covariance of this is the shot
+noise of the junctions themselves, so that intervals need no bootstrap.
+"""
+
+from dataclasses import dataclass, replace
+from math import sqrt
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import LENS
+from rubnoise.inference.fitting import Expected, Place, Problem
+from rubnoise.inference.populations import life_energy, moment_slope, shot_sizes
+
+_STEPS = 25
+_CLOSE = 1e-6
+_RIDGE = 1e-10
+_LONGEST_STEP = 0.5
+FIRST: Final = LENS.life_integral(1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """A population with its number and strengths, lengths in ticks and the trace in its own unit.
+
+    ``births`` is lam per tick, ``strength`` E[psi] (trace unit per tick^2), ``inequality`` E[psi^2] / E[psi]^2.
+    """
+
+    place: Place
+    births: float
+    strength: float
+    inequality: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Known:
+    """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
+
+    Strength in the trace's unit per tick^2. ``births`` per tick stands in where neither is known: it sets the size of
+    the shot noise alone.
+    """
+
+    mean: float | None
+    strength: float | None
+    births: float
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Which of number, strength and inequality the record then tells."""
+        if self.mean is None:
+            return ("strength",) if self.strength is None else ("births",)
+        return ("births", "strength") if self.strength is None else ("births", "inequality")
+
+
+_IN_BANDS = {"births": 1.0, "strength": 2.0, "inequality": 1.0}
+_IN_MEAN = {"births": 1.0, "strength": 1.0, "inequality": 0.0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fit:
+    """A fitted contact: the ``names`` of its parameters, whose logarithms have the ``covariance``.
+
+    ``residual`` is of mean (where known) and bands, ``scatter`` the covariance of these, ``by`` their derivatives.
+    """
+
+    problem: Problem
+    contact: Contact
+    known: Known
+    names: tuple[str, ...]
+    covariance: Doubles
+    expected: Expected
+    residual: Doubles
+    scatter: Doubles
+    by: Doubles
+    deviance: float
+
+    def error(self, powers: dict[str, float]) -> float:
+        """Return the standard error of the logarithm of a product of powers of parameters."""
+        vector = np.array([powers.get(name, 0.0) for name in self.names])
+        return sqrt(max(float(vector @ self.covariance @ vector), 0.0))
+
+    def moment(self, power: int) -> float:
+        """Return E[x^n] of the sizes x of unit mean."""
+        return self.problem.population.moment(power, self.contact.place.shape)
+
+    def by_shape(self, power: int) -> float:
+        """Return d ln E[x^n] / d ln s."""
+        shape = self.contact.place.shape
+        return shape * moment_slope(self.problem.population, shape, power) / self.moment(power)
+
+
+def _third_slope(problem: Problem, shape: float) -> float:
+    """Return d ln E[x^3] / d ln s."""
+    population = problem.population
+    return shape * moment_slope(population, shape, 3) / population.moment(3, shape)
+
+
+def expected_mean(problem: Problem, contact: Contact) -> float:
+    """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
+    third = problem.population.moment(3, contact.place.shape)
+    return contact.births * contact.strength * FIRST * third * contact.place.diameter**3
+
+
+def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
+    """Return the covariance of the mean of the record (row 0) and of its bands, which are expected to be ``bands``.
+
+    Gaussian: E[P]^2 over the worth of the band, on the diagonal. Shot noise: (lam / T) E[f f'] over single junctions,
+    f = (psi A^(0), psi^2 |A^(k)|^2): the fourth cumulant between bands, raised by the taper as the other, the third
+    between a band and the mean, the second for the mean itself, which is all of it. Unequal strengths are taken for
+    lognormal, E[psi^n] = E[psi]^n w^(n (n - 1) / 2).
+    Source: Brillinger, Time Series: Data Analysis and Theory (1981), theorem 5.10.1.
+    """
+    periodogram, place = problem.bands, contact.place
+    sizes, probability = shot_sizes(problem.population, place.shape)
+    diameters = place.diameter * sizes
+    energies = life_energy(periodogram.wavenumber[:, None] * diameters) * diameters**6
+    # Scaled to the bands' own expectation, which knows of aliases and of the widths of bands.
+    expected = problem.expectation.population(problem.table(place), place.diameter)[0]
+    energies *= (expected / (energies @ probability))[:, None]
+    psi, w = contact.strength, contact.inequality
+    f = np.vstack([psi * FIRST * diameters**3, psi**2 * energies])
+    total = (contact.births / periodogram.span) * (f * probability) @ f.T
+    total[1:, 1:] *= periodogram.variance_factor * w**6
+    total[0, 1:] *= w**3
+    total[1:, 0] *= w**3
+    total[0, 0] = total[0, 0] * w + place.noise / periodogram.span
+    rows = np.arange(1, bands.size + 1)
+    total[rows, rows] += np.square(bands) / periodogram.weight
+    return total
+
+
+def score(problem: Problem, start: Place, known: Known, deviance: float) -> Fit:
+    """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
+
+    z are the bands, and the mean where it is known; D the derivatives of E[z], Sigma its covariance at the place
+    itself, so that the estimate has the covariance (D' Sigma^-1 D)^-1. Source: Godambe and Heyde (1987),
+    doi:10.2307/1403403; a sandwich (Huber 1967) whose two slices are equal.
+    """
+    contact = _begun(problem, start, known)
+    first = 0 if known.mean is not None else 1
+    for _ in range(_STEPS):
+        expected = problem.expected(contact.place)
+        names, by = _derivatives(problem, contact, expected, known)
+        mean = expected_mean(problem, contact)
+        measured = np.concatenate([[mean if known.mean is None else known.mean], problem.bands.energy])
+        residual = (measured - np.concatenate([[mean], expected.mean]))[first:]
+        by = by[first:]
+        scatter = covariance(problem, contact, expected.mean)[first:, first:]
+        scale = np.sqrt(scatter.diagonal())
+        root = np.linalg.cholesky(scatter / np.outer(scale, scale) + _RIDGE * np.eye(scale.size))
+        white = np.linalg.solve(root, np.column_stack([by, residual]) / scale[:, None])
+        information = white[:, :-1].T @ white[:, :-1]
+        inverse = np.linalg.pinv(information, rcond=1e-14, hermitian=True)
+        step = np.clip(inverse @ (white[:, :-1].T @ white[:, -1]), -_LONGEST_STEP, _LONGEST_STEP)
+        if float(np.max(np.abs(step))) < _CLOSE:
+            break
+        contact = _moved(problem, contact, names, step)
+    return Fit(
+        problem=problem,
+        contact=contact,
+        known=known,
+        names=names,
+        covariance=inverse,
+        expected=expected,
+        residual=residual,
+        scatter=scatter,
+        by=by,
+        deviance=deviance,
+    )
+
+
+def _begun(problem: Problem, place: Place, known: Known) -> Contact:
+    """Return the contact that a place means with what is known."""
+    third = FIRST * problem.population.moment(3, place.shape) * place.diameter**3
+    if known.mean is None:
+        if known.strength is None:
+            return Contact(place=place, births=known.births, strength=sqrt(place.rate / known.births))
+        return Contact(place=place, births=place.rate / known.strength**2, strength=known.strength)
+    sum_of_strengths = known.mean / third
+    if known.strength is None:
+        strength = place.rate / sum_of_strengths
+        return Contact(place=place, births=place.rate / strength**2, strength=strength)
+    births = sum_of_strengths / known.strength
+    inequality = place.rate / (births * known.strength**2)
+    return Contact(place=place, births=births, strength=known.strength, inequality=inequality)
+
+
+def _derivatives(
+    problem: Problem, contact: Contact, expected: Expected, known: Known
+) -> tuple[tuple[str, ...], Doubles]:
+    """Return the names of the parameters, and the derivatives of mean and bands by their logarithms."""
+    own = known.free
+    by = np.zeros((expected.mean.size + 1, len(own) + len(expected.names) - 1))
+    mean = expected_mean(problem, contact)
+    for column, name in enumerate(own):
+        by[0, column] = _IN_MEAN[name] * mean
+        by[1:, column] = _IN_BANDS[name] * expected.by[:, 0]
+    by[1:, len(own) :] = expected.by[:, 1:]
+    names = (*own, *expected.names[1:])
+    by[0, names.index("diameter")] = 3.0 * mean
+    if "shape" in names:
+        by[0, names.index("shape")] = mean * _third_slope(problem, contact.place.shape)
+    return names, by
+
+
+def _moved(problem: Problem, contact: Contact, names: tuple[str, ...], step: Doubles) -> Contact:
+    own = {name: float(np.exp(by)) for name, by in zip(names, step, strict=True) if name in _IN_BANDS}
+    births = contact.births * own.get("births", 1.0)
+    strength = contact.strength * own.get("strength", 1.0)
+    inequality = contact.inequality * own.get("inequality", 1.0)
+    rest = [number for number, name in enumerate(names) if name not in _IN_BANDS]
+    place = problem.moved(contact.place, tuple(names[number] for number in rest), step[rest])
+    place = replace(place, rate=births * strength**2 * inequality)
+    return Contact(place=place, births=births, strength=strength, inequality=inequality)

@@ -1,0 +1,243 @@
+"""Measured traces in files: what is read, and what is refused by name and line."""
+
+import json
+import struct
+import threading
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from scipy.io import savemat, wavfile
+
+import rubnoise
+from rubnoise.api.inferring import found_scenario, infer
+from rubnoise.errors import Refused
+from rubnoise.storage.measured import read_measured
+from tests.cli.terminal import spawn
+from tests.inference.traces import contact, signal
+
+FORCE = np.round(50.0 + np.sin(np.arange(40.0)), 4)
+
+
+@pytest.fixture(scope="module")
+def contact_csv(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A trace of 450 lives over time, at 1 mm/s, in mN."""
+    made = signal(contact("normal", 0.2, 20, 450), 5)
+    path = tmp_path_factory.mktemp("csv") / "friction.csv"
+    times = made.tick / 1000.0 * np.arange(made.values.size)
+    rows = "\n".join(f"{t:.9f},{v / 1000.0:.6f}" for t, v in zip(times.tolist(), made.values.tolist(), strict=True))
+    path.write_text(f"time (s),force (mN)\n{rows}\n", encoding="utf-8")
+    return path
+
+
+def written(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("head", "separator", "unit", "step", "along"),
+    [
+        ("time (s),force (mN)", ",", "mN", 0.5, "time"),
+        ("time [ms]\tforce [N]", "\t", "N", 0.0005, "time"),
+        ("distance_um;friction_force_uN", ";", "uN", 0.5, "distance"),
+        ("distance (mm),friction (V)", ",", "V", 500.0, "distance"),
+    ],
+)
+def test_headers_say_units_and_places(
+    tmp_path: Path, head: str, separator: str, unit: str, step: float, along: str
+) -> None:
+    rows = "\n".join(f"{0.5 * n}{separator}{value}" for n, value in enumerate(FORCE.tolist()))
+    read = read_measured(written(tmp_path / "a.csv", f"# a comment\n{head}\n\n{rows}\n"))
+    assert (read.unit, read.along) == (unit, along)
+    assert read.step == pytest.approx(step, rel=1e-9)
+    assert read.values.tolist() == FORCE.tolist()
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        (
+            "time (s),force (mN)\n0.00,1\n0.10,2\n0.30,3\n0.40,4\n0.50,5\n",
+            "line 4: time goes on by 0.2 s where the usual step is 0.1",
+        ),
+        ("time (s),force (mN)\n0,1\n0.1,nan\n0.2,3\n", "line 3: force is nan"),
+        ("time (s),force (mN)\n0,1\n0.1,x\n0.2,3\n", "line 3: 'x' is no number"),
+        ("time (s),force (mN)\n0,1\n0.1\n0.2,3\n", "line 3: 1 cells; there are 2 names"),
+        ("time (s),force (mN),lift (mN)\n0,1,2\n0.1,1,2\n0.2,3,4\n", "--column NAME takes one of: force, lift"),
+        ("0,1\n0.1,2\n0.2,3\n", "a first line of names is needed"),
+        ("time (s),force (mN)\n0,1\n", "has 2 lines"),
+        ("time (s),force (mN)\n0.2,1\n0.1,2\n0,3\n", "time does not grow"),
+    ],
+)
+def test_what_is_no_trace_is_refused_by_line(tmp_path: Path, text: str, problem: str) -> None:
+    path = written(tmp_path / "a.csv", text)
+    with pytest.raises(Refused) as refused:
+        read_measured(path)
+    assert problem in str(refused.value)
+    assert str(refused.value).startswith(f"{path}: ")
+
+
+def test_a_wave_file_has_its_rate_and_channels(tmp_path: Path) -> None:
+    both = np.stack([FORCE, -FORCE], axis=-1) / 100.0
+    wavfile.write(tmp_path / "a.wav", 8000, np.rint(both * 2**15).astype(np.int16))
+    with pytest.raises(Refused, match="takes one of: 1, 2"):
+        read_measured(tmp_path / "a.wav")
+    read = read_measured(tmp_path / "a.wav", "2")
+    assert read.step == 1.0 / 8000
+    assert read.values == pytest.approx(-FORCE / 100.0, abs=2e-5)
+    broken = written(tmp_path / "b.wav", "RIFF but no sound")
+    with pytest.raises(Refused, match="no WAV file"):
+        read_measured(broken)
+
+
+def test_a_matlab_file_has_its_variables(tmp_path: Path) -> None:
+    savemat(tmp_path / "a.mat", {"t": 0.01 * np.arange(40.0), "force": FORCE, "note": "x"})
+    read = read_measured(tmp_path / "a.mat")
+    assert read.values.tolist() == FORCE.tolist()
+    assert read.step == pytest.approx(0.01)
+    with pytest.raises(Refused, match="-v6 or -v7"):
+        read_measured(written(tmp_path / "b.mat", "text"))
+
+
+def test_a_dataset_of_any_file_is_read_in_the_sandbox(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["m/force"] = FORCE
+        file["m/force"].attrs["units"] = "mN"
+        file["m/time"] = 0.01 * np.arange(40.0)
+        file["m/time"].attrs["units"] = "s"
+        file["m/time"].make_scale("time")
+        file["m/force"].dims[0].attach_scale(file["m/time"])
+        file["table"] = np.zeros((3, 3))
+    read = read_measured(f"{path}:/m/force")
+    assert (read.unit, read.along) == ("mN", "time")
+    assert read.step == pytest.approx(0.01)
+    assert read.values.tolist() == FORCE.tolist()
+    for name, problem in (("/m/x", "it has m/force"), ("/table", "2 dimensions")):
+        with pytest.raises(Refused, match=problem):
+            read_measured(f"{path}:{name}")
+    with pytest.raises(Refused, match="which dataset"):
+        read_measured(path)
+    path.write_bytes(path.read_bytes()[:1500] + struct.pack("<q", -1) * 20)
+    with pytest.raises(Refused):
+        read_measured(f"{path}:/m/force")
+
+
+def test_a_program_with_threads_reads_it_too(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["force"] = FORCE
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    try:
+        assert read_measured(f"{path}:force").values.tolist() == FORCE.tolist()
+    finally:
+        done.set()
+        thread.join()
+
+
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ({}, "--speed is needed"),
+        ({"speed": "-1 mm/s"}, "not above 0"),
+        ({"speed": "1 mm"}, "is the unit of a length"),
+        ({"speed": "1 mm/s", "rate": "1 kHz"}, "--rate: the trace says itself"),
+        ({"speed": "1 mm/s", "strength": "250 m"}, "--strength"),
+        ({"speed": "1 mm/s", "unit": "V", "strength": "250 MPa"}, "no force"),
+        ({"speed": "1 mm/s", "mask": "50 um"}, "--mask: 50 um is no frequency"),
+        ({"speed": "1 mm/s", "law": "cauchy"}, "no law of sizes"),
+        ({"speed": "1 mm/s", "zero": "perhaps"}, "--zero"),
+    ],
+)
+def test_what_is_given_is_checked(contact_csv: Path, given: dict[str, str], problem: str) -> None:
+    with pytest.raises(Refused) as refused:
+        infer(contact_csv, **given)  # type: ignore[arg-type]
+    assert problem in str(refused.value)
+
+
+def test_an_array_needs_a_rate_and_a_unit() -> None:
+    values = np.random.default_rng(1).standard_normal(500)
+    with pytest.raises(Refused, match="--rate"):
+        infer(values, unit="mN", speed=1000.0)
+    with pytest.raises(Refused, match="no unit"):
+        infer(values, rate=1000.0, speed=1000.0)
+    with pytest.raises(Refused, match="finite"):
+        infer(np.array([1.0, np.inf]), rate=1.0, unit="N", speed=1.0)
+
+
+def test_a_unit_may_be_what_a_count_is(contact_csv: Path) -> None:
+    found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
+    halves = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", unit="0.5 mN")
+    assert halves.estimates["shear_strength"].value == pytest.approx(0.5 * found.estimates["shear_strength"].value)
+    volts = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", unit="V")
+    assert volts.estimates["junction_count"] == found.estimates["junction_count"]
+    assert "shear_strength" in volts.not_identified
+
+
+def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path: Path) -> None:
+    found = rubnoise.infer(contact_csv, speed="1 mm/s", zero="known", law="normal")
+    scenario = rubnoise.load(written(tmp_path / "found.toml", found_scenario(found, speed="1 mm/s")))
+    model = scenario.model()
+    assert model.sizes.mean == pytest.approx(found.estimates["diameter"].value, rel=1e-5)
+    assert model.stationary_mean_area == pytest.approx(found.estimates["mean_real_contact_area"].value, rel=1e-5)
+    assert 2.0 * model.birth_rate * model.sizes.mean == pytest.approx(found.estimates["junction_count"].value, rel=1e-5)
+    with rubnoise.run(scenario, tmp_path / "again.h5") as run:
+        assert len(run.trace) == model.tick_count + 1
+    again = rubnoise.infer(tmp_path / "again.h5", zero="known", law="normal")
+    for name in ("junction_count", "diameter", "relative_spread", "shear_strength"):
+        first, second = found.estimates[name], again.estimates[name]
+        error = np.hypot(first.standard_error / first.value, second.standard_error / second.value)
+        assert abs(np.log(second.value / first.value)) <= 4.0 * error, name
+
+
+def test_the_bootstrap_agrees_with_the_errors(contact_csv: Path) -> None:
+    found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", bootstrap=12)
+    for name in ("junction_count", "diameter", "shear_strength"):
+        ratio = found.bootstrap[name].standard_error / found.estimates[name].standard_error
+        assert abs(np.log(ratio)) <= 4.0 / np.sqrt(2.0 * 11.0), name
+        assert found.bootstrap[name].unit == found.estimates[name].unit
+
+
+def test_the_command_answers_in_json_and_writes_files(contact_csv: Path, tmp_path: Path) -> None:
+    page, toml = tmp_path / "page.html", tmp_path / "found.toml"
+    options = ["--speed", "1 mm/s", "--zero", "known", "--law", "normal"]
+    done = spawn("infer", str(contact_csv), *options, "--json", "-o", str(toml), "--report", str(page))
+    assert done.code == 0, done.err
+    answer = json.loads(done.out)
+    assert set(answer["estimates"]["diameter"]) == {"value", "standard_error", "interval", "unit"}
+    assert set(answer["estimates"]) == {
+        "junction_count",
+        "diameter",
+        "relative_spread",
+        "shear_strength",
+        "mean_real_contact_area",
+        "noise",
+    }
+    assert set(answer["not_identified"]) == {"strength_spread"}
+    assert (answer["flags"], answer["refused"]) == ([], None)
+    assert 'law = "normal"' in toml.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
+    assert text.count("<svg") == 1
+    assert "time reversal" in text
+    again = spawn("infer", str(contact_csv), *options, "-o", str(toml))
+    assert again.code == 2
+    assert "--force" in again.err
+
+
+def test_the_command_says_3_for_a_trace_that_is_no_contact_and_2_for_none(tmp_path: Path) -> None:
+    noise = 50.0 + np.random.default_rng(2).standard_normal(4000)
+    rows = "\n".join(f"{n / 1000},{value}" for n, value in enumerate(noise.tolist()))
+    path = written(tmp_path / "noise.csv", f"time (s),force (mN)\n{rows}\n")
+    done = spawn("infer", str(path), "--speed", "1 mm/s", "--json")
+    assert done.code == 3
+    assert json.loads(done.out)["refused"] or json.loads(done.out)["flags"]
+    missing = spawn("infer", "absent.csv", "--speed", "1 mm/s")
+    assert missing.code == 2
+    assert "absent.csv: no such file" in missing.err
+    unsaid = spawn("infer", str(path), "--speed", "1 mm/s", "--law", "normal", "-o", str(tmp_path / "x.toml"))
+    assert unsaid.code in {2, 3}
+    assert not (tmp_path / "x.toml").exists()
