@@ -72,8 +72,14 @@
   /** Open a lesson. */
   function open(index) {
     state.open = index;
+    rub.show(pictureOf(index));
     show('#lesson-title');
     find('.lesson').scrollIntoView({ block: 'nearest' });
+  }
+
+  /** Return the picture that a lesson's experiment begins with; none before its prediction, which it could give away. */
+  function pictureOf(index) {
+    return state.lessons[index].step > STEPS.asked ? list[index].experiment.runs[0].show : '';
   }
 
   function predict() {
@@ -102,13 +108,13 @@
     const lesson = list[state.open];
     const chosen = lesson.experiment.runs[index];
     rub.set(chosen.set, { restart: true });
-    rub.show(chosen.show);
     rub.transport.pace(rub.exact().lifeMean * lesson.experiment.pace);
     rub.run.play();
     if (current().step < STEPS.run) {
       current().step = STEPS.run;
       show(`[data-run="${index}"]`);
     }
+    rub.show(chosen.show);
     fill('#lesson-running', () => `${chosen.label}: running. ${outcome(lesson, index)}`);
   }
 
@@ -211,6 +217,7 @@
     rub.on('settings', tell);
     addEventListener('hashchange', follow);
     draw();
+    rub.show(pictureOf(state.open));
     if (recalled) root.scrollIntoView();
   }
 
