@@ -43,7 +43,7 @@
       const density = histogram.counts[i] / (histogram.ticks * bin);
       ctx.fillRect(box.left, y((i + 1) * bin), x(density) - box.left, y(i * bin) - y((i + 1) * bin) - 0.5);
     }
-    if (areaStd > 0) drawLaws(ctx, x, y);
+    if (areaStd > 0 && !rub.readout.veiled()) drawLaws(ctx, x, y);
   };
 
   /** Draw the exact density, which is known for births at random, and the bell curve, dashed where both are there. */

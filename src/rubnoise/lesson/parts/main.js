@@ -101,10 +101,11 @@
     rub.knobs.begin(find('knobs'));
     rub.panels.begin();
     rub.transport.begin();
-    find('unfold').addEventListener('click', () => fold(!find('pictures').classList.contains('folded')));
+    const unfold = () => fold(!find('pictures').classList.contains('folded'));
+    find('unfold').addEventListener('click', unfold);
     rub.sound.begin();
     rub.on('settings', settingsChanged);
-    for (const event of ['jump', 'select', 'reset', 'tick', 'density']) {
+    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil']) {
       rub.on(event, () => {
         dirty = true;
       });

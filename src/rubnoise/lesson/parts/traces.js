@@ -33,9 +33,11 @@
 
   /** Draw what is exact: a line at the mean, a band of one standard deviation about it; and the mean so far, dashed. */
   function drawExact(ctx, box, y, mean, std, seen) {
-    ctx.fillStyle = ink.band;
-    ctx.fillRect(box.left, y(mean + std), box.right - box.left, y(mean - std) - y(mean + std));
-    level(ctx, box, y(mean), ink.exact, []);
+    if (!rub.readout.veiled()) {
+      ctx.fillStyle = ink.band;
+      ctx.fillRect(box.left, y(mean + std), box.right - box.left, y(mean - std) - y(mean + std));
+      level(ctx, box, y(mean), ink.exact, []);
+    }
     level(ctx, box, y(seen), ink.ink, [5, 4]);
   }
 
