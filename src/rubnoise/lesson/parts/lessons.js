@@ -7,10 +7,12 @@
   const STEPS = { asked: 0, predicted: 1, run: 2, passed: 3 };
   const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', s: 's', '': '' };
 
+  const DUST = 1e-12; // what rounding leaves where a law says nothing
+
   /** Return a number as it is said: four digits, no more. */
   function say(value) {
     if (!Number.isFinite(value)) return '–';
-    const short = Number(value.toPrecision(4));
+    const short = Math.abs(value) < DUST ? 0 : Number(value.toPrecision(4));
     const size = Math.abs(short);
     return (size !== 0 && (size < 1e-3 || size >= 1e6) ? short.toExponential() : String(short)).replace('-', '−');
   }

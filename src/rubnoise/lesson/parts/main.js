@@ -38,6 +38,8 @@
     rub.traces.draw(seen);
     rub.mass.draw();
     rub.histogram.draw();
+    rub.lives.draw();
+    rub.lives.drawCounts();
     rub.card.draw();
     if (!rub.run.playing || now - told > 200) tell(now, seen);
     dirty = false;
@@ -58,6 +60,7 @@
     rub.traces.fit();
     rub.mass.fit();
     rub.histogram.pen.fit();
+    rub.lives.fit();
     rub.card.pen.fit();
     rub.panels.fit();
     drawLegend();
@@ -96,6 +99,7 @@
     rub.traces.begin(['area', 'count', 'force', 'slider', 'velocity']);
     rub.mass.begin(find('mass'));
     rub.histogram.begin(find('histogram'));
+    rub.lives.begin(find('lives'), find('count-histogram'));
     rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
