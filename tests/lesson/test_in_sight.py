@@ -66,5 +66,5 @@ def test_all_traces_unfold_under_the_stage(browser: Any, lesson_file: str) -> No
 def test_a_phone_has_the_lesson_on_its_first_screen(browser: Any, lesson_file: str) -> None:
     with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
         top = page.locator(".lesson-question").bounding_box()["y"]
-        assert top < 844 / 2
+        assert top < 0.6 * 844
         assert page.locator("#knobs").bounding_box()["y"] > top

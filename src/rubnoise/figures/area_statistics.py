@@ -125,6 +125,9 @@ def acf_figure(stretch: Stretch) -> "Figure":
     add_title(figure, stretch, "Autocovariance of the real contact area")
     axes = figure.subplots()
     _draw_exact_covariance(axes, stretch, float(lag[-1]))
+    axes.axvline(
+        stretch.model.mean_life_distance, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=_memory_label(stretch)
+    )
     axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
     axes.set_xlim(0.0, lag[-1])
     rounding = (NEAREST * area_cumulants(stretch.model).mean) ** 2
@@ -134,6 +137,11 @@ def acf_figure(stretch: Stretch) -> "Figure":
     axes.set_ylabel("autocovariance (µm⁴)")
     legend_above(axes)
     return figure
+
+
+def _memory_label(stretch: Stretch) -> str:
+    equal = stretch.model.sizes.variance == 0.0
+    return f"{'a' if equal else 'the mean'} life, 2d = {stretch.model.mean_life_distance:.4g} µm"
 
 
 def _lag_steps(stretch: Stretch) -> NDArray[np.int64]:

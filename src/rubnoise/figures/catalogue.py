@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from rubnoise.figures.area import count_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
+from rubnoise.figures.lifelines import lifelines_figure
 from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
 from rubnoise.figures.stretch import Stretch
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "trace": trace_figure,
     "lives": lives_figure,
+    "lifelines": lifelines_figure,
     "histogram": histogram_figure,
     "psd": psd_figure,
     "acf": acf_figure,

@@ -43,12 +43,12 @@
       const density = histogram.counts[i] / (histogram.ticks * bin);
       ctx.fillRect(box.left, y((i + 1) * bin), x(density) - box.left, y(i * bin) - y((i + 1) * bin) - 0.5);
     }
-    if (rub.world.births === 'poisson' && !rub.readout.veiled()) drawLaws(ctx, box, x, y, bin);
+    const known = rub.world.births === 'poisson' ? exactDensity() : null;
+    if (known && !rub.readout.veiled()) drawLaws(ctx, box, x, y, bin, known);
   };
 
   /** Draw the exact density of births at random, and dashed the bell curve; other births have neither here. */
-  function drawLaws(ctx, box, x, y, bin) {
-    const known = exactDensity();
+  function drawLaws(ctx, box, x, y, bin, known) {
     const at = (i) => (i / 240) * histogram.top;
     ctx.strokeStyle = ink.exact;
     ctx.lineWidth = 1.5;
@@ -61,14 +61,13 @@
       (i) => y(at(i)),
     );
     ctx.setLineDash([]);
-    if (known)
-      line(
-        ctx,
-        0,
-        240,
-        (i) => x(Math.max(0, known[i])),
-        (i) => y(at(i)),
-      );
+    line(
+      ctx,
+      0,
+      240,
+      (i) => x(known[i]),
+      (i) => y(at(i)),
+    );
     drawAtom(ctx, box, x, y, bin);
   }
 

@@ -202,9 +202,11 @@
         { label: 'Unequal sizes', set: contact({ spread: 1.5 }), show: 'count' },
       ],
       watch: [
-        `The count wanders in the band of one standard deviation about its mean, and leaves it for a third of the way.`,
-        `Unequal sizes change the length of lives, and yet neither the mean nor the swing of the count changes to speak
-          of.`,
+        `Each bar is one life, from birth to death. The count is the number of bars that the line of now crosses.`,
+        `The count wanders in the band of one standard deviation about its mean, and is outside it for a third of the
+          way.`,
+        `Beside the count: how often each number was met so far, in grey, and Poisson's bars.`,
+        `Unequal sizes change the length of lives, but the mean and the swing of the count stay nearly the same.`,
       ],
       table: [
         { label: 'mean count', seen: (s) => s.countMean, exact: (f) => f.countMean },

@@ -82,7 +82,7 @@
     return found;
   };
 
-  /** Draw how often each count has been met so far, on the scale of the trace beside it, and Poisson's bars about it. */
+  /** Draw how often each count has been met so far, on the scale of the trace beside it, and Poisson's bars. */
   lives.drawCounts = () => {
     const { ctx, width, height } = counts.pen;
     if (!width) return;
