@@ -156,12 +156,16 @@ def _draw_each(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles
 
 
 def _mark_ends(axes: "Axes", stretch: Stretch, alive: Neighbours) -> None:
-    """Mark births by rings and deaths by crosses on the axis, where there are not too many to be told apart."""
+    """Mark births by rings and deaths by crosses below the lives, where there are not too many to be told apart."""
     if alive.rows.size > MOST_MARKED:
         return
-    for places, marker, label in ((alive.birth, "o", "birth"), (alive.death, "x", "death")):
+    highest = axes.get_ylim()[1]
+    for row, places, marker, label in ((1.0, alive.birth, "o", "birth"), (2.0, alive.death, "x", "death")):
         inside = places[(places >= stretch.start) & (places <= stretch.stop)]
-        axes.plot(inside, np.zeros_like(inside), marker, color=INK, ms=3.6, mfc="white", mew=0.8, ls="", label=label)
+        level = np.full_like(inside, -0.09 * row * highest)
+        axes.plot(inside, level, marker, color=INK, ms=3.4, mfc="white", mew=0.7, ls="", label=label)
+    axes.set_ylim(-0.27 * highest, highest)
+    axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= highest])
 
 
 COUNT_LIVES: Final = 40.0
