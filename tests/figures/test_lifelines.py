@@ -1,7 +1,6 @@
 """Life-lines and the ratio of spectra: lanes without overlaps, the count as bars crossed, estimate over expected."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -59,10 +58,10 @@ def test_the_line_crosses_as_many_bars_as_junctions_are_alive(full: Stretch) -> 
         above, _ = PICTURES["lifelines"](stretch).axes
         names = {str(each.get_label()): each for each in above.collections}
         bars = np.array([path.get_extents().get_points() for path in names["other lives"].get_paths()])
-    alive = int(np.sum((birth <= 1020.0) & (1020.0 < death)))
+    alive = int(np.sum((birth <= 1020.0) & (death > 1020.0)))
     assert f"{alive} alive at the line" in names
     assert len(names[f"{alive} alive at the line"].get_paths()) == alive
-    assert not np.any((bars[:, 0, 0] <= 1020.0) & (1020.0 < bars[:, 1, 0]))
+    assert not np.any((bars[:, 0, 0] <= 1020.0) & (bars[:, 1, 0] > 1020.0))
     assert len(bars) + alive == int(np.sum((birth <= 1040.0) & (death >= 1000.0)))
 
 

@@ -72,7 +72,10 @@ def lifelines_figure(stretch: Stretch) -> "Figure":
 def _draw_lives(axes: "Axes", stretch: Stretch, lives: Neighbours, middle: float) -> None:
     place = lanes(lives.birth, lives.death) - 0.5 * BAR
     crossed = (lives.birth <= middle) & (middle < lives.death)
-    for rows, colour, label in ((~crossed, FAINT, "other lives"), (crossed, BLUE, f"{crossed.sum()} alive at the line")):
+    for rows, colour, label in (
+        (~crossed, FAINT, "other lives"),
+        (crossed, BLUE, f"{crossed.sum()} alive at the line"),
+    ):
         spans = np.column_stack([lives.birth, lives.death - lives.birth])[rows]
         _draw_bars(axes, spans, place[rows], colour, label)
     if lives.rows.size <= MOST_MARKED:
@@ -86,9 +89,7 @@ def _draw_lives(axes: "Axes", stretch: Stretch, lives: Neighbours, middle: float
     legend_above(axes)
 
 
-def _draw_bars(
-    axes: "Axes", spans: NDArray[np.float64], place: NDArray[np.float64], colour: str, label: str
-) -> None:
+def _draw_bars(axes: "Axes", spans: NDArray[np.float64], place: NDArray[np.float64], colour: str, label: str) -> None:
     """Draw bars of spans (first distance, length) in um at heights, as one collection."""
     from matplotlib.collections import PolyCollection
 
