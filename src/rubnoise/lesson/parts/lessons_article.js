@@ -247,6 +247,7 @@
       { class: 'lesson', 'data-lesson': lesson.id, 'aria-labelledby': 'lesson-title' },
       make('h3', { id: 'lesson-title', tabindex: -1, text: `${index + 1}. ${lesson.title}` }),
       make('p', { class: 'lesson-question', html: lesson.question }),
+      lesson.opening && make('figure', { class: 'lesson-opening', html: lesson.opening }),
       prediction(lesson, index),
       experiment(lesson, index),
       lessons.look(lesson, index) ?? '',
