@@ -70,7 +70,7 @@ def lifelines_figure(stretch: Stretch) -> "Figure":
 
 
 def _draw_lives(axes: "Axes", stretch: Stretch, lives: Neighbours, middle: float) -> None:
-    place = lanes(lives.birth, lives.death) - 0.5 * BAR
+    place = lanes(lives.birth, lives.death).astype(np.float64) - 0.5 * BAR
     crossed = (lives.birth <= middle) & (middle < lives.death)
     for rows, colour, label in (
         (~crossed, FAINT, "other lives"),
