@@ -26,7 +26,6 @@ class What(StrEnum):
 
     TRACE = "trace"
     LIVES = "lives"
-    LIFELINES = "lifelines"
     HISTOGRAM = "histogram"
     PSD = "psd"
     ACF = "acf"
@@ -34,6 +33,7 @@ class What(StrEnum):
     SLIDER = "slider"
     PHASE = "phase"
     LANDMARKS = "landmarks"
+    LIFELINES = "lifelines"
 
 
 class Spectrum(StrEnum):

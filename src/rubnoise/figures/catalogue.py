@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "trace": trace_figure,
     "lives": lives_figure,
-    "lifelines": lifelines_figure,
     "histogram": histogram_figure,
     "psd": psd_figure,
     "acf": acf_figure,
@@ -25,6 +24,7 @@ PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "slider": slider_figure,
     "phase": phase_figure,
     "landmarks": landmarks_figure,
+    "lifelines": lifelines_figure,
 }
 
 OVERLAID: Final[dict[str, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}
