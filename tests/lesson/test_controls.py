@@ -43,6 +43,7 @@ def page(browser: Any, lesson_file: str) -> Iterator[Any]:
 
 def test_a_knob_changes_what_it_should(page: Any) -> None:
     before, rows = page.evaluate(PREDICTIONS), page.evaluate(ROWS)
+    page.locator("#reveal").click()
     for knob, changes in CHANGES.items():
         page.locator(f"#knob-{knob}").focus()
         page.keyboard.press("PageUp")

@@ -77,8 +77,13 @@ def test_nothing_opens_before_its_time(walk):
         assert walk.article.locator("#lesson-why").count() == 0, lesson.title
         walk.page.evaluate("rub.run.pause()")
         walk.run()
-        assert walk.article.locator("#lesson-why").count() == 1, lesson.title
         assert walk.page.evaluate("rub.run.playing"), lesson.title
+        assert walk.article.locator("#lesson-why").count() == 0, lesson.title
+        assert "What is right" not in walk.article.inner_text(), lesson.title
+        assert walk.forms.count() == 0, lesson.title
+        walk.look()
+        assert walk.article.locator("#lesson-why").count() == 1, lesson.title
+        assert walk.forms.count() > 0, lesson.title
 
 
 def test_a_teacher_may_skip_and_sees_the_law_at_once(walk):
@@ -93,11 +98,26 @@ def test_a_prediction_is_held_against_what_is_right(walk):
     walk.open("2. Births")
     walk.predict(1)
     walk.run()
+    walk.look()
     assert "You expected: the shortest ones. So it is." in walk.article.inner_text()
     walk.article.get_by_role("button", name="Start this lesson again").click()
     walk.predict(0)
     walk.run()
+    walk.look()
     assert "What is right: the shortest ones." in walk.article.inner_text()
+
+
+def test_what_is_seen_is_asked_when_enough_has_been_seen(walk):
+    walk.open("2. Births")
+    walk.predict()
+    walk.run()
+    walk.page.evaluate("rub.run.pause()")
+    assert "gone on for 10 lives" in walk.article.inner_text()
+    assert walk.article.locator("#lesson-observe").count() == 0
+    walk.slide_on()
+    walk.article.locator("#lesson-observe [type=submit]").click()
+    assert "Choose first" in walk.article.locator("#lesson-observe").inner_text()
+    assert "What is right" not in walk.article.inner_text()
 
 
 def test_progress_is_kept_in_the_address_where_storage_is_off(browser, lesson_file):
@@ -109,6 +129,7 @@ def test_progress_is_kept_in_the_address_where_storage_is_off(browser, lesson_fi
     walk.open("4. Who is alive?")
     walk.predict(2)
     walk.run()
+    walk.look()
     page.wait_for_url(lambda url: "spread=2" in url)
     address = page.url
     context.close()

@@ -37,7 +37,9 @@ def test_a_lesson_from_the_list_to_the_last_answer(walk):
     go_to(page, '[data-act="ahead"]')
     press(page, "Enter")
     assert "200 lives" in page.locator("#lesson-running").inner_text()
-    go_to(page, "summary")
+    go_to(page, 'input[name="observation"]')
+    press(page, "Space", "ArrowDown", "Enter")
+    assert focused(page) == "Show the law"
     press(page, "Enter")
     assert page.locator("#lesson-law-text").is_visible()
     go_to(page, "#check-longer")

@@ -155,9 +155,12 @@ def test_chips_are_won_and_lost(walk, option, outcome):
     walk.article.locator("#lesson-stake").fill("7")
     walk.article.locator("#lesson-predict [type=submit]").click()
     walk.run(0)
-    assert "chips" not in walk.article.locator("#lesson-running").inner_text()
+    walk.slide_on()
     walk.run(1)
-    assert outcome in walk.article.locator("#lesson-running").inner_text()
+    assert "chips!" not in walk.article.inner_text()
+    assert "chips are" not in walk.article.inner_text()
+    walk.look()
+    assert outcome in walk.article.locator("#lesson-said").inner_text()
 
 
 SPELLINGS = {

@@ -51,8 +51,7 @@ def page(browser: Any, two_way_file: str) -> Iterator[Any]:
 
 def to_the_switch(walk: Walk) -> None:
     walk.open(TITLE)
-    walk.predict()
-    walk.run()
+    walk.to_the_checks()
     walk.article.locator("#further-predict").get_by_role("radio").nth(0).check()
     walk.article.locator("#further-predict [type=submit]").click()
 
@@ -63,8 +62,7 @@ def said(walk: Walk) -> str:
 
 def test_nothing_is_given_away_before_the_prediction(walk: Walk) -> None:
     walk.open(TITLE)
-    walk.predict()
-    walk.run()
+    walk.to_the_checks()
     walk.article.locator("#lesson-why summary").click()
     assert walk.article.locator("#lesson-law-text").is_visible()
     assert [word for word in GIVEAWAYS if word in said(walk)] == []
@@ -88,6 +86,8 @@ def test_the_second_half_waits_for_the_first(walk: Walk) -> None:
     walk.predict()
     assert walk.article.locator("#further-predict").count() == 0
     walk.run()
+    assert walk.article.locator("#further-predict").count() == 0
+    walk.look()
     assert walk.article.locator("#further-predict").count() == 1
 
 
@@ -151,6 +151,8 @@ def test_a_two_way_scenario_opens_with_the_switch_turned(page: Any) -> None:
 
 
 def test_sticks_are_shaded_and_the_velocity_is_clipped(page: Any) -> None:
+    page.locator("#unfold").click()
+    page.locator("#reveal").click()
     page.evaluate("rub.run.goTo(300)")
     until(page, "rub.run.goal < 0")
     page.wait_for_timeout(100)

@@ -23,9 +23,23 @@ class Walk:
     def run(self, index=0):
         self.article.locator("[data-run]").nth(index).click()
 
+    def slide_on(self):
+        self.article.locator('[data-act="ahead"]').first.click()
+
+    def look(self, index=0):
+        """Slide on until the lesson asks what is seen, and say it; a bet asks when all of its runs have gone on."""
+        self.slide_on()
+        for other in range(1, self.article.locator("[data-run]").count()):
+            if self.article.locator("#lesson-observe").count() == 0:
+                self.run(other)
+                self.slide_on()
+        self.article.locator("#lesson-observe").get_by_role("radio").nth(index).check()
+        self.article.locator("#lesson-observe [type=submit]").click()
+
     def to_the_checks(self):
         self.predict()
         self.run()
+        self.look()
 
     @property
     def forms(self):

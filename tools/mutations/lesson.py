@@ -71,4 +71,34 @@ MUTANTS = (
         'np.ascontiguousarray(values, dtype="<f8")',
         'np.ascontiguousarray(values, dtype=">f8")',
     ),
+    one(
+        "the page's law of the area with each diameter as likely alive as born",
+        "test_the_distribution_is_that_of_the_package",
+        "sum += NODES.w[i] * half * diameter * sizes.density(diameter)",
+        "sum += NODES.w[i] * half * sizes.mean * sizes.density(diameter)",
+    ),
+    one(
+        "the page's bars of Poisson one place off",
+        "test_the_bars_are_those_of_poisson",
+        "found.push((found[n - 1] * mean) / n);",
+        "found.push((found[n - 1] * mean) / (n + 1));",
+    ),
+    one(
+        "the page's lanes of lives overlapping",
+        "test_no_two_lives_of_a_lane_overlap_and_each_has_one",
+        "(end) => end <= rows[i].birth",
+        "(end) => 0.9 * end <= rows[i].birth",
+    ),
+    one(
+        "the page's verdict at the click",
+        "test_nothing_opens_before_its_time",
+        "(step >= STEPS.run && (said === 'skipped' || look !== ''))",
+        "step >= STEPS.run",
+    ),
+    one(
+        "the page's numbers open before the prediction",
+        "test_no_answer_is_in_the_text_before_its_prediction",
+        "readout.shown || readout.level === 'all' || readout.level === column",
+        "readout.shown || readout.level !== ''",
+    ),
 )

@@ -33,6 +33,7 @@ class What(StrEnum):
     SLIDER = "slider"
     PHASE = "phase"
     LANDMARKS = "landmarks"
+    LIFELINES = "lifelines"
 
 
 class Spectrum(StrEnum):
@@ -143,8 +144,9 @@ def command(
 ) -> None:
     """Draw a run beside theory: area, single lives, distribution, spectra, autocovariance, count, and the slider.
 
-    slider is its motion in time, phase its velocity over its displacement, landmarks how far it slips and how long it
-    sticks. Of a sweep a quantity is drawn against what is swept, with intervals and the exact curve.
+    lifelines has a bar from birth to death for each junction. slider is its motion in time, phase its velocity over its
+    displacement, landmarks how far it slips and how long it sticks. Of a sweep a quantity is drawn against what is
+    swept, with intervals and the exact curve.
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """

@@ -79,6 +79,9 @@ DEFAULT_DRAWN: Final = 400
 FEWEST_SAMPLES: Final = 800
 SAMPLES_A_LIFE: Final = 40
 MOST_SAMPLES: Final = 4000
+MOST_MARKED: Final = 150
+"""Lives whose births and deaths are marked: with more, the marks would hide one another."""
+
 LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
 
@@ -88,7 +91,7 @@ def lives_figure(stretch: Stretch) -> "Figure":
 
     Raises Refused for a stretch with more junctions than a picture can show.
     """
-    shown = stretch.narrowed(_default_width(stretch))
+    shown = stretch.narrowed(default_width(stretch))
     alive = neighbours(stretch.file, -1, shown.start, shown.stop)
     if alive.rows.size > MOST_DRAWN:
         raise Refused(
@@ -102,10 +105,13 @@ def lives_figure(stretch: Stretch) -> "Figure":
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     _draw_sum(above, shown, distance, areas)
     _draw_each(below, shown, distance, areas)
+    _mark_ends(below, shown, alive)
+    legend_above(below, columns=5)
     return figure
 
 
-def _default_width(stretch: Stretch) -> float:
+def default_width(stretch: Stretch) -> float:
+    """Return the width in um of a stretch that shows single lives: some of them one after another, but not too many."""
     births = max(DEFAULT_DRAWN - stretch.model.mean_junction_count, 0.1 * stretch.model.mean_junction_count)
     return min(LAYER_LIVES * stretch.model.mean_life_distance, births * stretch.model.mean_birth_spacing)
 
@@ -126,7 +132,8 @@ def _draw_sum(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles)
     exact = area_cumulants(stretch.model)
     exact_band(axes, exact.mean, exact.std)
     if areas.size:
-        axes.stackplot(distance, areas, colors=LAYER_SHADES, lw=0.0)
+        layers = axes.stackplot(distance, areas, colors=LAYER_SHADES, lw=0.0)
+        layers[int(np.argmax(areas.max(axis=1)))].set_facecolor(INK)
     axes.plot(distance, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
     axes.set_xlim(stretch.start, stretch.stop)
     from_zero(axes)
@@ -146,7 +153,19 @@ def _draw_each(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles
     axes.set_ylim(0.0, 1.1 * max(peak, float(largest.max(initial=0.0))))
     axes.set_ylabel("junction area (µm²)")
     axes.set_xlabel(DISTANCE)
-    legend_above(axes)
+
+
+def _mark_ends(axes: "Axes", stretch: Stretch, alive: Neighbours) -> None:
+    """Mark births by rings and deaths by crosses below the lives, where there are not too many to be told apart."""
+    if alive.rows.size > MOST_MARKED:
+        return
+    highest = axes.get_ylim()[1]
+    for row, places, marker, label in ((1.0, alive.birth, "o", "birth"), (2.0, alive.death, "x", "death")):
+        inside = places[(places >= stretch.start) & (places <= stretch.stop)]
+        level = np.full_like(inside, -0.09 * row * highest)
+        axes.plot(inside, level, marker, color=INK, ms=3.4, mfc="white", mew=0.7, ls="", label=label)
+    axes.set_ylim(-0.27 * highest, highest)
+    axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= highest])
 
 
 COUNT_LIVES: Final = 40.0

@@ -1,5 +1,6 @@
 """Statistics of the real contact area beside the exact ones: distribution, autocovariance and spectrum."""
 
+from math import sqrt
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -9,7 +10,7 @@ from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.histogram import Histogram, histogram
 from rubnoise.analysis.moments import covariance_errors
 from rubnoise.analysis.records import RecordTooShort
-from rubnoise.analysis.spectra import Spectrum, WelchSum, hann
+from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
@@ -125,6 +126,8 @@ def acf_figure(stretch: Stretch) -> "Figure":
     add_title(figure, stretch, "Autocovariance of the real contact area")
     axes = figure.subplots()
     _draw_exact_covariance(axes, stretch, float(lag[-1]))
+    life = stretch.model.mean_life_distance
+    axes.axvline(life, color=INK, lw=0.9, ls=(0, (4, 3)), zorder=0, label=_life_label(stretch))
     axes.plot(lag, products.covariances(), "o", color=BLUE, ms=2.6, label="simulated")
     axes.set_xlim(0.0, lag[-1])
     rounding = (NEAREST * area_cumulants(stretch.model).mean) ** 2
@@ -134,6 +137,12 @@ def acf_figure(stretch: Stretch) -> "Figure":
     axes.set_ylabel("autocovariance (µm⁴)")
     legend_above(axes)
     return figure
+
+
+def _life_label(stretch: Stretch) -> str:
+    smallest, largest = stretch.model.sizes.support
+    whose = "a life" if smallest == largest else "the mean life"
+    return f"{whose}, 2d = {stretch.model.mean_life_distance:.4g} µm"
 
 
 def _lag_steps(stretch: Stretch) -> NDArray[np.int64]:
@@ -160,6 +169,9 @@ LONGEST_LIVES: Final = 40.0
 """Length of a segment in mean lives: enough to see the spectrum flat, and short enough to have many of them."""
 
 MOST_LINES: Final = 30
+ROUNDING: Final = 1e-12
+"""Expected density over the largest below which a ratio would be one of rounding errors."""
+
 DENSITY_POINTS: Final = 600
 UNIT: Final = "µm⁴ per rad/µm"
 
@@ -171,18 +183,19 @@ def psd_figure(stretch: Stretch) -> "Figure":
     ticks.
     """
     seen = _estimate(stretch)
-    figure = new_figure(7.2, 4.4)
+    figure = new_figure(7.2, 5.4)
     segments = f"{seen.segments} segments of {seen.ticks * stretch.model.tick:.4g} µm"
     add_title(figure, stretch, f"The spectrum of the real contact area ({segments})")
-    axes = figure.subplots()
+    axes, ratio = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
     _draw_exact_density(axes, stretch, seen)
     axes.plot(seen.wavenumber[1:], seen.density[1:], color=BLUE, lw=0.8, label="simulated (Welch, Hann window)")
-    _draw_expected_estimate(axes, stretch, seen)
+    expected = _draw_expected_estimate(axes, stretch, seen)
+    _draw_ratio(ratio, seen, expected)
     logarithmic(axes.xaxis)
     logarithmic(axes.yaxis)
     axes.set_ylim(0.1 * _smallest_density(seen), 10.0 * float(seen.density.max()))
     axes.set_xlim(seen.wavenumber[1], seen.wavenumber[-1])
-    axes.set_xlabel("wavenumber (rad/µm)")
+    ratio.set_xlabel("wavenumber (rad/µm)")
     axes.set_ylabel(f"two-sided spectral density\n({UNIT})")
     legend_above(axes)
     return figure
@@ -223,7 +236,22 @@ def _draw_exact_density(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
         label = "_one entry is enough"
 
 
-def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:
+def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> Doubles:
+    """Draw what the estimate is expected to be, and return it at the wavenumbers of the estimate."""
     window, tick = hann(seen.ticks), stretch.model.tick
     wavenumber, expected = expected_periodogram(stretch.model, tick, window)
     axes.plot(wavenumber[1:], expected[1:], color=INK, lw=1.0, ls=(0, (4, 2)), label="expected of the estimate")
+    return expected
+
+
+def _draw_ratio(axes: "Axes", seen: Spectrum, expected: Doubles) -> None:
+    """Draw the estimate over what it is expected to be, with two standard errors of each value about 1."""
+    known = (expected > ROUNDING * float(expected.max())) & (seen.wavenumber > 0.0)
+    wavenumber, level = seen.wavenumber[known], expected[known]
+    error = 2.0 * sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
+    axes.axhspan(1.0 - error, 1.0 + error, color=VERMILION, alpha=0.15, lw=0.0, label="± 2 std errors of a value")
+    axes.axhline(1.0, color=VERMILION, lw=1.0)
+    axes.plot(wavenumber, seen.density[known] / level, color=BLUE, lw=0.7, label="simulated over expected")
+    axes.set_ylim(0.0, 2.0 + error)
+    axes.set_ylabel("ratio")
+    legend_above(axes)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from rubnoise.arrays import Doubles
 from rubnoise.figures.area import count_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
+from rubnoise.figures.lifelines import lifelines_figure
 from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
 from rubnoise.figures.stretch import Stretch
@@ -25,6 +26,7 @@ PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "slider": slider_figure,
     "phase": phase_figure,
     "landmarks": landmarks_figure,
+    "lifelines": lifelines_figure,
 }
 
 OVERLAID: Final[dict[str, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}

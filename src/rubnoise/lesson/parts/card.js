@@ -28,7 +28,7 @@
   /** Return the numbers of a row as label, value and unit. */
   function numbersOf(row) {
     const { distance, trace } = rub.run;
-    return [
+    const numbers = [
       ['row', String(row.id), ''],
       ['born at', said(row.birth, 6), 'µm'],
       ['dies at', said(row.death, 6), 'µm'],
@@ -38,6 +38,7 @@
       ['mean area', said(trace.pulse.lifeMean * row.diameter ** 2, 6), 'µm²'],
       ['area now', said(trace.pulse.area(distance - row.birth, row.diameter), 6), 'µm²'],
     ];
+    return numbers.filter(([label]) => label !== 'mean area' || !rub.readout.veiled());
   }
 
   /** Write the numbers of the chosen junction. */

@@ -2,6 +2,7 @@
 /* What a trace says of its spectrum and its memory, brought up to date with every tick that has been passed. */
 (() => {
   const rub = (globalThis.rub ??= {});
+  const { fourier } = rub.numbers;
   const SEGMENT = 1024;
   const LAGS = 66;
   const estimates = {};
@@ -9,38 +10,6 @@
   const power = window.reduce((sum, w) => sum + w * w, 0);
   let welch = null;
   let shared = null;
-
-  /** Transform real and imaginary parts in place (Cooley and Tukey, a power of two of them). */
-  function fourier(re, im) {
-    const n = re.length;
-    for (let i = 1, j = 0; i < n; i += 1) {
-      let bit = n >> 1;
-      for (; j & bit; bit >>= 1) j ^= bit;
-      j ^= bit;
-      if (i < j) {
-        [re[i], re[j]] = [re[j], re[i]];
-        [im[i], im[j]] = [im[j], im[i]];
-      }
-    }
-    for (let size = 2; size <= n; size *= 2) butterflies(re, im, size);
-  }
-
-  function butterflies(re, im, size) {
-    const half = size / 2;
-    for (let k = 0; k < half; k += 1) {
-      const c = Math.cos((-2 * Math.PI * k) / size);
-      const s = Math.sin((-2 * Math.PI * k) / size);
-      for (let i = k; i < re.length; i += size) {
-        const j = i + half;
-        const x = re[j] * c - im[j] * s;
-        const y = re[j] * s + im[j] * c;
-        re[j] = re[i] - x;
-        im[j] = im[i] - y;
-        re[i] += x;
-        im[i] += y;
-      }
-    }
-  }
 
   /** Begin anew where the run is another one or has gone back. */
   function current(kept, make) {

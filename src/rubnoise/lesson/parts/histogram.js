@@ -43,16 +43,16 @@
       const density = histogram.counts[i] / (histogram.ticks * bin);
       ctx.fillRect(box.left, y((i + 1) * bin), x(density) - box.left, y(i * bin) - y((i + 1) * bin) - 0.5);
     }
-    if (areaStd > 0) drawLaws(ctx, x, y);
+    const known = rub.world.births === 'poisson' ? exactDensity() : null;
+    if (known && !rub.readout.veiled()) drawLaws(ctx, box, x, y, bin, known);
   };
 
-  /** Draw the exact density, which is known for births at random, and the bell curve, dashed where both are there. */
-  function drawLaws(ctx, x, y) {
-    const known = exactDensity();
+  /** Draw the exact density of births at random, and dashed the bell curve; other births have neither here. */
+  function drawLaws(ctx, box, x, y, bin, known) {
     const at = (i) => (i / 240) * histogram.top;
     ctx.strokeStyle = ink.exact;
     ctx.lineWidth = 1.5;
-    ctx.setLineDash(known ? [3, 3] : []);
+    ctx.setLineDash([3, 3]);
     line(
       ctx,
       0,
@@ -61,19 +61,34 @@
       (i) => y(at(i)),
     );
     ctx.setLineDash([]);
-    if (known)
-      line(
-        ctx,
-        0,
-        240,
-        (i) => x(Math.max(0, known[i])),
-        (i) => y(at(i)),
-      );
+    line(
+      ctx,
+      0,
+      240,
+      (i) => x(known[i]),
+      (i) => y(at(i)),
+    );
+    drawAtom(ctx, box, x, y, bin);
+  }
+
+  /** Draw the chance that no junction is in contact, spread over one bar, and say it where it can be seen. */
+  function drawAtom(ctx, box, x, y, bin) {
+    const atom = rub.theory.areaAtom(rub.exact().contact);
+    if (atom < 1e-3) return;
+    ctx.strokeStyle = ink.exact;
+    ctx.lineWidth = 3;
+    ctx.beginPath();
+    ctx.moveTo(box.left, y(0));
+    ctx.lineTo(x(atom / bin), y(0));
+    ctx.stroke();
+    ctx.fillStyle = ink.exact;
+    ctx.textAlign = 'right';
+    ctx.textBaseline = 'top';
+    ctx.fillText(`none: ${rub.plot.said(100 * atom, 3)} %`, box.right, box.bottom + 3);
   }
 
   /* Computed once for each setting, and not before a knob has come to rest: it takes longer than a frame. */
   function exactDensity() {
-    if (rub.world.births !== 'poisson') return null;
     const exact = rub.exact();
     if (histogram.of !== exact) {
       Object.assign(histogram, { of: exact, density: null });

@@ -7,10 +7,12 @@
   const STEPS = { asked: 0, predicted: 1, run: 2, passed: 3 };
   const UNIT_NAMES = { um: 'µm', 'um^2': 'µm²', Hz: 'Hz', s: 's', '': '' };
 
+  const DUST = 1e-12; // what rounding leaves where a law says nothing
+
   /** Return a number as it is said: four digits, no more. */
   function say(value) {
     if (!Number.isFinite(value)) return '–';
-    const short = Number(value.toPrecision(4));
+    const short = Math.abs(value) < DUST ? 0 : Number(value.toPrecision(4));
     const size = Math.abs(short);
     return (size !== 0 && (size < 1e-3 || size >= 1e6) ? short.toExponential() : String(short)).replace('-', '−');
   }
@@ -58,7 +60,13 @@
 
   /** Return what is known of a lesson that nobody has begun: no prediction, no stake, no check answered. */
   function fresh() {
-    return { step: STEPS.asked, said: '', stake: 0, right: {}, further: { step: STEPS.asked, said: '' } };
+    const further = { step: STEPS.asked, said: '' };
+    return { step: STEPS.asked, said: '', stake: 0, look: '', running: -1, watched: {}, right: {}, further };
+  }
+
+  /** Return whether the lesson may say what is right: the student has said what is seen, or the teacher has skipped. */
+  function revealed({ step, said, look }) {
+    return step === STEPS.passed || (step >= STEPS.run && (said === 'skipped' || look !== ''));
   }
 
   /** Return the option of a prediction that was chosen, or undefined where none was or the teacher skipped it. */
@@ -66,10 +74,17 @@
 
   /**
    * Return progress as text: for each lesson its step, its prediction as a letter (z: skipped) and its stake; then, of
-   * a lesson that goes further, that prediction as a capital letter, and r where its experiment has been run.
+   * a lesson that goes further, that prediction as a capital letter, and r where its experiment has been run; then,
+   * after a hyphen, what was seen.
    */
   function written() {
-    return state.lessons.map((each, i) => `${stepOf(each, list[i])}${furtherOf(each, list[i])}`).join('.');
+    return state.lessons
+      .map((each, i) => `${stepOf(each, list[i])}${furtherOf(each, list[i])}${lookOf(each, list[i])}`)
+      .join('.');
+  }
+
+  function lookOf({ look }, lesson) {
+    return look ? `-${letterOf(lesson, { said: look })}` : '';
   }
 
   const stepOf = (known, lesson) => `${known.step}${letterOf(lesson, known)}${known.stake || ''}`;
@@ -96,11 +111,13 @@
       .split('.')
       .slice(0, list.length)
       .forEach((part, i) => {
-        const found = /^([0-3])([a-z]?)(\d{0,2})([A-Z]?)(r?)$/.exec(part);
+        const found = /^([0-3])([a-z]?)(\d{0,2})([A-Z]?)(r?)(?:-([a-y]))?$/.exec(part);
         if (!found) return;
-        const [, step, letter, stake, capital, ran] = found;
+        const [, step, letter, stake, capital, ran, seen] = found;
         const said = saidBy(list[i], letter);
-        state.lessons[i] = { ...fresh(), step: said ? Number(step) : 0, said, stake: Math.min(10, Number(stake)) };
+        const look = said ? saidBy(list[i], seen) : '';
+        const known = { step: said ? Number(step) : 0, said, look, stake: Math.min(10, Number(stake)) };
+        state.lessons[i] = { ...fresh(), ...known };
         if (list[i].further) takeFurther(state.lessons[i].further, saidBy(list[i].further, capital.toLowerCase()), ran);
       });
   }
@@ -147,6 +164,7 @@
     words,
     add,
     fresh,
+    revealed,
     chosen,
     written,
     recall,

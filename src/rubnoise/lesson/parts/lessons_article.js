@@ -5,7 +5,7 @@
   const { list, state, words, STEPS } = lessons;
   const LOCKED = {
     experiment: 'Opens when you have made your prediction.',
-    after: 'Opens when the experiment has been run.',
+    after: 'Opens when you have said what you see.',
   };
 
   /** Return a new element with attributes (text: its text, html: its content) and children. */
@@ -110,8 +110,7 @@
 
   /** Return the table of what the run has shown so far; the law's column waits until it gives no answer away. */
   function seenTable(lesson, index) {
-    const { step, said } = state.lessons[index];
-    const open = step === STEPS.passed || said === 'skipped';
+    const open = lessons.revealed(state.lessons[index]);
     const head = ['quantity', 'seen so far', open ? 'the law' : '']
       .filter(Boolean)
       .map((text) => make('th', { scope: 'col', text }));
@@ -133,14 +132,16 @@
   }
 
   function law(lesson, index) {
-    const locked = state.lessons[index].step < STEPS.run ? LOCKED.after : '';
+    const known = state.lessons[index];
+    const locked = lessons.revealed(known) ? '' : LOCKED.after;
     const details = make(
       'details',
       { id: 'lesson-why' },
       make('summary', { text: 'Show the law' }),
       make('div', { id: 'lesson-law-text' }),
     );
-    const said = comparison(lesson, state.lessons[index]);
+    const settled = lesson.settle && !locked ? `${lesson.settle(known, globalThis.rub.world)} ` : '';
+    const said = settled + comparison(lesson, known);
     return part('law', 'The law', locked, make('p', { id: 'lesson-said', html: said }), details);
   }
 
@@ -154,7 +155,7 @@
   }
 
   function checks(lesson, index) {
-    const locked = state.lessons[index].step < STEPS.run ? LOCKED.after : '';
+    const locked = lessons.revealed(state.lessons[index]) ? '' : LOCKED.after;
     return part('check', 'Check', locked, ...lesson.checks.map((check) => checkForm(check)));
   }
 
@@ -246,8 +247,10 @@
       { class: 'lesson', 'data-lesson': lesson.id, 'aria-labelledby': 'lesson-title' },
       make('h3', { id: 'lesson-title', tabindex: -1, text: `${index + 1}. ${lesson.title}` }),
       make('p', { class: 'lesson-question', html: lesson.question }),
+      lesson.opening && make('figure', { class: 'lesson-opening', html: lesson.opening }),
       prediction(lesson, index),
       experiment(lesson, index),
+      lessons.look(lesson, index) ?? '',
       law(lesson, index),
       checks(lesson, index),
       ...lessons.further(lesson, index),

@@ -20,8 +20,15 @@
   }
 
   function draw() {
+    unveil();
     root.replaceChildren(page.make('h2', { id: 'lessons-title', text: 'Lessons' }), page.contents(), page.article());
     tell();
+  }
+
+  /** Show the numbers that give no answer away: measured ones after the prediction, exact ones at the end. */
+  function unveil() {
+    const known = current();
+    rub.readout.open(lessons.revealed(known) ? 'all' : known.step > STEPS.asked ? 'seen' : 'none');
   }
 
   /** Write what depends on the settings: law, prompts, options, what has been seen. */
@@ -72,8 +79,15 @@
   /** Open a lesson. */
   function open(index) {
     state.open = index;
+    rub.readout.shown = false;
+    rub.show(pictureOf(index));
     show('#lesson-title');
     find('.lesson').scrollIntoView({ block: 'nearest' });
+  }
+
+  /** Return the picture that a lesson's experiment begins with; none before its prediction: it gives answers away. */
+  function pictureOf(index) {
+    return state.lessons[index].step > STEPS.asked ? list[index].experiment.runs[0].show : '';
   }
 
   function predict() {
@@ -102,29 +116,41 @@
     const lesson = list[state.open];
     const chosen = lesson.experiment.runs[index];
     rub.set(chosen.set, { restart: true });
-    rub.show(chosen.show);
     rub.transport.pace(rub.exact().lifeMean * lesson.experiment.pace);
     rub.run.play();
+    current().running = index;
     if (current().step < STEPS.run) {
       current().step = STEPS.run;
       show(`[data-run="${index}"]`);
     }
-    fill('#lesson-running', () => `${chosen.label}: running. ${outcome(lesson, index)}`);
+    rub.show(chosen.show);
+    fill('#lesson-running', () => `${chosen.label}: running.`);
+  }
+
+  /** Ask what is seen as soon as enough has been, without taking the focus away. */
+  function watchOn() {
+    const lesson = list[state.open];
+    if (lessons.watch(lesson, current()) && !lessons.revealed(current())) {
+      find('.lesson-look')?.replaceWith(lessons.look(lesson, state.open));
+    }
+  }
+
+  /** Take what the student sees; then the lesson says what is right. */
+  function observe() {
+    const chosen = find('input[name="observation"]:checked');
+    if (!chosen) return fill('#lesson-observe .lesson-verdict', () => 'Choose first.');
+    current().look = chosen.value;
+    return show('#lesson-why summary');
   }
 
   /** Slide on at once by many lives, for those who want figures and not the show. */
   function ahead() {
     const { run: going } = rub;
     going.goTo(Math.min(going.end, going.distance + AHEAD * rub.exact().lifeMean));
+    watchOn();
     tellSeen();
     const lives = words.say(Math.round(going.distance / rub.exact().lifeMean));
     fill('#lesson-running', () => `Now at ${lives} lives${going.distance < going.end ? '' : ', the end of the run'}.`);
-  }
-
-  /** Return how a bet ends once the last of its runs has been started. */
-  function outcome(lesson, index) {
-    const last = index === lesson.experiment.runs.length - 1;
-    return lesson.settle && last ? lesson.settle(current(), rub.world) : '';
   }
 
   function check(form) {
@@ -142,6 +168,7 @@
   /** Mark the lesson as passed, without taking the focus or the answers away. */
   function pass() {
     current().step = STEPS.passed;
+    unveil();
     lessons.remember();
     find('nav').replaceWith(page.contents());
     find('.lesson-table').replaceWith(page.seenTable(list[state.open], state.open).firstChild);
@@ -165,6 +192,7 @@
   function submitted(event) {
     event.preventDefault();
     if (event.target.id === 'lesson-predict') predict();
+    else if (event.target.id === 'lesson-observe') observe();
     else if (event.target.id === 'further-predict') goFurther('predict');
     else check(event.target);
   }
@@ -190,6 +218,7 @@
     const now = performance.now();
     if (now - refreshed < REFRESH) return;
     refreshed = now;
+    watchOn();
     tellSeen();
   }
 
@@ -211,6 +240,7 @@
     rub.on('settings', tell);
     addEventListener('hashchange', follow);
     draw();
+    rub.show(pictureOf(state.open));
     if (recalled) root.scrollIntoView();
   }
 

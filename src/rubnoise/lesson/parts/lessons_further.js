@@ -5,7 +5,7 @@
   const { lessons } = rub;
   const { state, words, page, STEPS } = lessons;
   const { make, part, radio, checkForm, comparison } = page;
-  const NOT_YET = 'Opens when the experiment above has been run.';
+  const NOT_YET = 'Opens when you have said what you see above.';
   const UNSAID = 'Opens when you have said what you expect.';
   const UNRUN = 'Opens when the slider has pushed back.';
   const SWITCH = { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' };
@@ -14,8 +14,8 @@
   lessons.further = (lesson, index) => {
     const { further } = lesson;
     if (!further) return [];
-    const { step, further: known } = state.lessons[index];
-    if (step < STEPS.run) return [part('further', further.title, NOT_YET)];
+    const { further: known } = state.lessons[index];
+    if (!lessons.revealed(state.lessons[index])) return [part('further', further.title, NOT_YET)];
     const said = known.step >= STEPS.predicted ? '' : UNSAID;
     const run = known.step >= STEPS.run ? '' : UNRUN;
     const question = make('p', { class: 'lesson-question', html: further.question });

@@ -18,6 +18,16 @@
     question: `Two equal discs of diameter <var>d</var> slide over each other along the line through their centres. At
       full overlap they share a whole disc, (π/4) <var>d</var>² = ${say(Math.PI / 4)} <var>d</var>². How large is the
       area they share on average, from first touch to last?`,
+    opening: `<svg viewBox="0 0 320 84" role="img" aria-label="Two rough surfaces from the side, touching at three
+        hilltops; below, the three places from above, each the overlap of two circles">
+      <path class="upper" transform="translate(0 5)" d="M0 0H320V14Q310 24 298 15T272 16Q258 38 244 15T214 14Q202 26 190 16T166 15Q148 38 130 15T102
+        13Q90 24 78 15T58 15Q44 38 30 15T0 14Z"/>
+      <path class="lower" d="M0 56V42Q14 30 26 40Q36 18 52 40Q66 44 80 40T108 41Q122 40 132 40Q142 18 158 40Q174 44 190
+        41T222 40Q232 38 242 40Q252 18 266 40Q284 46 300 40T320 41V56Z"/>
+      <g class="places"><circle cx="47" cy="71" r="10"/><circle cx="38" cy="71" r="10"/><circle cx="150" cy="71"
+        r="10"/><circle cx="145" cy="71" r="10"/><circle cx="261" cy="71" r="10"/><circle cx="251" cy="71" r="10"/></g>
+      </svg><figcaption>Rough surfaces touch only where two hills meet. From the side: two surfaces, three junctions.
+        Below, from above, as on the stage: a circle for each hill, and their overlap is the area in contact.</figcaption>`,
     prediction: {
       options: [
         { id: 'peak', text: `nearly the whole disc, about 0.75 <var>d</var>²` },
@@ -202,9 +212,11 @@
         { label: 'Unequal sizes', set: contact({ spread: 1.5 }), show: 'count' },
       ],
       watch: [
-        `The count wanders in the band of one standard deviation about its mean, and leaves it for a third of the way.`,
-        `Unequal sizes change the length of lives, and yet neither the mean nor the swing of the count changes to speak
-          of.`,
+        `Each bar is one life, from birth to death. The count is the number of bars that the line of now crosses.`,
+        `The count wanders in the band of one standard deviation about its mean, and is outside it for a third of the
+          way.`,
+        `Beside the count: how often each number was met so far, in grey, and Poisson's bars.`,
+        `Unequal sizes change the length of lives, but the mean and the swing of the count stay nearly the same.`,
       ],
       table: [
         { label: 'mean count', seen: (s) => s.countMean, exact: (f) => f.countMean },

@@ -137,7 +137,8 @@
         { label: '100 junctions', set: contact({ meanCount: 100 }), show: 'histogram' },
       ],
       watch: [
-        `With 2 junctions the histogram leans to one side, and some of the way there is no contact at all.`,
+        `With 2 junctions the histogram leans to one side. For some of the way there is no contact at all: the thick line
+          at area 0 is the exact share.`,
         `With 20 and 100 it becomes narrow and symmetric: the bell curve arrives.`,
       ],
       table: [

@@ -17,8 +17,8 @@
   lessons.add({
     id: 'memory',
     title: 'Memory',
-    question: `The real contact area has just been measured, and it is above its mean. How far does the surface have to
-      slide until that tells nothing any more about the area?`,
+    question: `The real contact area has just been measured, and it is above its mean. How far must the surface slide
+      until the area has nothing to do with that measurement any more?`,
     prediction: {
       options: [
         { id: 'gap', text: `one gap between births` },
@@ -30,10 +30,10 @@
     needs: { births: 'poisson', pulse: 'lens', spread: 0 },
     experiment: {
       pace: 2, // lives a second
-      text: `Equal junctions; the trace is laid over itself, shifted by a lag.`,
+      text: `Equal junctions. How strongly is the area correlated with itself, a lag further on?`,
       runs: [{ label: 'Run and compare with itself', set: contact({ spread: 0 }), show: 'memory' }],
       watch: [
-        `The correlation with itself falls as the lag grows, and stays about zero from one life on.`,
+        `The correlation falls as the lag grows, and stays near zero from one life on.`,
         `Press “spectrum” above that picture: flat for waves much longer than a life, then it falls steeply, with dips
           of its own.`,
       ],

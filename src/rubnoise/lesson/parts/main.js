@@ -7,13 +7,22 @@
   let last = 0;
   let told = 0;
 
-  /** Bring a picture into view and mark it for a moment. */
+  /** Show one picture below the stage and fold the others away; no name shows the stage alone. */
   rub.show = (name) => {
     rub.panels.open(name);
-    const place = find(`panel-${name}`) ?? find('panel');
-    place.scrollIntoView({ block: 'nearest', behavior: rub.stage.calm ? 'auto' : 'smooth' });
+    const place = name ? (find(`panel-${name}`) ?? find('panel')) : null;
     for (const other of document.querySelectorAll('#pictures figure')) other.classList.toggle('shown', other === place);
+    fold(true);
+    /* A jump and not a glide: the stage may not leave the screen on the way. */
+    (place ?? find('panel-stage')).scrollIntoView({ block: 'nearest' });
   };
+
+  /** Fold the traces that no lesson shows now, or unfold all of them. */
+  function fold(away) {
+    find('pictures').classList.toggle('folded', away);
+    find('unfold').setAttribute('aria-expanded', String(!away));
+    find('unfold').textContent = away ? 'all traces' : 'fewer traces';
+  }
 
   function frame(now) {
     const seconds = Math.min(0.1, (now - last) / 1000);
@@ -29,6 +38,8 @@
     rub.traces.draw(seen);
     rub.mass.draw();
     rub.histogram.draw();
+    rub.lives.draw();
+    rub.lives.drawCounts();
     rub.card.draw();
     if (!rub.run.playing || now - told > 200) tell(now, seen);
     dirty = false;
@@ -49,6 +60,7 @@
     rub.traces.fit();
     rub.mass.fit();
     rub.histogram.pen.fit();
+    rub.lives.fit();
     rub.card.pen.fit();
     rub.panels.fit();
     drawLegend();
@@ -87,14 +99,17 @@
     rub.traces.begin(['area', 'count', 'force', 'slider', 'velocity']);
     rub.mass.begin(find('mass'));
     rub.histogram.begin(find('histogram'));
+    rub.lives.begin(find('lives'), find('count-histogram'));
     rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
     rub.panels.begin();
     rub.transport.begin();
+    const unfold = () => fold(!find('pictures').classList.contains('folded'));
+    find('unfold').addEventListener('click', unfold);
     rub.sound.begin();
     rub.on('settings', settingsChanged);
-    for (const event of ['jump', 'select', 'reset', 'tick', 'density']) {
+    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil']) {
       rub.on(event, () => {
         dirty = true;
       });

@@ -120,6 +120,34 @@
     return low;
   }
 
+  /** Replace complex numbers by their Fourier sums, in place; sign -1 forward, +1 back (times their number). */
+  function fourier(real, imaginary, sign = -1) {
+    const count = real.length;
+    for (let i = 1, j = 0; i < count; i += 1) {
+      let bit = count >> 1;
+      for (; j & bit; bit >>= 1) j ^= bit;
+      j ^= bit;
+      if (i < j) {
+        [real[i], real[j]] = [real[j], real[i]];
+        [imaginary[i], imaginary[j]] = [imaginary[j], imaginary[i]];
+      }
+    }
+    for (let length = 2; length <= count; length *= 2) butterflies(real, imaginary, length, sign);
+  }
+
+  function butterflies(real, imaginary, length, sign) {
+    const half = length / 2;
+    for (let k = 0; k < half; k += 1) {
+      const [c, s] = [Math.cos((2 * Math.PI * k) / length), sign * Math.sin((2 * Math.PI * k) / length)];
+      for (let i = k; i < real.length; i += length) {
+        const j = i + half;
+        const [x, y] = [real[j] * c - imaginary[j] * s, real[j] * s + imaginary[j] * c];
+        [real[j], imaginary[j]] = [real[i] - x, imaginary[i] - y];
+        [real[i], imaginary[i]] = [real[i] + x, imaginary[i] + y];
+      }
+    }
+  }
+
   /** Return the density of the standard normal law. */
   const normalDensity = (z) => Math.exp(-0.5 * z * z) / Math.sqrt(2 * Math.PI);
 
@@ -135,5 +163,5 @@
     return 0.5 + normalDensity(z) * sum;
   }
 
-  rub.numbers = { gauss, panels, evenly, ordered, chebyshev, piecewise, normalDensity, normalMass };
+  rub.numbers = { gauss, panels, evenly, ordered, chebyshev, piecewise, normalDensity, normalMass, fourier };
 })();

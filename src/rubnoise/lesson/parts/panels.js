@@ -32,6 +32,7 @@
   }
 
   function curve(f, low, high, x, y, top) {
+    if (rub.readout.veiled()) return;
     const { ctx } = panels.pen;
     ctx.strokeStyle = ink.exact;
     ctx.lineWidth = 2;
@@ -46,6 +47,7 @@
   }
 
   function upright(at, x, y, top) {
+    if (rub.readout.veiled()) return;
     const { ctx } = panels.pen;
     ctx.strokeStyle = ink.exact;
     ctx.lineWidth = 2;
@@ -115,7 +117,7 @@
         ink.ink,
         1,
       );
-      strokes(points, x, y, ink.exact, 2);
+      if (!rub.readout.veiled()) strokes(points, x, y, ink.exact, 2);
       if (rub.world.births === 'regular')
         for (const each of lines().slice(0, 12)) upright(Math.log10(each.wavenumber), x, () => box().top + 8, 1);
     });
@@ -143,7 +145,7 @@
         ink.ink,
         1,
       );
-      strokes(points, x, y, ink.exact, 2);
+      if (!rub.readout.veiled()) strokes(points, x, y, ink.exact, 2);
     });
   }
 

@@ -21,6 +21,7 @@
     ],
   };
   const SHADES = 64;
+  const DUST = 1e-12; // what rounding leaves where a law says nothing
   const ink = {};
   let shades = [];
   let rem = 16; // pixels: text in pictures grows with the text around them
@@ -80,6 +81,7 @@
   function said(value, digits = 4) {
     if (!Number.isFinite(value)) return '–';
     const size = Math.abs(value);
+    if (size < DUST) return '0';
     const text = size !== 0 && (size >= 1e6 || size < 1e-4) ? value.toExponential(digits - 1) : plain(value, digits);
     return text.replace('-', '−');
   }

@@ -29,10 +29,32 @@
   /* Nothing is exact about a motion that acts back on its contact. */
   const MOTION = ['displacement', 'displacement-std', 'velocity-std', 'one-way', 'stuck', 'sticks'];
   const TWO_WAY = ['stuck', 'sticks'];
-  const readout = { cells: [] };
+  /** What is on show: none, seen (what has been measured) or all; shown: whether somebody asked for all of it. */
+  const readout = { cells: [], level: 'none', shown: false };
+
+  readout.isOpen = (column) => readout.shown || readout.level === 'all' || readout.level === column;
+  /** Return whether even the lines of what is exact stay away from the pictures: until the prediction. */
+  readout.veiled = () => !readout.shown && readout.level === 'none';
+
+  /** Show as much as gives no answer of the open lesson away. */
+  readout.open = (level) => {
+    readout.level = level;
+    refresh();
+  };
+
+  function refresh() {
+    document.getElementById('numbers-hint').hidden = readout.isOpen('all');
+    readout.exact();
+    readout.seen(rub.run.moments());
+    rub.tell('veil', readout.level);
+  }
 
   /** Make the table. */
   readout.begin = (body) => {
+    document.getElementById('reveal').addEventListener('click', () => {
+      readout.shown = true;
+      refresh();
+    });
     body.innerHTML = LINES.map(
       ([id, label, unit]) =>
         `<tr id="number-${id}"><th scope="row">${label}</th><td></td><td></td><td>${unit}</td></tr>`,
@@ -44,17 +66,20 @@
   readout.exact = () => {
     const exact = rub.exact();
     const twoWay = rub.world.coupling === 'two-way';
+    const open = readout.isOpen('all');
     LINES.forEach(([id, , , value], i) => {
-      readout.cells[i][0].textContent = twoWay && MOTION.includes(id) ? '–' : value ? said(value(exact), 6) : '';
+      const unknown = twoWay && MOTION.includes(id);
+      readout.cells[i][0].textContent = unknown ? '–' : open && value ? said(value(exact), 6) : '';
     });
     for (const id of TWO_WAY) document.getElementById(`number-${id}`).hidden = !twoWay;
-    document.getElementById('one-way-warning').hidden = twoWay || !(exact.oneWay > 0.1);
+    document.getElementById('one-way-warning').hidden = !open || twoWay || !(exact.oneWay > 0.1);
   };
 
   /** Write what has been measured. */
   readout.seen = (seen) => {
+    const open = readout.isOpen('seen');
     LINES.forEach(([, , , , value], i) => {
-      readout.cells[i][1].textContent = value ? said(value(seen)) : '';
+      readout.cells[i][1].textContent = open && value ? said(value(seen)) : '';
     });
   };
 

@@ -2,64 +2,84 @@
 /* How real contact area is distributed where births are at random: not the bell curve, though it tends to it. */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { panels, evenly, piecewise } = rub.numbers;
-  const BLUR = 1 / 400; // of the largest area: a bar is wider, and the transform ends where it is blurred away
-  const PANEL = 4;
-  const rising = panels([0, Math.PI / 4, Math.PI / 2], 32);
+  const { chebyshev, fourier, gauss, normalDensity, normalMass } = rub.numbers;
+  const PEAK = 0.25 * Math.PI; // area at full overlap of a junction of unit diameter
+  const CELLS = 2 ** 14; // of the lattice, which reaches twice as far as the picture: nothing to speak of lies beyond
+  const CELLS_TO_TOP = 7680;
+  const NODES = gauss(40);
 
-  /** Return int_0^1 (exp(i y a(u)) - 1) du over the rising half of a life of unit diameter: [real, imaginary]. */
-  function halfLife(pulse, y) {
-    let [real, imaginary] = [0, 0];
-    for (let i = 0; i < rising.nodes.length; i += 1) {
-      const phase = y * pulse.area(2 * Math.sin(rising.nodes[i] / 2) ** 2, 1);
-      const weight = rising.weights[i] * Math.sin(rising.nodes[i]);
-      real -= weight * 2 * Math.sin(phase / 2) ** 2;
-      imaginary += weight * Math.sin(phase);
+  /** Return the age in half-lives, 0 to 1, at which a junction of unit diameter has an area; by bisection. */
+  function ageAt(pulse, area) {
+    let [low, high] = [0, 1];
+    for (let i = 0; i < 60; i += 1) {
+      const middle = 0.5 * (low + high);
+      if (pulse.area(middle, 1) < area) low = middle;
+      else high = middle;
     }
-    return [real, imaginary];
+    return low;
   }
 
-  /** Return both parts of the above as functions of y up to a largest, by interpolation. */
-  function tabulated(pulse, most) {
-    const edges = evenly(0, most + PANEL, Math.ceil(most / PANEL) + 1);
-    return [0, 1].map((part) => piecewise((y) => halfLife(pulse, y)[part], edges, 15));
+  /** Return P(area <= PEAK t^3) of a junction of unit diameter found alive: its age is as likely anywhere. */
+  function unitShare(pulse) {
+    const ratio = chebyshev((t) => ageAt(pulse, PEAK * t ** 3) / (t * t), 0, 1, 24);
+    return (t) => (t >= 1 ? 1 : t * t * ratio(t));
   }
 
-  /** Return log E[exp(i theta A_r)] = 2 lam E[d int_0^1 (exp(i theta d^2 a(u)) - 1) du]: [real, imaginary]. */
-  function logarithm({ sizes, birthRate }, parts, theta) {
-    const { nodes, weights } = sizes.rule(5);
-    return parts.map((part) => {
+  const normalShare = (z) => (z < 0 ? 1 - normalMass(-z) : normalMass(z));
+
+  /** Return P(diameter <= d) among the junctions found alive, of density d f(d) / E[d]. */
+  function aliveShare(sizes, diameter) {
+    const [from, to] = [-sizes.mean / sizes.std, (diameter - sizes.mean) / sizes.std];
+    const part = sizes.mean * (normalShare(to) - normalShare(from));
+    return (part - sizes.std * (normalDensity(to) - normalDensity(from))) / (sizes.mass * sizes.moment(1));
+  }
+
+  /** Return P(area <= a) of one junction found alive, for a in um^2: small ones at any age, others near an end. */
+  function liveShare({ pulse, sizes }) {
+    const share = unitShare(pulse);
+    if (sizes.std === 0) return (area) => share(Math.cbrt(area / (PEAK * sizes.mean ** 2)));
+    return (area) => {
+      const least = Math.sqrt(area / PEAK); // a disc of this diameter has the area at full overlap
+      if (least >= sizes.high) return 1;
+      const from = Math.max(least, sizes.low);
+      const half = 0.5 * (sizes.high - from);
       let sum = 0;
-      for (let i = 0; i < nodes.length; i += 1) sum += weights[i] * nodes[i] * part(theta * nodes[i] ** 2);
-      return 2 * birthRate * sum;
-    });
+      for (let i = 0; i < NODES.x.length; i += 1) {
+        const diameter = from + half * (1 + NODES.x[i]);
+        sum += NODES.w[i] * half * diameter * sizes.density(diameter) * share(Math.cbrt((least / diameter) ** 2));
+      }
+      return (least > sizes.low ? aliveShare(sizes, least) : 0) + sum / sizes.moment(1);
+    };
   }
+
+  /** Return P(no junction is alive) = exp(-E[N]): the atom of the area at 0. */
+  rub.theory.areaAtom = ({ birthRate, sizes }) => Math.exp(-2 * birthRate * sizes.moment(1));
 
   /**
-   * Return the density of A_r at areas from 0 to top in um^2, in 1/um^2, for Poisson births: the transform of its
-   * characteristic function without the atom exp(-E[N]) at 0, blurred by top / 400. Source: Rice 1944, section 1.4.
+   * Return the density of A_r at areas from 0 to top in um^2, in 1/um^2, for Poisson births, without the atom at 0: the
+   * areas of live junctions are put on a lattice, and the law of their sum, their number Poisson, has the transform
+   * exp(E[N] (phi - 1)) there. At 0 itself, where it may have no bound, the mean over half a cell of the lattice. Right
+   * to 1 % of its peak for E[N] from 0.5. Source: Rice 1944, section 1.4; Feller, volume 1, section XII.2.
    */
   rub.theory.areaDensity = (contact, top, count = 241) => {
-    const stride = Math.PI / (1.25 * top);
-    const most = Math.ceil(6 / (BLUR * top * stride));
-    const parts = tabulated(contact.pulse, most * stride * contact.sizes.high ** 2);
-    const atom = Math.exp(-2 * contact.birthRate * contact.sizes.moment(1));
-    const density = new Float64Array(count);
-    for (let n = 0; n <= most; n += 1) {
-      const theta = n * stride;
-      const [real, imaginary] = logarithm(contact, parts, theta);
-      const window = ((n ? 1 : 0.5) * stride * Math.exp(-0.5 * (theta * BLUR * top) ** 2)) / Math.PI;
-      const size = Math.exp(real);
-      addWave(density, top, theta, window * (size * Math.cos(imaginary) - atom), window * size * Math.sin(imaginary));
+    const cell = top / CELLS_TO_TOP;
+    const alive = 2 * contact.birthRate * contact.sizes.moment(1);
+    const share = liveShare(contact);
+    const [real, imaginary] = [new Float64Array(CELLS), new Float64Array(CELLS)];
+    for (let i = 0, before = 0; i < CELLS && before < 1; i += 1) {
+      const next = share((i + 0.5) * cell);
+      real[i] = next - before;
+      before = next;
     }
-    return density;
+    fourier(real, imaginary);
+    for (let i = 0; i < CELLS; i += 1) {
+      const size = Math.exp(alive * (real[i] - 1)) / CELLS;
+      const phase = alive * imaginary[i];
+      [real[i], imaginary[i]] = [size * Math.cos(phase), size * Math.sin(phase)];
+    }
+    fourier(real, imaginary, 1);
+    real[0] = 2 * (real[0] - rub.theory.areaAtom(contact));
+    const stride = CELLS_TO_TOP / (count - 1);
+    return Float64Array.from({ length: count }, (_, i) => Math.max(0, real[Math.round(i * stride)]) / cell);
   };
-
-  /** Add the real part of (real + i imaginary) exp(-i theta x) at areas x from 0 to top. */
-  function addWave(density, top, theta, real, imaginary) {
-    for (let i = 0; i < density.length; i += 1) {
-      const phase = (theta * top * i) / (density.length - 1);
-      density[i] += real * Math.cos(phase) + imaginary * Math.sin(phase);
-    }
-  }
 })();

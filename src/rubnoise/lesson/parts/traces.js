@@ -33,9 +33,11 @@
 
   /** Draw what is exact: a line at the mean, a band of one standard deviation about it; and the mean so far, dashed. */
   function drawExact(ctx, box, y, mean, std, seen) {
-    ctx.fillStyle = ink.band;
-    ctx.fillRect(box.left, y(mean + std), box.right - box.left, y(mean - std) - y(mean + std));
-    level(ctx, box, y(mean), ink.exact, []);
+    if (!rub.readout.veiled()) {
+      ctx.fillStyle = ink.band;
+      ctx.fillRect(box.left, y(mean + std), box.right - box.left, y(mean - std) - y(mean + std));
+      level(ctx, box, y(mean), ink.exact, []);
+    }
     level(ctx, box, y(seen), ink.ink, [5, 4]);
   }
 
@@ -50,7 +52,7 @@
     ctx.setLineDash([]);
   }
 
-  /** Draw one column of the trace over the stretch; steps for what jumps. */
+  /** Draw one column of the trace over the stretch. */
   function drawColumn(ctx, box, x, y, values, colour) {
     const { tick } = rub.run.trace;
     const [from] = stretch();
@@ -65,6 +67,23 @@
       (i) => x(i * tick),
       (i) => y(values[i]),
     );
+  }
+
+  /** Draw a column that jumps: level from tick to tick, then upright. */
+  function drawSteps(ctx, x, y, values) {
+    const { trace, ticksSeen } = rub.run;
+    const first = Math.max(0, Math.ceil(stretch()[0] / trace.tick));
+    ctx.strokeStyle = ink.ink;
+    ctx.lineWidth = 1.5;
+    ctx.lineJoin = 'miter';
+    ctx.beginPath();
+    ctx.moveTo(x(first * trace.tick), y(values[first]));
+    for (let i = first + 1; i <= ticksSeen; i += 1) {
+      if (values[i] === values[i - 1] && i < ticksSeen) continue;
+      ctx.lineTo(x(i * trace.tick), y(values[i - 1]));
+      ctx.lineTo(x(i * trace.tick), y(values[i]));
+    }
+    ctx.stroke();
   }
 
   function frame(name, low, high, title, inTime = false) {
@@ -157,12 +176,17 @@
     stack.paint(ctx, from, to, x, box.top, 1 / scale);
   }
 
+  /** Return the largest count on show. */
+  traces.topCount = () => {
+    const { countMean, countStd } = rub.exact();
+    return Math.ceil(Math.max(countMean + 4.5 * countStd, 1.3 * countMean, 2));
+  };
+
   function drawCount(seen) {
     const { countMean, countStd } = rub.exact();
-    const top = Math.ceil(Math.max(countMean + 4.5 * countStd, 1.3 * countMean, 2));
-    const { ctx, box, x, y } = frame('count', 0, top, 'live junctions');
+    const { ctx, box, x, y } = frame('count', 0, traces.topCount(), 'live junctions');
     drawExact(ctx, box, y, countMean, countStd, seen.countMean);
-    drawColumn(ctx, box, x, y, rub.run.trace.count, ink.ink);
+    drawSteps(ctx, x, y, rub.run.trace.count);
   }
 
   function drawForce(seen) {

@@ -1,0 +1,54 @@
+'use strict';
+/* What do you see? Asked once a run has gone on for a while; only then does the lesson say what is right. */
+(() => {
+  const rub = globalThis.rub;
+  const { lessons } = rub;
+  const { state, page, STEPS } = lessons;
+  const { make, part, radio } = page;
+  const SECONDS = 10; // at the pace of the experiment
+  const FEWEST = 2; // lives
+
+  const needed = ({ experiment }) => Math.max(FEWEST, Math.ceil(SECONDS * experiment.pace));
+
+  /** Return whether enough has been seen to say something; a bet needs all of its runs. */
+  function enough(lesson, { watched }) {
+    const runs = Object.values(watched).filter((lives) => lives >= needed(lesson));
+    return runs.length >= (lesson.settle ? lesson.experiment.runs.length : 1);
+  }
+
+  /** Note how far the run that was pressed last has come; return whether that has just become enough. */
+  function watch(lesson, known) {
+    if (known.running < 0) return false;
+    const before = enough(lesson, known);
+    const lives = rub.run.reached / rub.exact().lifeMean;
+    known.watched[known.running] = Math.max(known.watched[known.running] ?? 0, lives);
+    return !before && enough(lesson, known);
+  }
+
+  /** Return the question what is seen; none where a teacher has skipped the prediction. */
+  function look(lesson, index) {
+    const known = state.lessons[index];
+    if (known.said === 'skipped') return null;
+    const done = lessons.revealed(known);
+    const which = lesson.settle ? 'each run has' : 'a run has';
+    const waiting = `Opens when ${which} gone on for ${needed(lesson)} lives.`;
+    const shut = done || (known.step >= STEPS.run && enough(lesson, known)) ? '' : waiting;
+    return part('look', 'What do you see?', shut, shut ? null : done ? said(lesson, known) : form(lesson));
+  }
+
+  function said(lesson, { look: seen }) {
+    const option = lessons.chosen(lesson, { said: seen });
+    return make('p', { html: option ? `You saw: <em>${option.text}</em>.` : 'Said.' });
+  }
+
+  function form(lesson) {
+    const options = lesson.prediction.options.map((each) => radio('observation', each, each.text, false, false));
+    const element = make('form', { id: 'lesson-observe', novalidate: true });
+    element.append(make('fieldset', {}, make('legend', { text: 'What would you say now?' }), ...options));
+    element.append(make('button', { type: 'submit', text: 'Say so' }));
+    element.append(make('p', { class: 'lesson-verdict', role: 'status' }));
+    return element;
+  }
+
+  Object.assign(lessons, { look, watch });
+})();
