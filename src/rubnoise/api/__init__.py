@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from rubnoise.api.answers import Comparison, Verification
     from rubnoise.api.columns import Column, Columns
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
-    from rubnoise.api.pictures import draw_figures
     from rubnoise.api.inferring import infer
+    from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
     from rubnoise.api.result import Junction, Run, open  # noqa: A004  (rubnoise.open reads like h5py.File)
     from rubnoise.api.resuming import resume
@@ -74,8 +74,8 @@ HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
     "rubnoise.api.answers": ("Comparison", "Verification"),
     "rubnoise.api.columns": ("Column", "Columns"),
+    "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.pictures": ("draw_figures",),
-    from rubnoise.api.inferring import infer
     "rubnoise.api.record": ("Record",),
     "rubnoise.api.result": ("Junction", "Run", "open"),
     "rubnoise.api.resuming": ("resume",),

@@ -323,10 +323,13 @@ def read_dataset(descriptor: int, name: str) -> bytes:
             if dataset.size > MOST_VALUES:
                 return _no(f"{name} has {dataset.size:,} values; up to {MOST_VALUES:,} are read from a file of others")
             scale = dataset.dims[0][0] if len(dataset.dims[0]) else None
-            placed = scale is not None and scale.shape == dataset.shape and 2 * dataset.size <= MOST_VALUES
+            if scale is not None and (scale.shape != dataset.shape or 2 * dataset.size > MOST_VALUES):
+                scale = None
             head = {"count": dataset.size, "unit": _unit(dataset)}
-            head |= {"place": scale.name, "place_unit": _unit(scale)} if placed else {"place": "", "place_unit": ""}
-            parts = [dataset[()], scale[()]] if placed else [dataset[()]]
+            head |= (
+                {"place": "", "place_unit": ""} if scale is None else {"place": scale.name, "place_unit": _unit(scale)}
+            )
+            parts = [dataset[()]] if scale is None else [dataset[()], scale[()]]
             return json.dumps(head).encode() + b"\n" + b"".join(part.astype("<f8").tobytes() for part in parts)
     except (OSError, RuntimeError, LookupError, ValueError, TypeError, MemoryError) as problem:
         return _no(f"damaged or no HDF5: {problem}")
