@@ -2,7 +2,7 @@
 
 `python3 tools/relock.py [run|sync|test|bench|docs ...] [--upgrade]`, with uv on the PATH; all of them if none is named.
 They hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files
-on the public index. All but the run's hold only what is needed on top of a run, the tests' what is needed on top of sync.
+on the public index. All but the run's hold only what is needed on top of a run, the tests' on top of sync.
 """
 
 import os
