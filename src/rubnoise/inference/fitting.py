@@ -122,7 +122,7 @@ def climb(problem: Problem, start: Place) -> tuple[Place, float]:
         accepted = False
         while damping < _STIFFEST:
             diagonal = np.diag(information.diagonal() * damping + 1e-12 * information.diagonal().max())
-            step = np.linalg.solve(information + diagonal, score)
+            step: Doubles = np.asarray(np.linalg.solve(information + diagonal, score), dtype=np.float64)
             trial = problem.moved(place, found.names, step)
             there = problem.expected(trial)
             worth = deviance(bands, there.mean)

@@ -216,7 +216,7 @@ class EnergyTable:
             -(t + 1.0) * t * (t - 2.0) / 2.0,
             (t + 1.0) * t * (t - 1.0) / 6.0,
         )
-        found: Doubles = sum(self.rows[:, first + k - 1] * weights[k] for k in range(4)) / scale  # type: ignore[assignment]
+        found: Doubles = sum(self.rows[:, first + k - 1] * weights[k] for k in range(4)) / scale
         beyond = place > self.rows.shape[1] - 2
         if beyond.any():
             falling = 1.0 / np.square(np.square(phase[beyond]))

@@ -325,8 +325,12 @@ def read_dataset(descriptor: int, name: str) -> bytes:
             scale = dataset.dims[0][0] if len(dataset.dims[0]) else None
             placed = scale is not None and scale.shape == dataset.shape and 2 * dataset.size <= MOST_VALUES
             head = {"count": dataset.size, "unit": _unit(dataset)}
-            head |= {"place": scale.name, "place_unit": _unit(scale)} if placed else {"place": "", "place_unit": ""}
-            parts = [dataset[()], scale[()]] if placed else [dataset[()]]
+            head |= (
+                {"place": scale.name, "place_unit": _unit(scale)}
+                if placed and scale is not None
+                else {"place": "", "place_unit": ""}
+            )
+            parts = [dataset[()], scale[()]] if placed and scale is not None else [dataset[()]]
             return json.dumps(head).encode() + b"\n" + b"".join(part.astype("<f8").tobytes() for part in parts)
     except (OSError, RuntimeError, LookupError, ValueError, TypeError, MemoryError) as problem:
         return _no(f"damaged or no HDF5: {problem}")
