@@ -115,7 +115,8 @@
         if (!found) return;
         const [, step, letter, stake, capital, ran, seen] = found;
         const said = saidBy(list[i], letter);
-        const look = said ? saidBy(list[i], seen) : '';
+        /* A second half that was begun came after the first had said what is right. */
+        const look = said ? saidBy(list[i], seen ?? (capital && letter)) : '';
         const known = { step: said ? Number(step) : 0, said, look, stake: Math.min(10, Number(stake)) };
         state.lessons[i] = { ...fresh(), ...known };
         if (list[i].further) takeFurther(state.lessons[i].further, saidBy(list[i].further, capital.toLowerCase()), ran);
