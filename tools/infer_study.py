@@ -24,7 +24,8 @@ import numpy as np
 
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.inference.inference import Signal, infer_signal
+from rubnoise.inference.inference import infer_signal
+from rubnoise.inference.signal import Signal
 from rubnoise.model import Model, Slider
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate

@@ -8,9 +8,10 @@ import pytest
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import LENS
 from rubnoise.inference.fitting import Place, Problem, whittle
-from rubnoise.inference.inference import Inference, Signal, infer_signal
+from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table
+from rubnoise.inference.signal import Signal
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.pulse_energy import mean_energy
 from tests.inference.traces import contact, signal

@@ -22,7 +22,7 @@ from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.lesson.settings import settings_of
 from rubnoise.model import Model
-from rubnoise.simulation.run import extent
+from rubnoise.simulation.extent import extent
 from rubnoise.theory import off_centre
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance, joint_cumulants
