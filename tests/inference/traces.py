@@ -7,7 +7,8 @@ from rubnoise.contact.laws import LAWS, Law
 from rubnoise.inference.inference import Signal
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
-from rubnoise.simulation.run import extent, simulate
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
 
 PER_LIFE = 64
 
