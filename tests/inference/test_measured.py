@@ -60,7 +60,7 @@ def test_headers_say_units_and_places(
     [
         (
             "time (s),force (mN)\n0.00,1\n0.10,2\n0.30,3\n0.40,4\n0.50,5\n",
-            "line 4: time goes on by 0.2 s where the usual step is 0.1",
+            "line 4: time grows by 0.2 s where the usual step is 0.1",
         ),
         ("time (s),force (mN)\n0,1\n0.1,nan\n0.2,3\n", "line 3: force is nan"),
         ("time (s),force (mN)\n0,1\n0.1,x\n0.2,3\n", "line 3: 'x' is no number"),

@@ -36,6 +36,7 @@ CAPTIONS: Final = {
     "slider": "Motion of the slider at the beginning of the run.",
     "phase": "Velocity of the slider over its displacement.",
     "landmarks": "How far the slider slips, and how long it sticks.",
+    "lifelines": "Lives of junctions: each bar begins at a birth and ends at a death.",
 }
 SECONDS: Final = 5.0
 RATE: Final = 44_100

@@ -193,7 +193,7 @@ def _even(places: Doubles, head: tuple[str, str], path: Path, lines: list[int], 
     if off.any():
         row = int(np.argmax(off))
         raise Refused(
-            f"{path}: line {lines[row + 1]}: {head[0]} goes on by {steps[row]:g} {head[1]} where the usual step is"
+            f"{path}: line {lines[row + 1]}: {head[0]} grows by {steps[row]:g} {head[1]} where the usual step is"
             f" {usual:g}; samples have to be evenly spaced"
         )
     mean = (places[-1] - places[0]) / steps.size
