@@ -88,7 +88,8 @@ def test_derivatives_are_those_of_the_expectation(name: str) -> None:
             for s in (step, -step)
         ]
         slope = (ends[0].mean - ends[1].mean) / (2.0 * step)
-        assert at.by[:, column] == pytest.approx(slope, rel=5e-3, abs=2e-4 * np.abs(slope).max()), parameter
+        # The slope by the shape is that of a table; it steers steps and weights, and biases nothing.
+        assert at.by[:, column] == pytest.approx(slope, rel=1e-2, abs=2e-4 * np.abs(slope).max()), parameter
 
 
 @pytest.mark.parametrize("name", ["normal", "lognormal", "gamma", "exponential", "fixed"])

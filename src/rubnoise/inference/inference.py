@@ -15,7 +15,7 @@ from rubnoise.inference.honesty import HonestyTest, honesty_tests
 from rubnoise.inference.periodogram import Bands, banded
 from rubnoise.inference.populations import POPULATIONS
 from rubnoise.inference.scoring import FIRST, Fit, Known, covariance, score
-from rubnoise.inference.signal import Signal, clipped, half_width_of, strokes
+from rubnoise.inference.signal import Signal, clipped, half_width_of, half_width_under_drift, strokes
 
 Z: Final = 1.959963984540054
 LAWS: Final = tuple(POPULATIONS)
@@ -115,7 +115,7 @@ def infer_signal(
     if reason := clipped(values) or strokes(values, zero):
         return _refusal(signal, reason)
     values = values / scale
-    half_width = half_width_of(values)
+    half_width = half_width_under_drift(values) if drift else half_width_of(values)
     bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
     known = _known(signal, values, zero, strength, scale)
     third = float(np.mean((values - values.mean()) ** 3))

@@ -23,6 +23,7 @@ MOST_SAMPLES: Final = 1 << 20
 FIRST_BIN: Final = 2
 _TAPER_BINS = 4.0
 _WIDENING = 0.05  # of the wavenumber
+MOST_BANDS: Final = 400
 _WIDEST_PHASE = 0.8  # of k d: the spectrum of equal sizes swings with a period of pi
 _FOLDS = 3  # aliases that are taken from the table, on either side; those beyond from the tail
 _NODES, _WEIGHTS = np.array([-0.7745966692414834, 0.0, 0.7745966692414834]), np.array([5.0, 8.0, 5.0]) / 18.0
@@ -79,10 +80,11 @@ class Bands:
 def band_edges(samples: int, phase_per_bin: float) -> Integers:
     """Return the first bin of each band, and one beyond the last: bands are wider further up, to 0.8 of k d.
 
-    ``phase_per_bin`` is k d of the first bin, as far as d is known.
+    ``phase_per_bin`` is k d of the first bin, as far as d is known. Where that makes more bands than their covariance
+    can be computed for, they are wider: a band's expectation is exact at any width.
     """
     edges = [FIRST_BIN]
-    most = max(1, int(_WIDEST_PHASE / phase_per_bin))
+    most = max(1, int(_WIDEST_PHASE / phase_per_bin), samples // (2 * MOST_BANDS))
     end = samples // 2  # the last bin of an even record has no neighbour, and half the freedom
     while edges[-1] < end:
         edges.append(edges[-1] + min(max(1, int(_WIDENING * edges[-1])), most))

@@ -9,6 +9,7 @@ from rubnoise.arrays import Doubles
 
 _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
+_HALF_OVER_FASTEST: Final = 1.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,13 +64,28 @@ def strokes(values: Doubles, zero: str) -> str:
 
 def half_width_of(values: Doubles) -> float:
     """Return the lag in ticks at which the autocovariance has fallen to half, Rabinowicz's way to a size."""
+    covariance = _autocovariance(values)
+    # White noise stands at lag 0 alone.
+    top = float(covariance[1] + 0.5 * (covariance[1] - covariance[2]))
+    below = covariance[1:] < 0.5 * top
+    return float(np.argmax(below)) + 1.0 if below.any() else 0.25 * values.size
+
+
+def half_width_under_drift(values: Doubles) -> float:
+    """Return about the same lag in ticks for a trace with a random walk in it, whose own autocovariance falls slowly.
+
+    The steps of a walk are uncorrelated, so that the covariance of increments, summed from lag 2 on, shows junctions
+    alone. It is largest where their autocovariance falls fastest, a little before it has fallen to half.
+    """
+    fastest = int(np.argmax(np.cumsum(_autocovariance(np.diff(values))[2:]))) + 2
+    return _HALF_OVER_FASTEST * fastest
+
+
+def _autocovariance(values: Doubles) -> Doubles:
     from scipy.fft import irfft, next_fast_len, rfft
 
     part = values[: 1 << 20] - values[: 1 << 20].mean()
     length = next_fast_len(2 * part.size)
     transform = rfft(part, length)
-    covariance = irfft(np.square(transform.real) + np.square(transform.imag), length)[: part.size // 2]
-    # White noise stands at lag 0 alone.
-    top = float(covariance[1] + 0.5 * (covariance[1] - covariance[2]))
-    below = covariance[1:] < 0.5 * top
-    return float(np.argmax(below)) + 1.0 if below.any() else 0.25 * part.size
+    covariance: Doubles = irfft(np.square(transform.real) + np.square(transform.imag), length)[: part.size // 2]
+    return covariance
