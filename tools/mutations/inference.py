@@ -38,7 +38,7 @@ MUTANTS = (
     one(
         "clipped sensors taken for good",
         "test_what_is_no_trace_of_one_stroke_is_refused",
-        "_CLIPPED, _PLATEAU = 1e-3, 4",
-        "_CLIPPED, _PLATEAU = 1.0, 4",
+        "_CLIPPED: Final = 1e-3",
+        "_CLIPPED: Final = 1.0",
     ),
 )
