@@ -10,7 +10,10 @@ import pytest
 from hypothesis import settings
 
 from tests import frozen, warm
+from tests.browser import browser
 from tests.wishes import Wishes
+
+__all__ = ["browser"]
 
 TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup", "bench")}
 """Folders all of whose tests are tortures."""

@@ -1,6 +1,5 @@
 """A real browser for the page of lessons; where there is none, its tests are skipped and say so."""
 
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,21 +10,6 @@ import pytest
 from tests.architecture.sources import ROOT
 from tests.lesson.opened import UNHURRIED
 from tests.lesson.walk import Walk
-
-CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    """Return a browser of playwright's, one for all tests."""
-    found = next((path for name in CHROMIUMS if (path := shutil.which(name))), None)
-    if found is None:
-        pytest.skip("NO CHROMIUM FOUND: the page of lessons is not tested; install chromium to test it")
-    api = pytest.importorskip("playwright.sync_api", reason="NO PLAYWRIGHT FOUND: the page of lessons is not tested")
-    with api.sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield started
-        started.close()
 
 
 @pytest.fixture(scope="session")

@@ -6,9 +6,6 @@ import pytest
 
 import rubnoise
 from tests.architecture.sources import ROOT
-from tests.lesson.conftest import browser
-
-__all__ = ["browser"]
 
 PAPER = ROOT / "scenarios" / "paper"
 
