@@ -57,11 +57,11 @@ class LawFit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inference:
-    """What a trace tells of its junctions.
+    """What a trace shows about its junctions.
 
     ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
-    ``tests`` of the trace against the model; ``not_identified`` names what cannot be told, with what would tell it;
-    ``law_free`` are numbers that lean on no law. ``refused_because`` is None, or why there are no estimates.
+    ``tests`` of the trace against the model; ``not_identified`` names what the trace cannot show, with what would show it;
+    ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates, else None.
     ``bootstrap`` is empty, or how estimates of simulated traces scatter.
     """
 
