@@ -60,8 +60,8 @@ class Inference:
     """What a trace shows about its junctions.
 
     ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
-    ``tests`` of the trace against the model; ``not_identified`` names what the trace cannot show, with what would show it;
-    ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates, else None.
+    ``tests`` of the trace against the model; ``not_identified`` names what it cannot show, with what would show it;
+    ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
     ``bootstrap`` is empty, or how estimates of simulated traces scatter.
     """
 
