@@ -8,7 +8,7 @@ import pytest
 
 from tests.cli.terminal import call, names
 
-DATA = re.compile(r'<script type="application/json" id="lesson-data">(.*?)</script>')
+DATA = re.compile(r'<script type="application/json" id="data">(.*?)</script>')
 
 
 def data_of(path: Path) -> dict[str, object]:

@@ -34,8 +34,7 @@ def answer(data: dict[str, Any], body: str, **given: Any) -> Any:
         "const both = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
         "globalThis.document = { getElementById: () => ({ textContent: JSON.stringify(both.data) }) };\n"
         f"{parts}\n"
-        "const { shown, ...told } = both.data.junctions;\n"
-        "view.lives = view.columns(told);\n"
+        "view.lives = view.columns(both.data.junctions);\n"
         f"const ask = ({', '.join(given)}) => {{ {body} }};\n"
         "process.stdout.write(JSON.stringify(ask(...both.given)));\n"
     )

@@ -1,4 +1,4 @@
-"""The site: built without a warning in an environment of its own, where the packages for it are to be had."""
+"""The site: built without a warning in an environment of its own, where its packages can be installed."""
 
 import re
 import subprocess
@@ -19,7 +19,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
         command = [str(PYTHON), str(ROOT / "tools" / "build_site.py"), str(folder)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if "installing failed" in done.stderr:
-        pytest.skip("no packages for the site to be had")
+        pytest.skip("the packages for the site cannot be installed here")
     assert done.returncode == 0, done.stderr[-3000:]
     return folder
 

@@ -66,7 +66,7 @@ def leave_a_result_and_die(point: Point, folder: Path) -> str:
 
 
 def sleep(point: Point, folder: Path) -> str:
-    """Tell that the work began, take long, and tell that it ended."""
+    """Write that the work began, take long, and write that it ended."""
     (folder / point.run_id).touch()
     time.sleep(60.0)
     (folder / f"{point.run_id} awake").touch()
@@ -74,7 +74,7 @@ def sleep(point: Point, folder: Path) -> str:
 
 
 def run_until_stopped(folder: Path) -> None:
-    """Tell that the work began, and go on with it as a run does that is told to stop."""
+    """Write that the work began, and go on until the signal to stop, as a run does."""
     (folder / "begun").touch()
     while True:
         CANCELLATION.check(0.0, 0, 0)

@@ -67,7 +67,9 @@ def test_a_right_run_passes_in_a_file_and_in_memory(record: rubnoise.Record, pat
             assert len(answer.to_pandas()) == len(answer.rows)
             assert repr(answer).splitlines()[-1].startswith("passed: ")
             assert "<table>" in answer._repr_html_()
-            assert each.verify().passed
+            found = each.verify()
+            assert found.passed
+            assert repr(found).splitlines()[-1].startswith("passed: ")
 
 
 def test_a_run_of_another_contact_does_not_pass() -> None:
@@ -80,6 +82,7 @@ def test_a_run_of_another_contact_does_not_pass() -> None:
     assert repr(answer).splitlines()[-1].startswith("not passed: ")
     found = wrong.verify()
     assert not found.passed
+    assert repr(found).splitlines()[-1].startswith("not passed: areas")
     assert {row["check"] for row in found.rows if row["different"]} >= {"areas"}
 
 

@@ -14,9 +14,9 @@ def test_a_slip_that_begins_with_no_speed_and_no_acceleration_finds_its_border(m
     """Without a contact and with f = k x + c V = 0 it goes as k V t^3 / 6 m, and Newton's first steps go astray."""
     oscillator = slips.Oscillator(MASS, STIFFNESS, DAMPING, DRIVE, longest=2e-3, limit=1e-12, error=1e-9)
     start = slips.Start(way=1.0, displacement=-DAMPING * DRIVE / STIFFNESS, since=0.0, path=0.0, speed=0.0)
-    nobody = slips.Lives(*(np.empty(1) for _ in range(4)))
+    no_lives = slips.Lives(*(np.empty(1) for _ in range(4)))
     clocks = (0, 0)
-    time, path, u, landed = slips._step(oscillator, start, most, BORDER, clocks, 0, nobody, 0, np.empty((8, 2)))
+    time, path, u, landed = slips._step(oscillator, start, most, BORDER, clocks, 0, no_lives, 0, np.empty((8, 2)))
     assert landed
     assert path == BORDER
     # u = y' with m y'' + c y' + k y = k V t: the first terms of its series are enough for so short a time.
@@ -30,10 +30,10 @@ def test_a_border_that_is_reached_slowly_after_a_fast_start_is_found() -> None:
     omega, fast = np.sqrt(STIFFNESS / MASS), 1300.0
     oscillator = slips.Oscillator(MASS, STIFFNESS, 0.0, 0.0, longest=0.5 * np.pi / omega, limit=1e-12, error=1e-9)
     start = slips.Start(way=1.0, displacement=0.0, since=0.0, path=0.0, speed=fast)
-    nobody = slips.Lives(*(np.empty(1) for _ in range(4)))
+    no_lives = slips.Lives(*(np.empty(1) for _ in range(4)))
     for phase in (0.9, 0.97, 0.99):
         border = fast / omega * np.sin(0.5 * np.pi * phase)
-        time, path, u = _passed(oscillator, start, border, nobody)
+        time, path, u = _passed(oscillator, start, border, no_lives)
         assert path == border
         assert time == pytest.approx(0.5 * np.pi * phase / omega, rel=1e-8)
         assert u == pytest.approx(fast * np.cos(0.5 * np.pi * phase), rel=1e-6)

@@ -1,5 +1,6 @@
 """What `compare` and `verify` find about a run, with a verdict and a table."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ COMPARED: Final = ("part", "figure", "measured", "exact", "standard_error", "z",
 CHECKED: Final = ("check", "values", "different", "first_difference")
 
 
-class Answer:
+class Answer(ABC):
     """A verdict about a run, ``passed``, with a table of what it rests on: ``rows``, ``to_pandas()``.
 
     In a condition it stands for its verdict: ``if run.compare(): ...``.
@@ -30,9 +31,9 @@ class Answer:
     heading: str
 
     @property
+    @abstractmethod
     def rows(self) -> tuple[Mapping[str, Any], ...]:
         """The rows of the table, each a dictionary of the same names; None where there is no value."""
-        raise NotImplementedError
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return the table as a pandas DataFrame; raises ExtraMissing without pandas."""
@@ -44,12 +45,12 @@ class Answer:
         return self.passed
 
     @property
-    def _names(self) -> tuple[str, ...]:
-        raise NotImplementedError
+    @abstractmethod
+    def _names(self) -> tuple[str, ...]: ...
 
     @property
-    def _verdict(self) -> str:
-        raise NotImplementedError
+    @abstractmethod
+    def _verdict(self) -> str: ...
 
     def _cells(self) -> list[tuple[str, ...]]:
         return [tuple(_shown(row[name]) for name in self._names) for row in self.rows]
@@ -66,7 +67,7 @@ class Comparison(Answer):
     """A run compared with the theory of its scenario: every figure with its exact value, standard error and z.
 
     ``passed`` is true where all figures keep ``bound`` and all identities hold; ``outside`` names those that do not,
-    ``left_out`` says of what could not be compared why.
+    ``left_out`` names what could not be compared, with the reason.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -116,15 +117,16 @@ class Comparison(Answer):
     @property
     def _verdict(self) -> str:
         scored = sum(figure.z is not None for figure in self.found.figures)
-        told = f"{scored} figures and {len(self.found.identities)} identities compared, |z| <= {self.bound:.3g}"
-        return f"passed: {told}" if self.passed else f"not passed: {', '.join(self.outside)} ({told})"
+        counts = f"{scored} figures and {len(self.found.identities)} identities compared, |z| <= {self.bound:.3g}"
+        return f"passed: {counts}" if self.passed else f"not passed: {', '.join(self.outside)} ({counts})"
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Verification(Answer):
     """A result checked against its own hashes, rows and scenario, one row per check.
 
-    ``passed`` is true where every value is what it should be; ``left_out`` says of what could not be checked why.
+    ``passed`` is true where every value is what it should be; ``left_out`` names what could not be checked, with the
+    reason.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
@@ -158,9 +160,9 @@ class Verification(Answer):
 
     @property
     def _verdict(self) -> str:
-        told = f"{len(self.found.checks)} checks of {self.found.values:,} values"
+        counts = f"{len(self.found.checks)} checks of {self.found.values:,} values"
         failing = [each.name for each in self.found.different]
-        return f"passed: {told}" if self.passed else f"not passed: {', '.join(failing)} ({told})"
+        return f"passed: {counts}" if self.passed else f"not passed: {', '.join(failing)} ({counts})"
 
 
 @contextmanager

@@ -40,8 +40,8 @@ from rubnoise.sweep.run_status import found_run
 def keep_summary(point: Point, *, watch: Watch = CANCELLATION.check) -> RunRow:
     """Carry out one run of a sweep and return what it comes to, without a trace of it anywhere.
 
-    The arrays are those of `rubnoise.analysis.run_summary.CURVES`; ``watch`` is told after each panel and may raise,
-    as by itself it does where the sweep has been told to stop.
+    The arrays are those of `rubnoise.analysis.run_summary.CURVES`; ``watch`` is called after each panel and may raise,
+    as the default does after the sweep received a signal to stop.
     """
     model = point.scenario.model()
     sink = SummarySink(model)

@@ -20,9 +20,9 @@ from rubnoise.inference.signal import Signal, clipped, half_width_of, half_width
 Z: Final = 1.959963984540054
 LAWS: Final = tuple(POPULATIONS)
 FEWEST_SIZES: Final = 20.0
-"""Mean diameters of sliding below which nothing is told."""
+"""Mean diameters of sliding below which a record is refused."""
 FEWEST_SAMPLES: Final = 3.0
-"""Samples per mean diameter below which its life is not seen."""
+"""Samples per mean diameter below which a record is refused: no life is resolved."""
 _LEAST_GAIN = 25.0
 _SHORTEST = 64
 _NOISE_BANDS = 10

@@ -1,14 +1,13 @@
 """The page of lessons: one self-contained file, assembled from its parts."""
 
-import json
-from collections.abc import Iterator
 from html import escape
 from importlib.resources import files
-from importlib.resources.abc import Traversable
 from typing import Any, Final
 
 from rubnoise.lesson.settings import Settings
+from rubnoise.web_page import filled, part, web_page
 
+_HERE: Final = "rubnoise.lesson"
 _FIRST: Final = (
     "numbers.js",
     "random.js",
@@ -47,15 +46,13 @@ def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -
         "sliderStart": settings.slider_start,
         "record": record,
     }
-    filled = {
-        "title": escape(title),
-        "subtitle": escape(_subtitle(settings)),
-        "replaying": escape(record["note"] if record else ""),
-        "style": "\n".join(_texts(".css")),
-        "data": json.dumps(data).replace("<", "\\u003c"),  # no title can end the element that holds it
-        "script": "\n".join(_texts(".js")),
-    }
-    return _filled(_part("page.html"), filled)
+    styles, scripts = ([part(_HERE, name) for name in names] for names in (_names(".css"), script_parts()))
+    subtitle = escape(_subtitle(settings))
+    body = filled(
+        part(_HERE, "page.html"),
+        {"title": escape(title), "subtitle": subtitle, "replaying": escape(record["note"] if record else "")},
+    )
+    return web_page(body, title=title, styles=styles, scripts=scripts, data=data)
 
 
 def _subtitle(settings: Settings) -> str:
@@ -66,24 +63,8 @@ def _subtitle(settings: Settings) -> str:
 
 def script_parts() -> list[str]:
     """Return the names of the script's parts in the order in which they run."""
-    names = {part.name for part in _parts().iterdir() if part.name.endswith(".js")}
-    return [*_FIRST, *sorted(names - {*_FIRST, _LAST}), _LAST]
+    return [*_FIRST, *sorted({*_names(".js")} - {*_FIRST, _LAST}), _LAST]
 
 
-def _texts(ending: str) -> Iterator[str]:
-    names = script_parts() if ending == ".js" else sorted(part.name for part in _parts().iterdir())
-    yield from (_part(name) for name in names if name.endswith(ending))
-
-
-def _filled(text: str, values: dict[str, str]) -> str:
-    """Put each value into its place, none into another value: what stands in a title is text."""
-    pieces = text.split("@")
-    return "".join(values[piece] if i % 2 else piece for i, piece in enumerate(pieces))
-
-
-def _part(name: str) -> str:
-    return (_parts() / name).read_text(encoding="utf-8")
-
-
-def _parts() -> Traversable:
-    return files("rubnoise.lesson") / "parts"
+def _names(ending: str) -> list[str]:
+    return sorted(each.name for each in (files(_HERE) / "parts").iterdir() if each.name.endswith(ending))

@@ -1,39 +1,27 @@
-"""One self-contained web page, put together from the parts in `parts/`."""
+"""What the pages of runs and sweeps share: their own parts around a template, and arrays as a page holds them."""
 
-import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
-from importlib.resources import files
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.web_page import filled, part, web_page
+
+HERE: Final = "rubnoise.pages"
+
 
 def page(template: str, *, title: str, styles: Sequence[str], scripts: Sequence[str], data: Mapping[str, Any]) -> str:
-    """Return the text of a page: a template of `parts/`, its title, and styles, scripts and data inside it.
-
-    The page makes no request; its policy forbids them all. A title stays text, whatever is written in it.
-    """
-    values = {
-        "title": escape(title),
-        "style": "\n".join(map(part, styles)),
-        "data": json.dumps(data, allow_nan=False).replace("<", "\\u003c"),  # no text can end the element that holds it
-        "script": "\n".join(map(part, scripts)),
-    }
-    return filled(part(template), values)
-
-
-def filled(text: str, values: Mapping[str, str]) -> str:
-    """Return a text with each ``@name@`` replaced by its value; a value is not searched for further names."""
-    pieces = text.split("@")
-    return "".join(values[piece] if i % 2 else piece for i, piece in enumerate(pieces))
-
-
-def part(name: str) -> str:
-    """Return the text of a file in `parts/`."""
-    return (files("rubnoise.pages") / "parts" / name).read_text(encoding="utf-8")
+    """Return the text of a page: a template, styles and scripts by their names in `parts/`, a title and data."""
+    return web_page(
+        filled(part(HERE, template), {"title": escape(title)}),
+        title=title,
+        styles=[part(HERE, name) for name in styles],
+        scripts=[part(HERE, name) for name in scripts],
+        data=data,
+    )
 
 
 def packed(values: NDArray[Any]) -> dict[str, str]:

@@ -20,10 +20,11 @@ from rubnoise.figures.film import write_film
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from rubnoise.figures.study_picture import study_picture
-from rubnoise.pages.page import filled, part
+from rubnoise.pages.page import HERE
 from rubnoise.pages.words import in_words
 from rubnoise.record.reader import Reader
 from rubnoise.storage.wave_file import write_wave
+from rubnoise.web_page import part, web_page
 
 CAPTIONS: Final = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"
@@ -90,8 +91,8 @@ def sweep_report(sweep: SweepResult, between: Between) -> str:
 
 
 def _page(title: str, when: str, sections: Sequence[str]) -> str:
-    body = f"<p>{escape(when)}</p>" + "".join(sections)
-    return filled(part("report.html"), {"title": escape(title), "style": part("report.css"), "body": body})
+    body = f"<main>\n<h1>{escape(title)}</h1>\n<p>{escape(when)}</p>{''.join(sections)}\n</main>"
+    return web_page(body, title=title, styles=[part(HERE, "report.css")])
 
 
 def _section(heading: str, content: str, kind: str = "") -> str:

@@ -122,7 +122,7 @@ class RunView:
         columns = {name: np.concatenate([chunk[name] for chunk in chunks]) if chunks else np.zeros(0) for name in names}
         numbers = {name: columns[name] for name in columns if _column(name).dtype == "<f8" and "time" not in name}
         check_lives(rows, numbers)
-        return {"shown": int(shown.rows.size), **{name: _told(_column(name), columns[name]) for name in names}}
+        return {name: _column_data(_column(name), columns[name]) for name in names}
 
     def _rows(self, group: str) -> dict[str, Any]:
         first, last = self.stretch.rows(group)
@@ -131,7 +131,9 @@ class RunView:
         kept = [column for column in about if column.name in file.columns[group] and _is_shown(group, column.name)]
         return {
             "first": first,
-            "columns": {column.name: _told(column, file.column(group, column.name, first, last)) for column in kept},
+            "columns": {
+                column.name: _column_data(column, file.column(group, column.name, first, last)) for column in kept
+            },
         }
 
     def _landmarks(self) -> dict[str, Any]:
@@ -168,7 +170,7 @@ def _column(name: str) -> Column:
     return next(column for column in JUNCTIONS.columns if column.name == name)
 
 
-def _told(column: Column, values: NDArray[Any]) -> dict[str, Any]:
+def _column_data(column: Column, values: NDArray[Any]) -> dict[str, Any]:
     return {"units": column.units, "means": column.long_name, **packed(values)}
 
 

@@ -48,13 +48,13 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
         "failures": [{"run": each.run_id, "reason": each.reason} for each in sweep.failures[:MOST_BEGINNINGS]],
         "runs": [str(each) for each in sweep.runs["run_id"][:][rows]],
         "columns": {
-            each: {"units": sweep.runs[each].units, "values": _told(sweep.runs[each][:][rows])} for each in kept
+            each: {"units": sweep.runs[each].units, "values": _as_json(sweep.runs[each][:][rows])} for each in kept
         },
         "beginnings": _beginnings(sweep, rows),
     }
 
 
-def _told(values: NDArray[Any]) -> list[Any]:
+def _as_json(values: NDArray[Any]) -> list[Any]:
     """Return values as JSON has them: what was not measured is null."""
     if values.dtype.kind == "f":
         return [value if np.isfinite(value) else None for value in values.tolist()]
@@ -71,14 +71,14 @@ def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
         try:
             with sweep.run(str(names[row])) as run:
                 groups = run.groups()
-                told: dict[str, Any] = {
+                columns: dict[str, Any] = {
                     name: {"units": [groups[name][each].units for each in both], "points": _thinned(groups[name], both)}
                     for name, both in CURVES.items()
                     if name in groups
                 }
         except RunFileRefused as refused:
-            told = {"refused": str(refused)}
-        found[str(names[row])] = told or {"refused": "This sweep keeps no rows of its runs."}
+            columns = {"refused": str(refused)}
+        found[str(names[row])] = columns or {"refused": "This sweep keeps no rows of its runs."}
     return found
 
 

@@ -90,7 +90,7 @@
   }
 
   function begin() {
-    rub.begin(JSON.parse(find('lesson-data').textContent));
+    rub.begin(JSON.parse(find('data').textContent));
     rub.plot.readTheme();
     rub.run.renew({ keep: false });
     const calm = matchMedia('(prefers-reduced-motion: reduce)');

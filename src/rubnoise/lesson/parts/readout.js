@@ -29,7 +29,7 @@
   /* Nothing is exact about a motion that acts back on its contact. */
   const MOTION = ['displacement', 'displacement-std', 'velocity-std', 'one-way', 'stuck', 'sticks'];
   const TWO_WAY = ['stuck', 'sticks'];
-  /** What is on show: none, seen (what has been measured) or all; shown: whether somebody asked for all of it. */
+  /** Visible columns: none, seen (what has been measured) or all; shown: the student asked for all of them. */
   const readout = { cells: [], level: 'none', shown: false };
 
   readout.isOpen = (column) => readout.shown || readout.level === 'all' || readout.level === column;

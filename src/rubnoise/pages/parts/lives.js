@@ -2,8 +2,7 @@
 "use strict";
 (() => {
   const { data } = view;
-  const { shown, ...told } = data.junctions;
-  const rows = view.columns(told);
+  const rows = view.columns(data.junctions);
   view.lives = rows;
   view.chosen = null;
   view.isKept = null;
@@ -221,5 +220,4 @@
     const row = view.firstAtLeast(rows.junction, junction);
     return rows.junction[row] === junction ? row : null;
   };
-  view.shownJunctions = shown;
 })();

@@ -1,0 +1,58 @@
+"""One self-contained web page: styles, script and data stand inside it, and its policy forbids every request."""
+
+import json
+from collections.abc import Mapping, Sequence
+from html import escape
+from importlib.resources import files
+from typing import Any, Final
+
+_FRAME: Final = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; @policy@">
+<link rel="icon" href="data:,">
+<title>@title@</title>
+<style>
+@style@
+</style>
+</head>
+<body>
+@body@
+@script@</body>
+</html>
+"""
+_SCRIPT: Final = """<script type="application/json" id="data">@data@</script>
+<script>
+@script@
+</script>
+"""
+
+
+def web_page(
+    body: str, *, title: str, styles: Sequence[str], scripts: Sequence[str] = (), data: Mapping[str, Any] | None = None
+) -> str:
+    """Return the text of a page from the HTML of its body, its title, and the texts of its styles and scripts.
+
+    The scripts find ``data`` as JSON in the element `data`. Without scripts the page may run none. A title stays text,
+    whatever is written in it.
+    """
+    sources = "img-src data:; media-src data:"
+    values = {"title": escape(title), "style": "\n".join(styles), "body": body, "policy": sources, "script": ""}
+    if scripts:
+        text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # no text can end the element that holds it
+        values["policy"] = f"script-src 'unsafe-inline'; {sources}"
+        values["script"] = filled(_SCRIPT, {"data": text, "script": "\n".join(scripts)})
+    return filled(_FRAME, values)
+
+
+def filled(text: str, values: Mapping[str, str]) -> str:
+    """Return a text with each ``@name@`` replaced by its value; a value is not searched for further names."""
+    pieces = text.split("@")
+    return "".join(values[piece] if i % 2 else piece for i, piece in enumerate(pieces))
+
+
+def part(package: str, name: str) -> str:
+    """Return the text of a file in the folder `parts` of a package."""
+    return (files(package) / "parts" / name).read_text(encoding="utf-8")
