@@ -43,9 +43,9 @@ class Source:
 
 
 @pytest.fixture(autouse=True)
-def small_panels(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "PANEL_ROWS", 64)
-    monkeypatch.setattr(module.Column.panels, "__defaults__", (64,))
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "ROWS_AT_ONCE", 64)
+    monkeypatch.setattr(module.Column.chunks, "__defaults__", (64,))
 
 
 @pytest.fixture
@@ -179,7 +179,7 @@ def test_libraries_take_a_column_as_it_stands(column: rubnoise.Column) -> None:
     assert column.astype(np.float32).dtype == np.float32
 
 
-def test_whole_column_figures_are_those_of_the_array_in_panels(column: rubnoise.Column, source: Source) -> None:
+def test_whole_column_figures_are_those_of_the_array_in_chunks(column: rubnoise.Column, source: Source) -> None:
     assert column.mean() == pytest.approx(VALUES.mean(), rel=1e-12)
     assert column.std() == pytest.approx(VALUES.std(), rel=1e-12)
     assert (column.min(), column.max()) == (VALUES.min(), VALUES.max())

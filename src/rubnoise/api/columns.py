@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
 
-PANEL_ROWS: Final = 65_536
+ROWS_AT_ONCE: Final = 65_536
 READ_AT_ONCE: Final = 4
 Read = Callable[[int, int], NDArray[Any]]
 """Returns rows start to stop of a column."""
@@ -112,22 +112,22 @@ class Column(NDArrayOperatorsMixin):
         return self._picked(np.asarray(index))
 
     def __iter__(self) -> Iterator[Any]:
-        """Yield every number, reading panel by panel."""
-        for panel in self.panels():
-            yield from panel
+        """Yield every number, reading chunk by chunk."""
+        for chunk in self.chunks():
+            yield from chunk
 
     def taken(self, rows: NDArray[np.int64]) -> "Column":
         """Return a column of chosen rows, in ascending order, which are read when they are needed."""
 
         def read(start: int, stop: int) -> NDArray[Any]:
             chosen = rows[start:stop]
-            # Panel by panel: few rows may lie far apart.
-            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // PANEL_ROWS)) + 1)
+            # Chunk by chunk: few rows may lie far apart.
+            parts = np.split(chosen, np.flatnonzero(np.diff(chosen // ROWS_AT_ONCE)) + 1)
             return np.concatenate([self._picked(part) for part in parts])
 
         return Column(self.about, rows.size, read)
 
-    def panels(self, rows: int = PANEL_ROWS) -> Iterator[NDArray[Any]]:
+    def chunks(self, rows: int = ROWS_AT_ONCE) -> Iterator[NDArray[Any]]:
         """Yield the column from its start to its end as arrays of so many rows, the last one shorter."""
         for first in range(0, self._rows, rows):
             yield self._read(first, min(first + rows, self._rows))
@@ -154,7 +154,7 @@ class Column(NDArrayOperatorsMixin):
 
     def sum(self) -> Any:
         """Return the sum; 0 without rows."""
-        return sum((panel.sum() for panel in self.panels()), start=self.dtype.type(0))
+        return sum((chunk.sum() for chunk in self.chunks()), start=self.dtype.type(0))
 
     def mean(self) -> float:
         """Return the mean; nan without rows."""
@@ -172,11 +172,11 @@ class Column(NDArrayOperatorsMixin):
 
     def min(self) -> Any:
         """Return the smallest number; raises ValueError without rows."""
-        return min(panel.min() for panel in self.panels())
+        return min(chunk.min() for chunk in self.chunks())
 
     def max(self) -> Any:
         """Return the largest number; raises ValueError without rows."""
-        return max(panel.max() for panel in self.panels())
+        return max(chunk.max() for chunk in self.chunks())
 
     def __repr__(self) -> str:
         text = f"{self.name} ({self.units}), {self._rows:,} rows of {self.dtype}"
@@ -192,8 +192,8 @@ class Column(NDArrayOperatorsMixin):
 
     def _moments(self) -> Moments:
         moments = Moments(powers=2)
-        for panel in self.panels():
-            moments.add(panel.astype(np.float64, copy=False))
+        for chunk in self.chunks():
+            moments.add(chunk.astype(np.float64, copy=False))
         return moments
 
     def _shaped(self, index: tuple[Any, ...]) -> NDArray[Any]:
@@ -223,9 +223,9 @@ class Column(NDArrayOperatorsMixin):
             return self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows else self._read(0, 0)
         if step == 1:
             return self._read(start, max(start, stop))
-        # Steps wider than a panel touch single rows; narrower ones pick from panels that hold a whole number of steps.
-        span = step * max(1, PANEL_ROWS // step)
-        width = span if step <= PANEL_ROWS else 1
+        # Steps wider than a chunk touch single rows; narrower ones pick from chunks that hold a whole number of steps.
+        span = step * max(1, ROWS_AT_ONCE // step)
+        width = span if step <= ROWS_AT_ONCE else 1
         parts = [self._read(first, min(first + width, stop))[::step] for first in range(start, stop, span)]
         return np.concatenate(parts) if parts else self._read(0, 0)
 
@@ -245,15 +245,15 @@ class Column(NDArrayOperatorsMixin):
         return picked
 
     def _masked(self, mask: NDArray[np.bool_]) -> NDArray[Any]:
-        """Return the rows that a mask chooses, from the panels that hold any."""
+        """Return the rows that a mask chooses, from the chunks that hold any."""
         if mask.shape != self.shape:
             raise IndexError(
                 f"a mask of shape {mask.shape} chooses no rows of {self.name}, which has {self._rows} rows"
             )
         parts = [
-            self._read(first, min(first + PANEL_ROWS, self._rows))[mask[first : first + PANEL_ROWS]]
-            for first in range(0, self._rows, PANEL_ROWS)
-            if mask[first : first + PANEL_ROWS].any()
+            self._read(first, min(first + ROWS_AT_ONCE, self._rows))[mask[first : first + ROWS_AT_ONCE]]
+            for first in range(0, self._rows, ROWS_AT_ONCE)
+            if mask[first : first + ROWS_AT_ONCE].any()
         ]
         return np.concatenate(parts) if parts else self._read(0, 0)
 
@@ -346,8 +346,8 @@ class Columns:
         except ConditionRefused as refused:
             raise ConditionRefused(str(refused).replace("--where", "where", 1)) from None
         rows = [np.zeros(0, dtype=np.int64)]
-        for first in range(0, len(self), PANEL_ROWS):
-            last = min(first + PANEL_ROWS, len(self))
+        for first in range(0, len(self), ROWS_AT_ONCE):
+            last = min(first + ROWS_AT_ONCE, len(self))
             rows.append(first + np.flatnonzero(node.chosen({name: self[name][first:last] for name in node.columns})))
         chosen = np.concatenate(rows)
         return Columns(self._about, {name: each.taken(chosen) for name, each in self._columns.items()})

@@ -102,14 +102,14 @@ class Autocovariance:
 def power_spectrum(
     name: str,
     units: str,
-    panels: Iterable[Doubles],
+    chunks: Iterable[Doubles],
     *,
     rows: int,
     step: float,
     place_units: str,
     segment: Any = None,
 ) -> PowerSpectrum:
-    """Return Welch's estimate from panels of a column of so many ``rows``, which are ``step`` apart.
+    """Return Welch's estimate from chunks of a column of so many ``rows``, which are ``step`` apart.
 
     Over time G(f) = 2 S(2 pi f), one-sided, in SI; along the distance S(k), two-sided, in working units.
     """
@@ -121,8 +121,8 @@ def power_spectrum(
             f"{name}: a segment of {told}, in a record of {rows:,}; a spectrum needs segments of 8 rows or more"
         )
     total = WelchSum(ticks, step)
-    for panel in panels:
-        total.add(np.asarray(panel, dtype=np.float64))
+    for chunk in chunks:
+        total.add(np.asarray(chunk, dtype=np.float64))
     seen = total.spectrum()
     if place_units != "s":
         return PowerSpectrum(
@@ -161,7 +161,7 @@ def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpe
     seen = power_spectrum(
         quantity,
         column.units,
-        column.panels(),
+        column.chunks(),
         rows=len(column),
         step=step,
         place_units="s" if slider else "um",

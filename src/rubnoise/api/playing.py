@@ -27,7 +27,7 @@ from rubnoise.storage.written import Written
 if TYPE_CHECKING:
     from rubnoise.api.record import Record
 
-PANEL_ROWS: Final = 65_536
+ROWS_AT_ONCE: Final = 65_536
 """Rows of a record in memory that are written at once."""
 
 
@@ -113,8 +113,8 @@ def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False)
         sink = Tee((writer, tally))
         for group, columns in record.groups.items():
             rows = next(iter(columns.values())).size
-            for first in range(0, rows, PANEL_ROWS):
-                last = min(first + PANEL_ROWS, rows)
+            for first in range(0, rows, ROWS_AT_ONCE):
+                last = min(first + ROWS_AT_ONCE, rows)
                 sink.write(group, first, {name: values[first:last] for name, values in columns.items()})
         writer.publish(_figures(model, tally))
     return writer.written
