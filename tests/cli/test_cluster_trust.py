@@ -157,6 +157,7 @@ def _certificate(name: str) -> None:
 needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the keys, is missing")
 
 
+@pytest.mark.torture
 @needs_openssl
 def test_a_sweep_over_tls_gives_the_same_bits_and_lets_nobody_else_in(
     started: Dask, monkeypatch: pytest.MonkeyPatch

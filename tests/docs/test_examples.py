@@ -34,11 +34,20 @@ SAVED = re.compile(r'\.save\("(\w+)')
 WITHOUT_INPUT = {"new", "figures", "claims", "examples"}
 
 
+def test_the_readme_can_be_followed(workplace: Path) -> None:
+    _follow("README.md")
+
+
+@pytest.mark.torture
 def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
-    for page, found in PAGES.items():
-        names: dict[str, Any] = {"__name__": "__main__"}
-        for example in found:
-            _play(example, page, names)
+    for page in PAGES:
+        _follow(page)
+
+
+def _follow(page: str) -> None:
+    names: dict[str, Any] = {"__name__": "__main__"}
+    for example in PAGES[page]:
+        _play(example, page, names)
 
 
 def _play(example: Example, page: str, names: dict[str, Any]) -> None:

@@ -33,6 +33,7 @@ def test_there_are_two() -> None:
     assert [path.stem for path in NOTEBOOKS] == ["lifetimes", "noise"]
 
 
+@pytest.mark.torture
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_it_runs_as_a_script_and_leaves_nothing_behind(notebook: Path, tmp_path: Path) -> None:
     done = _run(notebook, tmp_path)

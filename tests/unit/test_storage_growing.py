@@ -184,7 +184,8 @@ def test_before_the_end_the_rows_lie_beside_the_part(tmp_path: Path) -> None:
     gone_on(tmp_path, description_of())
 
 
-@pytest.mark.parametrize("compression", ["none", pytest.param("gzip", marks=pytest.mark.torture)])
+@pytest.mark.torture
+@pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, compression: Compression) -> None:
     with recorded(tmp_path / "run", compression) as recording:
         assert len(recording.moments) > 150
@@ -200,6 +201,7 @@ def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, c
                 gone_on(folder, description_of(compression))
 
 
+@pytest.mark.torture
 def test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path: Path) -> None:
     random = Random(seed_of("power cut of growing rows"))  # noqa: S311  (chance, no secret)
     with recorded(tmp_path / "run") as recording:
