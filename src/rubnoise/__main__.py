@@ -1,5 +1,6 @@
 """`python -m rubnoise` is the command line, and `rubnoise` comes here too."""
 
+import os
 import signal
 
 
@@ -8,6 +9,8 @@ def main() -> None:
     usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if usual:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # Plug-ins of pydantic, of which we use none, are looked for in all that is installed.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     from rubnoise.cli.app import main as command_line
 
     if usual:

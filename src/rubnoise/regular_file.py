@@ -9,6 +9,17 @@ from typing import BinaryIO
 PIECE_BYTES = 1 << 20
 
 
+def flags(*names: str) -> int:
+    """Return flags for os.open by their names; those that a system lacks are left out.
+
+    Windows has none of POSIX's, and takes a file for text unless O_BINARY says otherwise.
+    """
+    return sum(getattr(os, name, 0) for name in (*names, "O_BINARY", "O_NOINHERIT"))
+
+
+_READING = os.O_RDONLY | flags("O_CLOEXEC", "O_NONBLOCK", "O_NOCTTY")
+
+
 class NotRegular(OSError):  # noqa: N818  (says what the path is)
     """A path that is there, and is a folder, a pipe, a device, a socket, or something that only looks like a file."""
 
@@ -22,7 +33,7 @@ def open_regular(path: str | os.PathLike[str]) -> int:
     try:
         # To open a device can already do something, so a name is asked first; another file may bear it a moment later.
         _check(Path(path).stat(), path)
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK | os.O_NOCTTY)
+        descriptor = os.open(path, _READING)
     except ValueError as problem:
         raise OSError(errno.EINVAL, str(problem), os.fspath(path)) from problem
     try:

@@ -1,14 +1,18 @@
 """The notebooks run as scripts from their first cell to their last, and what they claim on the way holds."""
 
+import json
 import os
+import re
 import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from tests.architecture.sources import ROOT
+from tools.export_notebooks import Cell, cells_of, plain_notebook, static_page
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
 NEEDED = ("marimo", "matplotlib", "h5netcdf", "xarray")
@@ -29,8 +33,42 @@ def _run(script: Path, folder: Path) -> "subprocess.CompletedProcess[str]":
     )
 
 
-def test_there_are_two() -> None:
-    assert [path.stem for path in NOTEBOOKS] == ["lifetimes", "noise"]
+def test_there_are_three() -> None:
+    assert [path.stem for path in NOTEBOOKS] == ["first_run", "lifetimes", "noise"]
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_plain_notebook_is_made_of_its_source(notebook: Path) -> None:
+    """python tools/export_notebooks.py writes it."""
+    text = notebook.with_suffix(".ipynb").read_text(encoding="utf-8")
+    assert text == plain_notebook(cells_of(notebook.read_text(encoding="utf-8")))
+    cells = json.loads(text)["cells"]
+    assert not any("marimo" in line or "mo." in line for cell in cells for line in code_of(cell))
+    assert {cell["cell_type"] for cell in cells} == {"markdown", "code"}
+    for cell in cells:
+        compile("".join(code_of(cell)), notebook.name, "exec")
+
+
+def code_of(cell: dict[str, Any]) -> list[str]:
+    return list(cell["source"]) if cell["cell_type"] == "code" else []
+
+
+@pytest.mark.parametrize(
+    "notebook",
+    [pytest.param(path, marks=() if path.stem == "first_run" else pytest.mark.torture) for path in NOTEBOOKS],
+    ids=lambda path: path.stem,
+)
+def test_a_page_of_the_plain_notebook_has_its_results_and_loads_nothing(
+    notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads(notebook.with_suffix(".ipynb").read_text(encoding="utf-8"))["cells"]
+    page = static_page("title", [Cell(cell["cell_type"], "".join(cell["source"])) for cell in cells])
+    assert page.count("data:image/png;base64,") >= 3
+    assert page.count("<pre class=code>") == sum(cell["cell_type"] == "code" for cell in cells)
+    assert re.findall(r"""(?:src|href)\s*=\s*["']?(?!data:)[^"' >]+|url\([^)]*\)|@import|<script""", page) == []
+    assert ("data:audio/wav;base64,UklGR" in page) == (notebook.stem == "noise")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.torture

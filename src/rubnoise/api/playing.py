@@ -19,7 +19,7 @@ from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import simulate, slider_constants
 from rubnoise.storage.forecast import check_disk_space, expected
 from rubnoise.storage.layout import RunDescription, features_of
-from rubnoise.storage.output import check_output
+from rubnoise.storage.output import check_locks, check_output
 from rubnoise.storage.provenance import gather
 from rubnoise.storage.writer import RunWriter
 from rubnoise.storage.written import Written
@@ -106,6 +106,7 @@ def save(record: "Record", path: str | os.PathLike[str], *, force: bool = False)
     if scenario is None:
         raise Refused("this record does not know its scenario; rubnoise.simulate makes one that does")
     model, tally = scenario.model(), Tally.of(scenario.model())
+    check_locks(path)
     check_output(path, force=force)
     check_disk_space(scenario, expected(scenario), path)
     command = [Path(sys.argv[0]).name, *sys.argv[1:]]

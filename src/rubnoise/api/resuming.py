@@ -20,7 +20,7 @@ from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.state import State
 from rubnoise.storage.forecast import expected
 from rubnoise.storage.layout import RunDescription
-from rubnoise.storage.output import OutputPaths, check_output, sole_writer
+from rubnoise.storage.output import OutputPaths, check_locks, check_output, sole_writer
 from rubnoise.storage.resume import examined, paths_of, publish_complete
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import STREAM_VERSION
@@ -60,6 +60,7 @@ def resume(
     ...     print(refused)
     nothing.h5.part: no such file
     """
+    check_locks(part)
     check_output(paths_of(part).final, force=True, unfinished=True)
     target = Path(part).with_suffix("")
     return go_on(target, _begun(part), force=force, watch=watch, observe=observe, intervene=intervene)

@@ -22,7 +22,7 @@ from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.run import simulate as run_model
 from rubnoise.storage.forecast import check_disk_space, check_memory, expected
-from rubnoise.storage.output import check_output
+from rubnoise.storage.output import check_locks, check_output
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
 from rubnoise.streams import SEED_LIMIT
@@ -90,6 +90,7 @@ def run(
     ...     run.provenance["seed"]
     7
     """
+    check_locks(path)
     check_output(path, force=force, unfinished=True)
     scenario = _seeded(load(scenario), seed)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)

@@ -27,7 +27,7 @@ from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine, check_pulse
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.forecast import check_sweep_space, expected, together
-from rubnoise.storage.output import OutputInUse
+from rubnoise.storage.output import OutputInUse, check_locks
 from rubnoise.sweep.cluster import Cluster
 from rubnoise.sweep.conduct import SweepMeans, SweepOutcome, SweepProgress, conduct
 from rubnoise.sweep.execution import Workers
@@ -119,6 +119,7 @@ def carry_out(
 
     ``command`` is what its results say was called, ``watch`` is called with the progress, and may raise RunStopped.
     """
+    check_locks(folder)
     for case in sweep.cases:
         check_pulse(case.scenario.model())
     place = SweepFolder(Path(folder).absolute())

@@ -88,9 +88,9 @@ def root(
     """Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die."""
     context.obj.debug = debug
     if version:
-        from rubnoise import __version__
+        from rubnoise.cli.version import version_line
 
-        print(f"rubnoise {__version__}")
+        print(version_line())
         raise typer.Exit
 
 

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused
 from rubnoise.regular_file import read_at_most
@@ -11,8 +12,9 @@ from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.layers import OptionOverride
 from rubnoise.scenario.shipped import named
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
-from rubnoise.storage.reader import RunFile, open_run
-from rubnoise.storage.resume import refusal
+
+if TYPE_CHECKING:
+    from rubnoise.storage.reader import RunFile
 
 _HDF5 = b"\x89HDF"
 
@@ -82,8 +84,11 @@ def is_result(file: Path) -> bool:
 
 
 @contextmanager
-def complete_run(path: Path) -> Iterator[RunFile]:
+def complete_run(path: Path) -> Iterator["RunFile"]:
     """Open a result file; raises RunFileRefused for one that is unfinished or that open_run refuses."""
+    from rubnoise.storage.reader import open_run
+    from rubnoise.storage.resume import refusal
+
     with open_run(path) as file:
         if not file.provenance["finished"]:
             raise refusal(path)
@@ -91,7 +96,7 @@ def complete_run(path: Path) -> Iterator[RunFile]:
 
 
 @contextmanager
-def finished_run(path: Path) -> Iterator[RunFile]:
+def finished_run(path: Path) -> Iterator["RunFile"]:
     """Open a result file; a refusal about it begins with its name.
 
     Raises RunFileRefused for one that is unfinished, that open_run refuses, or whose values cannot be calculated with.

@@ -209,10 +209,17 @@ _BLAS = "scipy.linalg.cython_blas"
 
 
 def prepare_kernels() -> None:
-    """Load numba's array functions without SciPy's linear algebra, which none of our kernels calls.
+    """Have kernels that must be compiled do so without SciPy's linear algebra, which none of them calls.
 
     Only for a process that is all ours: compiled functions of other people could not multiply matrices in it.
     """
+    from rubnoise.compiling import BEFORE_COMPILING
+
+    BEFORE_COMPILING.add(_load_without_linear_algebra)
+
+
+def _load_without_linear_algebra() -> None:
+    """Load numba's array functions, which would load it."""
     if "numba.np.arraymath" in sys.modules or _BLAS in sys.modules:
         return
     modules: dict[str, Any] = sys.modules

@@ -8,6 +8,7 @@ For a gamma deviate a uniform goes through the normal quantile z, and y(z) = ln(
 piece that z lies in. The polynomials are Taylor series of the quantile, worked out at 80 digits and rounded once.
 """
 
+import sys
 from collections.abc import Iterator
 from functools import lru_cache
 from math import factorial
@@ -16,25 +17,23 @@ from typing import Any
 import numpy as np
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact import plain_deviates
+from rubnoise.contact.plain_deviates import LN2_HIGH, LN2_LOW, polynomial
 from rubnoise.streams import LARGEST_UNIFORM
 
 _PER_LN2 = float.fromhex("0x1.71547652b82fep+0")
 _EXP_SERIES = tuple(1.0 / factorial(n) for n in range(2, 15))
 
 
-def _polynomial(coefficients: tuple[float, ...], x: Doubles) -> Doubles:
-    """Evaluate c_0 + c_1 x + ... by Horner's rule."""
-    value = coefficients[-1] * x
-    value += coefficients[-2]
-    for c in coefficients[-3::-1]:
-        value *= x
-        value += c
-    return value
+def _has_compiler() -> bool:
+    """Whether the compiler is loaded, as it is where runs are made; elsewhere numpy gives the same bits sooner."""
+    return "numba" in sys.modules
 
 
 def logarithm(x: Doubles) -> Doubles:
     """Return ln x for positive normal numbers, within 2 ulp."""
-    # Only who draws waits for the compiler to be loaded, and no one who asks theory.
+    if not _has_compiler():
+        return plain_deviates.logarithms(np.ravel(x)).reshape(x.shape)
     from rubnoise.contact.compiled_deviates import logarithms
 
     result = np.empty(x.shape)
@@ -47,12 +46,10 @@ def antilogarithm(x: Doubles) -> Doubles:
 
     x = k ln 2 + r with |r| <= ln 2 / 2, e^r by its series, and 2^k by exact scaling.
     """
-    from rubnoise.contact.compiled_deviates import LN2_HIGH, LN2_LOW
-
     x = np.maximum(x, -708.0)
     power = np.rint(x * _PER_LN2)
     r = (x - power * LN2_HIGH) - power * LN2_LOW
-    grown = 1.0 + (r + r * r * _polynomial(_EXP_SERIES, r))
+    grown = 1.0 + (r + r * r * polynomial(_EXP_SERIES, r))
     return np.ldexp(grown, power.astype(np.int32))
 
 
@@ -64,6 +61,8 @@ def exponential(uniform: Doubles) -> Doubles:
 
 def normal_quantile(probability: Doubles) -> Doubles:
     """Return z with Phi(z) = p for p in (0, 1), relative error about 1e-15 (Wichura 1988, AS 241)."""
+    if not _has_compiler():
+        return plain_deviates.normal_quantiles(np.ravel(probability)).reshape(probability.shape)
     from rubnoise.contact.compiled_deviates import normal_quantiles
 
     result = np.empty(probability.shape)

@@ -1,6 +1,6 @@
-"""How many rows a run will have, counted without running it; compiles nothing."""
+"""How many rows a run will have, counted without running it."""
 
-from typing import Literal
+from typing import Final, Literal
 
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -9,6 +9,10 @@ from rubnoise.simulation.draws import births_by_block, start
 
 Engine = Literal["events", "batch"]
 """How a block is played: as processes with their events, or all at once. Both give the same rows, bit for bit."""
+
+
+WORTH_COMPILING: Final = 1e7
+"""Births beyond which loading the compiler takes less time than counting them without it."""
 
 
 def check_pulse(model: Model) -> None:
@@ -26,6 +30,8 @@ def extent(model: Model, seed: int) -> Extent:
     Raises Refused as `check_pulse` does.
     """
     check_pulse(model)
+    if model.birth_rate * model.distance > WORTH_COMPILING:
+        import numba  # noqa: F401  (with which deviates are compiled)
     born = list(births_by_block(model, seed))
     return Extent(
         junctions=start(model, seed).junctions + sum(born),

@@ -9,11 +9,19 @@ import errno
 import os
 import sys
 from pathlib import Path
+from threading import Lock
+from typing import Final
 
 from rubnoise.errors import RubnoiseError
+from rubnoise.regular_file import flags
 
 LARGEST = 1 << 30
 """Bytes in one call at most: some systems take no more."""
+
+_OURS_ALONE: Final = flags("O_CLOEXEC", "O_NOFOLLOW")
+
+SEEKING: Final = Lock()
+"""Held where a read moves the position of a file, which its threads and its copies in other processes share."""
 
 
 class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
@@ -26,12 +34,12 @@ class NotAsWritten(RubnoiseError):  # noqa: N818  (that is what the file is)
 
 def create(path: Path) -> int:
     """Create a file that is not there yet, for reading and writing, and return its descriptor."""
-    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, 0o666)
+    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | _OURS_ALONE, 0o666)
 
 
 def reopen(path: Path) -> int:
     """Open a file that is there, for reading and writing, and return its descriptor."""
-    return os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+    return os.open(path, os.O_RDWR | _OURS_ALONE)
 
 
 def close(descriptor: int) -> None:
@@ -46,11 +54,21 @@ def read_into(descriptor: int, target: memoryview, offset: int) -> int:
     """
     done = 0
     while done < len(target):
-        count = os.preadv(descriptor, [target[done : done + LARGEST]], offset + done)
+        count = _read_some(descriptor, target[done : done + LARGEST], offset + done)
         if not count:
             break
         done += count
     return done
+
+
+def _read_some(descriptor: int, target: memoryview, offset: int) -> int:
+    if hasattr(os, "preadv"):
+        return os.preadv(descriptor, [target], offset)
+    with SEEKING:
+        os.lseek(descriptor, offset, os.SEEK_SET)
+        part = os.read(descriptor, len(target))
+    target[: len(part)] = part
+    return len(part)
 
 
 def read(descriptor: int, size: int, offset: int) -> bytes:
@@ -110,7 +128,9 @@ def begin_sync(descriptor: int) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """See the names in a folder onto the disk."""
+    """See the names in a folder onto the disk, where a folder can be opened."""
+    if not hasattr(os, "O_DIRECTORY"):
+        return
     descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
     try:
         os.fsync(descriptor)
@@ -120,7 +140,7 @@ def sync_folder(folder: Path) -> None:
 
 def rename(source: Path, target: Path) -> None:
     """Give a file another name, in the place of whatever bears it."""
-    source.rename(target)
+    source.replace(target)
 
 
 def link(source: Path, target: Path) -> None:

@@ -1,13 +1,14 @@
 """What a run will take, forecast before its first event, and whether this machine has that much disk and memory."""
 
 import os
-import resource
+import shutil
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from math import ceil, floor
+from math import ceil, floor, inf
+from mmap import PAGESIZE
 from pathlib import Path, PurePosixPath
 from typing import Final, cast
 
@@ -23,7 +24,6 @@ from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.response import response
 
 BLOCK_BYTES = 512
-_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 def free_disk_bytes(path: str | os.PathLike[str]) -> int:
@@ -33,18 +33,27 @@ def free_disk_bytes(path: str | os.PathLike[str]) -> int:
     given back. Raises OSError where there is no such folder.
     """
     final = Path(path).absolute()
-    disk = os.statvfs(final.parent)
-    room = disk.f_bavail * disk.f_frsize
+    room = shutil.disk_usage(final.parent).free
     for beside in (".part", ".part.rows"):
         with suppress(FileNotFoundError):
-            room += final.with_name(f"{final.name}{beside}").lstat().st_blocks * BLOCK_BYTES
-    largest = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
-    return room if largest == resource.RLIM_INFINITY else min(room, largest)
+            about = final.with_name(f"{final.name}{beside}").lstat()
+            room += about.st_blocks * BLOCK_BYTES if hasattr(about, "st_blocks") else about.st_size
+    return int(min(room, _limit("RLIMIT_FSIZE")))
+
+
+def _limit(name: str) -> float:
+    """Return a limit of this process, inf where it has none or the system knows no limits."""
+    try:
+        import resource
+    except ImportError:
+        return inf
+    limit = resource.getrlimit(getattr(resource, name))[0]
+    return inf if limit == resource.RLIM_INFINITY else limit
 
 
 def memory_in_use(root: Path = Path("/")) -> int:
     """Return the bytes of memory that this process holds, or 0 where the system does not tell."""
-    return _pages(root)[1] * _PAGE_BYTES
+    return _pages(root)[1] * PAGESIZE
 
 
 def free_memory_bytes(root: Path = Path("/")) -> int | None:
@@ -61,14 +70,14 @@ def _available(root: Path) -> Iterator[int]:
     _, name, after = _text(root / "proc/meminfo").partition("MemAvailable:")
     if name:
         yield int(after.split(maxsplit=1)[0]) * 1024
-    elif "SC_PHYS_PAGES" in os.sysconf_names:
-        yield os.sysconf("SC_PHYS_PAGES") * _PAGE_BYTES
+    elif "SC_PHYS_PAGES" in getattr(os, "sysconf_names", ()):
+        yield os.sysconf("SC_PHYS_PAGES") * PAGESIZE
 
 
 def _left_of_address_space(root: Path) -> Iterator[int]:
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if limit != resource.RLIM_INFINITY:
-        yield max(limit - _pages(root)[0] * _PAGE_BYTES, 0)
+    limit = _limit("RLIMIT_AS")
+    if limit < inf:
+        yield max(int(limit) - _pages(root)[0] * PAGESIZE, 0)
 
 
 def _left_in_groups(root: Path) -> Iterator[int]:

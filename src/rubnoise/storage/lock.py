@@ -1,15 +1,28 @@
-"""A lock file: it keeps other processes away as long as its process lives, and its last holder removes it."""
+"""A lock file: it keeps other processes away as long as its process lives, and its last holder removes it.
 
-import fcntl
+Windows has no such locks. There nothing is locked, and what cannot do without (see `AVAILABLE`) is refused.
+"""
+
 import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from errno import ENOLCK
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Final
 
+from rubnoise.regular_file import flags
 from rubnoise.storage import disk
+
+try:
+    import fcntl
+except ImportError:
+    AVAILABLE = False
+else:
+    AVAILABLE = True
+
+_OWN_FILE: Final = flags("O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK")
 
 PATIENCE_SECONDS: Final = 0.3
 """Longer than it takes to see whether a lock is held, and to let go of one that a killed run has left to a copy."""
@@ -26,6 +39,8 @@ def holding(path: Path, *, shared: bool = False, patience: float | None = PATIEN
     ``patience``: how many seconds to wait for others, None for as long as it takes. Raises Held where they have it
     still, OSError where there can be no lock.
     """
+    if not AVAILABLE:
+        raise OSError(ENOLCK, "this system has no locks for it")
     descriptor = _locked(path, fcntl.LOCK_SH if shared else fcntl.LOCK_EX, patience)
     try:
         yield
@@ -39,14 +54,22 @@ def is_held(path: Path) -> bool:
     if descriptor is None:
         return False
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
+        return not share(descriptor)
     finally:
         os.close(descriptor)
-    return False
+
+
+def share(descriptor: int) -> bool:
+    """Take a lock that readers share, for as long as a file is open; False where another process holds it alone."""
+    if not AVAILABLE:
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True  # where a file system has no locks, no other process has one either
+    return True
 
 
 def remove_stale(path: Path) -> None:
@@ -112,7 +135,7 @@ def _is_alone(descriptor: int) -> bool:
 def _found(path: Path) -> int | None:
     """Open a lock file that is there; None where there is none that may be opened."""
     with suppress(OSError):
-        descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
+        descriptor = os.open(path, os.O_RDONLY | _OWN_FILE)
         if stat.S_ISREG(os.fstat(descriptor).st_mode):
             return descriptor
         os.close(descriptor)

@@ -15,6 +15,11 @@ from typing import Self
 from rubnoise.errors import OutputRefused, RubnoiseError
 from rubnoise.storage import disk, lock
 
+NO_LOCKS = (
+    "a run is written on Linux and macOS only, where locks keep a second writer out; on Windows use its Subsystem for"
+    " Linux (WSL), or keep the run in memory with rubnoise.simulate"
+)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutputPaths:
@@ -83,6 +88,12 @@ def sole_writer(paths: OutputPaths) -> Iterator[None]:
         except OSError as problem:
             raise OutputRefused(f"{paths.final}: cannot be locked: {_reason(problem)}") from problem
         yield
+
+
+def check_locks(path: str | os.PathLike[str]) -> None:
+    """Raise OutputRefused on a system without the locks that the file of a run or of a sweep needs."""
+    if not lock.AVAILABLE:
+        raise OutputRefused(f"{path}: {NO_LOCKS}")
 
 
 def is_being_written(paths: OutputPaths) -> bool:
@@ -208,12 +219,40 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     fails. Whatever is raised meanwhile leaves nothing behind.
     """
     paths = check_output(path, force=force)
+    if not lock.AVAILABLE:
+        with _unlocked_file(paths, force=force) as part:
+            yield part
+        return
     with sole_writer(paths):
         check_output(path, force=force)
         with _naming_file(paths), _new(paths.part) as descriptor:
             yield paths.part
             disk.sync(descriptor)
             give_final_name(paths, descriptor, force=force)
+
+
+@contextmanager
+def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
+    """Do as `whole_file` where there are no locks; the file is closed before it gets its name, as Windows asks."""
+    with _naming_file(paths):
+        try:
+            with _new(paths.part):
+                pass
+            yield paths.part
+            descriptor = disk.reopen(paths.part)
+            try:
+                disk.sync(descriptor)
+            finally:
+                disk.close(descriptor)
+            if force:
+                disk.rename(paths.part, paths.final)
+            else:
+                _rename_to_absent(paths)
+        except OutputAppearedError:
+            raise
+        except BaseException:
+            disk.remove(paths.part)
+            raise
 
 
 @contextmanager

@@ -5,7 +5,6 @@ reads from places that were checked: in this process HDF5 never sees it. Both go
 no other file can take its place in between.
 """
 
-import fcntl
 import json
 import os
 import threading
@@ -23,7 +22,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
-from rubnoise.storage import disk
+from rubnoise.storage import disk, lock
 from rubnoise.storage.layout import DTYPES, Name, Place, places_of, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
@@ -251,12 +250,8 @@ def _check_signature(descriptor: int, path: str | os.PathLike[str]) -> None:
 
 def _share(descriptor: int) -> None:
     """Take the lock that HDF5 takes for reading, for as long as the file is open."""
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError as problem:
-        raise InUse("is being written by another program") from problem
-    except OSError:
-        return  # where a file system has no locks, no other process has one either
+    if not lock.share(descriptor):
+        raise InUse("is being written by another program")
 
 
 def _surveyed(descriptor: int, own: "Written | None", *, strict: bool) -> dict[str, Any]:
@@ -286,13 +281,15 @@ def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[s
 
 
 def _answer(descriptor: int, look: "LookName", *, own: bool) -> bytes:
-    if threading.active_count() > 1 and not own:
-        from rubnoise.storage.sandbox import SANDBOX_WORKER
+    from rubnoise.storage.sandbox import SANDBOX_WORKER, look_of, looked_at_by_another, sandboxed
 
+    if own:
+        return look_of(look)(descriptor)
+    if not hasattr(os, "fork"):
+        return looked_at_by_another(descriptor, look)
+    if threading.active_count() > 1:
         return SANDBOX_WORKER.ask(descriptor, look)
-    from rubnoise.storage.sandbox import look_of, sandboxed
-
-    return look_of(look)(descriptor) if own else sandboxed(descriptor, look_of(look))
+    return sandboxed(descriptor, look_of(look))
 
 
 def _stored(group: str, columns: Mapping[str, Any]) -> dict[str, StoredColumn]:

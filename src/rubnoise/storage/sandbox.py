@@ -5,13 +5,14 @@ is all that it needs; as it can open no other, no link, external storage or plug
 
 A program that runs threads (a notebook, say) should not make copies of itself. A process of one thread, started with
 the first file that such a program opens and gone with it, gets the descriptor of each file and makes the copies.
+
+Windows makes no copies of a process. There a new one looks at each file, within the same time.
 """
 
 import faulthandler
 import gc
 import json
 import os
-import resource
 import select
 import signal
 import socket
@@ -38,7 +39,7 @@ CPU_SECONDS: Final = 10
 WALL_SECONDS: Final = 60.0
 ANSWER_BYTES: Final = 64 * 1024**2
 
-FROM_OUTSIDE: Final = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP)
+FROM_OUTSIDE: Final = frozenset({"SIGKILL", "SIGTERM", "SIGHUP"})
 """Signals that no library sends to itself: a lack of memory, or a user."""
 
 Look = Callable[[int], bytes]
@@ -102,6 +103,8 @@ def _be_quiet() -> None:
 
 def _be_small() -> None:
     """Give up the right to more memory, time, descriptors and bytes on disk than a look at a sound file takes."""
+    import resource
+
     _limit(resource.RLIMIT_CPU, CPU_SECONDS, spare=1)  # at the hard limit it would be killed without a reason
     _limit(resource.RLIMIT_FSIZE, 0)
     _limit(resource.RLIMIT_CORE, 0)
@@ -112,6 +115,8 @@ def _be_small() -> None:
 
 
 def _limit(what: int, most: int, *, spare: int = 0) -> None:
+    import resource
+
     _, hard = resource.getrlimit(what)
     last = most + spare if hard == resource.RLIM_INFINITY else min(most + spare, hard)
     resource.setrlimit(what, (min(most, last), last))
@@ -126,8 +131,8 @@ def _outcome(child: int, receiving: int, deadline: float) -> bytes:
             os.kill(child, signal.SIGKILL)
         _, status = os.waitpid(child, 0)
     if answer is None:
-        return _refusal("reading its structure takes more time or memory than that of any run", unseen=True)
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) in FROM_OUTSIDE:
+        return _refusal(TOO_MUCH, unseen=True)
+    if os.WIFSIGNALED(status) and signal.Signals(os.WTERMSIG(status)).name in FROM_OUTSIDE:
         return _refusal("the process that read its structure was killed; try again", unseen=True)
     return answer if status == 0 else _refusal(f"damaged: HDF5 {_end(status)} on its structure; {REMEDY}")
 
@@ -149,13 +154,15 @@ def _received(receiving: int, deadline: float) -> bytes | None:
 def _end(status: int) -> str:
     if not os.WIFSIGNALED(status):
         return "fails"
-    number = os.WTERMSIG(status)
-    return "loops" if number == signal.SIGXCPU else f"crashes ({signal.Signals(number).name})"
+    name = signal.Signals(os.WTERMSIG(status)).name
+    return "loops" if name == "SIGXCPU" else f"crashes ({name})"
 
 
 def _refusal(reason: str, *, unseen: bool = False) -> bytes:
     return json.dumps({"refused": reason, "unseen": unseen}).encode()
 
+
+TOO_MUCH: Final = "reading its structure takes more time or memory than that of any run"
 
 LookName = Literal["survey", "inventory", "inspection"]
 
@@ -267,3 +274,44 @@ def _received_from(channel: socket.socket, count: int) -> bytes:
             raise ConnectionError("the process that looks at result files has ended")
         parts += part
     return bytes(parts)
+
+
+LOOK_ALONE: Final = "import sys; from rubnoise.storage.sandbox import look_alone; look_alone(sys.argv[1])"
+
+
+def looked_at_by_another(descriptor: int, look: LookName, *, patience: float = WALL_SECONDS) -> bytes:
+    """Return what a look at an open file finds in a new process, answered as by `sandboxed`.
+
+    For systems without fork: the process has the file as its standard input, and no limit but that of time.
+    """
+    from subprocess import PIPE, TimeoutExpired, run
+
+    folders = os.pathsep.join(filter(None, sys.path))
+    command = [sys.executable, "-P", "-c", LOOK_ALONE, look]
+    with disk.SEEKING:
+        os.lseek(descriptor, 0, os.SEEK_SET)
+        try:
+            done = run(  # noqa: S603  (our own words)
+                command,
+                stdin=descriptor,
+                stdout=PIPE,
+                env={**os.environ, "PYTHONPATH": folders},
+                timeout=patience,
+                check=False,
+            )
+        except TimeoutExpired:
+            return _refusal(TOO_MUCH, unseen=True)
+    if done.returncode or len(done.stdout) > ANSWER_BYTES:
+        return _refusal(f"damaged: HDF5 fails on its structure; {REMEDY}")
+    return done.stdout
+
+
+def look_alone(name: LookName) -> None:
+    """Be that process: look at standard input, and write the answer to standard output, which HDF5 may not have."""
+    faulthandler.disable()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    answer = os.dup(1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    disk.append_all(answer, memoryview(look_of(name)(0)))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
-from rubnoise.theory.quadrature import hard_ends, panels, size_range
+from rubnoise.theory.quadrature import distinct, hard_ends, panels, size_range
 
 _PANELS = 8
 _NODES = 10
@@ -48,7 +48,7 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
 
 def _continuous(model: Model, start: float, distance: float) -> tuple[Doubles, Doubles]:
     end = min(distance, longest_life(model))
-    edges = np.unique(np.clip(lag_edges(model, end), start, end))
+    edges = distinct(np.clip(lag_edges(model, end), start, end))
     lags, weights = panels(edges, _NODES)
     return lags, weights * (2.0 / distance) * (1.0 - lags / distance)
 
@@ -65,7 +65,7 @@ def lag_edges(model: Model, end: float) -> Doubles:
     shortest = hard_ends(model.sizes)[0]
     if shortest is not None and 2.0 * shortest < end:
         parts.append(np.array([2.0 * shortest]))
-    return np.unique(np.concatenate(parts))
+    return distinct(np.concatenate(parts))
 
 
 def _typical_life(model: Model) -> float:

@@ -13,7 +13,7 @@ from rubnoise.model import Model
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
-from rubnoise.theory.quadrature import panels, size_range
+from rubnoise.theory.quadrature import distinct, panels, size_range
 from rubnoise.theory.regular_births import spectral_lines
 from rubnoise.theory.spectrum import force_spectral_density
 
@@ -58,7 +58,7 @@ def response_edges(model: Model, drive: Drive) -> Doubles:
     half_width = drive.slider.damping_ratio * drive.resonance
     if resolved < drive.resonance < swinging and half_width * reach < _SHARP:
         parts.append(drive.resonance + np.arange(-_AROUND, _AROUND, _SWING) / reach)
-    return np.unique(np.concatenate(parts))
+    return distinct(np.concatenate(parts))
 
 
 def _octaves(lowest: float, highest: float) -> Doubles:
