@@ -1,4 +1,4 @@
-"""A first run: load a scenario, run it, look at it, and compare it with exact theory; a marimo notebook, and a script."""
+"""A first run: a scenario, its run, pictures, and exact theory beside them; a marimo notebook, and a script."""
 
 import marimo
 
@@ -108,11 +108,8 @@ def _(mo):
 
 
 @app.cell
-def _(plt, run):
-    _figure, (_left, _right) = plt.subplots(1, 2, figsize=(10.0, 4.0), layout="constrained")
-    run.plot("histogram", _left)
-    run.plot("psd", _right)
-    _figure
+def _(run):
+    run.plot("psd")
     return
 
 
@@ -161,7 +158,8 @@ def _(mo):
     mo.md(r"""
     ## Change one parameter
 
-    Five speeds, five runs. The slider resonates where the force has most of its power at the natural frequency.
+    Five speeds, five runs. At a higher speed the same force passes faster, and more of its power reaches the natural
+    frequency of the slider; beyond that, the power spreads over more frequencies and less of it is there.
     """)
     return
 
@@ -178,6 +176,8 @@ def _(np, plt, rubnoise, scenario):
     _figure, _axes = plt.subplots(figsize=(6.4, 3.4), layout="constrained")
     _axes.loglog(_speeds, _found, "o", color="#0072b2", label="simulated")
     _axes.loglog(_speeds, _exact, color="#d55e00", label="exact")
+    _axes.set_xticks(_speeds, map(str, _speeds))
+    _axes.set_xticks([], minor=True)
     _axes.set(xlabel="sliding speed (mm/s)", ylabel="std of the displacement (µm)")
     _axes.legend(frameon=False)
     # Fast runs last few decay times of the slider, so their spread is less certain.

@@ -99,7 +99,7 @@ def _(mo):
     Births come at a rate $\lambda$, and each adds a pulse $A(s)$. Campbell's theorem says: the sum has the mean
     $\lambda \int A\,ds$ and the variance $\lambda \int A^2 ds$. For the overlap of two circles this gives
 
-    $$\frac{\sigma}{\text{mean}} = \frac{3}{2}\sqrt{\frac{2\pi/3 - 64/45}{N}} = \frac{1.2298}{\sqrt N}.$$
+    $$\frac{\sigma}{\text{mean}} = \frac{3}{2}\sqrt{\frac{2\pi/3 - 64/45}{N}} = \frac{1.2298}{\sqrt{N}}.$$
 
     Four times as many junctions give half the noise. Each point below is a run, and the line is the law.
     """)

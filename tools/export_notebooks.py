@@ -52,7 +52,7 @@ def _cell(source: str, function: ast.FunctionDef) -> Cell:
     lines = source.splitlines(keepends=True)[function.body[0].lineno - 1 : function.end_lineno]
     # Comments above the first statement belong to the cell.
     above = source.splitlines(keepends=True)[function.lineno : function.body[0].lineno - 1]
-    text = "".join(line[4:] if line.startswith("    ") else line for line in [*above, *lines])
+    text = "".join(line.removeprefix("    ") for line in [*above, *lines])
     return Cell("code", _without_marimo(text).strip("\n") + "\n")
 
 
@@ -102,7 +102,7 @@ def _indented(text: str) -> str:
 
 def plain_notebook(cells: list[Cell]) -> str:
     """Return a notebook of format 4.5, without outputs."""
-    made = [
+    made: list[dict[str, Any]] = [
         {"cell_type": cell.kind, "id": f"cell-{number}", "metadata": {}, "source": cell.text.splitlines(keepends=True)}
         | ({"execution_count": None, "outputs": []} if cell.kind == "code" else {})
         for number, cell in enumerate(cells)
@@ -122,6 +122,7 @@ def _sound() -> Iterator[None]:
     display.Audio = Sound
     package: Any = types.ModuleType("IPython")
     package.display = display
+    package.get_ipython, package.version_info = lambda: None, (99, 0)  # matplotlib asks
     before = {name: sys.modules.get(name) for name in ("IPython", "IPython.display")}
     sys.modules.update({"IPython": package, "IPython.display": display})
     try:
@@ -189,13 +190,13 @@ def _shown(value: Any) -> str:
         plt.close(value)
         return f'<img alt="the picture that this cell draws" src="{_inline("image/png", picture.getvalue())}">'
     if hasattr(value, "_repr_html_"):
-        return str(value._repr_html_())  # noqa: SLF001  (what notebooks ask for)
+        return str(value._repr_html_())
     return f"<pre>{html.escape(repr(value))}</pre>"
 
 
 def _text(text: str) -> str:
     """Return Markdown as HTML, its formulas as pictures."""
-    import markdown
+    import markdown  # type: ignore[import-untyped]
 
     formulas: list[str] = []
 
@@ -215,11 +216,13 @@ def _formula(text: str, *, apart: bool) -> str:
     source = " ".join(text.split())
     font = FontProperties(size=15 if apart else 12)
     drawn = io.BytesIO()
-    plain = source.replace(r"\text{mean}", r"\mathrm{mean}")
+    plain = source.replace(r"\text{", r"\mathrm{")
     math_to_image(f"${plain}$", drawn, prop=font, dpi=160, format="png")
     below = MathTextParser("agg").parse(f"${plain}$", dpi=72, prop=font).depth
     size = f"height:{_height(drawn.getvalue()) / 160:.3f}in; vertical-align:{-below:.1f}pt"
-    picture = f'<img class=formula alt="{html.escape(source)}" style="{size}" src="{_inline("image/png", drawn.getvalue())}">'
+    picture = (
+        f'<img class=formula alt="{html.escape(source)}" style="{size}" src="{_inline("image/png", drawn.getvalue())}">'
+    )
     return f"<div class=formula>{picture}</div>" if apart else picture
 
 

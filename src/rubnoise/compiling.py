@@ -7,7 +7,7 @@ from pickle import UnpicklingError
 from typing import Any, Final
 
 from numba import float64, njit
-from numba.core.runtime import rtsys
+from numba.core.runtime.nrt import rtsys
 from numba.extending import intrinsic
 
 SOURCES = (

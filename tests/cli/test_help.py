@@ -114,7 +114,11 @@ def test_help_of_no_command_loads_anything_heavy() -> None:
 
 def test_the_version_is_told() -> None:
     answer = call("--version")
-    assert (answer.code, answer.out.partition(" (")[0].strip(), answer.err) == (0, f"rubnoise {rubnoise.__version__}", "")
+    assert (answer.code, answer.out.partition(" (")[0].strip(), answer.err) == (
+        0,
+        f"rubnoise {rubnoise.__version__}",
+        "",
+    )
 
 
 def test_without_a_command_help_is_shown() -> None:

@@ -33,3 +33,32 @@ def test_a_run_loads_no_linear_algebra_and_leaves_it_to_others(here: Path) -> No
 
 def test_from_python_the_compiled_functions_of_others_multiply_matrices(here: Path) -> None:
     assert _told(MULTIPLYING) == ["25.0"]
+
+
+QUESTIONS = """
+import contextlib, sys
+from rubnoise.cli.app import main
+for words in (["check", "../given/slider.toml", "--json"], ["run", "../given/slider.toml", "--dry-run"]):
+    sys.argv = ["rubnoise", *words]
+    with contextlib.suppress(SystemExit):
+        main()
+print("loaded:", *sorted({"h5py", "matplotlib", "numba", "numpy.ma", "pandas", "pint", "scipy"} & set(sys.modules)))
+"""
+KEPT_CODE = """
+import sys
+import rubnoise
+rubnoise.simulate("../given/slider.toml")
+print(*sorted({"numba.np.arraymath", "numba.np.linalg"} & set(sys.modules)))
+import numba
+print(numba.njit(lambda a: (a * a).sum())(__import__("numpy").array([3.0, 4.0])))
+"""
+
+
+def test_questions_about_a_scenario_load_no_compiler_and_no_file_format(here: Path) -> None:
+    assert _told(QUESTIONS)[-1] == "loaded:"
+
+
+def test_kept_code_is_loaded_without_what_compiles(here: Path) -> None:
+    """Others may compile after it as before."""
+    _told(KEPT_CODE)  # which keeps the code, where none is kept yet
+    assert _told(KEPT_CODE) == ["", "25.0"]

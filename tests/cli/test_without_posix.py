@@ -22,6 +22,10 @@ from tests.cli.terminal import WITH_SLIDER, call
 WITHOUT = """
 import importlib.abc, mmap, os, shutil, signal, socket, subprocess, sys, tempfile, threading
 import multiprocessing.connection
+import platformdirs.unix  # which pint takes for the right one, as sys.platform stays what it is
+
+usage = shutil.disk_usage(".")
+shutil.disk_usage = lambda path: usage
 
 REFUSED = {"fcntl", "grp", "posix_ipc", "pty", "pwd", "resource", "syslog", "termios", "tty"}
 
@@ -34,10 +38,10 @@ sys.meta_path.insert(0, Refusing())
 for name in REFUSED & set(sys.modules):
     del sys.modules[name]
 for name in (
-    "O_CLOEXEC O_DIRECTORY O_NOCTTY O_NOFOLLOW O_NONBLOCK O_SYNC O_DSYNC WIFSIGNALED WTERMSIG chown confstr confstr_names"
-    " fchdir fchmod fchown fdatasync fork forkpty fpathconf getegid geteuid getgid getloadavg getpgid getpgrp getuid"
-    " killpg lockf mkfifo mknod nice pathconf posix_fadvise posix_fallocate posix_spawn pread preadv pwrite pwritev"
-    " sched_getaffinity sched_yield sendfile setsid statvfs fstatvfs sync sysconf sysconf_names wait3 wait4"
+    "O_CLOEXEC O_DIRECTORY O_NOCTTY O_NOFOLLOW O_NONBLOCK O_SYNC O_DSYNC WIFSIGNALED WTERMSIG chown confstr"
+    " confstr_names fchdir fchmod fchown fdatasync fork forkpty fpathconf getegid geteuid getgid getloadavg getpgid"
+    " getpgrp getuid killpg lockf mkfifo mknod nice pathconf posix_fadvise posix_fallocate posix_spawn pread preadv"
+    " pwrite pwritev sched_getaffinity sched_yield sendfile setsid statvfs fstatvfs sync sysconf sysconf_names wait3 wait4"
 ).split():
     if hasattr(os, name):
         delattr(os, name)
@@ -83,6 +87,7 @@ for what in (lambda: rubnoise.open("cut.h5"), lambda: kept.save("kept.h5"), lamb
         refused.append(str(refusal))
 print(json.dumps([one, two, [len(kept.junctions), *looked(0)[1:]], refused]))
 """
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -1,10 +1,13 @@
 """Deviates by inversion against a library's special functions, and their moments against theory."""
 
+import sys
+
 import mpmath
 import numpy as np
 import pytest
 from scipy import special
 
+from rubnoise.contact import deviates, plain_deviates
 from rubnoise.contact.deviates import antilogarithm, exponential, logarithm, normal_above, normal_quantile
 
 COUNT = 200_000
@@ -14,6 +17,25 @@ UNIFORM = np.random.default_rng(20).random(COUNT)
 def test_logarithm_is_right_to_the_last_bits():
     x = np.concatenate([UNIFORM[UNIFORM > 0], 1.0 - 2.0**-53 * np.arange(1, 100), 2.0 ** -np.arange(1.0, 1000.0)])
     assert np.abs(logarithm(x) / np.log(x) - 1.0).max() < 5e-16
+
+
+def test_numpy_has_the_bits_of_the_compiled_functions():
+    """What counts the births of a run need not load the compiler for it."""
+    tails = [10.0 ** -np.linspace(0.5, 300, 5000), 1.0 - 2.0**-53 * np.arange(1, 100)]
+    numbers = np.concatenate([UNIFORM[UNIFORM > 0.0], *tails, 0.5 + 2.0 ** -np.arange(2.0, 50.0)])
+    assert plain_deviates.logarithms(numbers).tobytes() == logarithm(numbers).tobytes()
+    assert plain_deviates.normal_quantiles(numbers).tobytes() == normal_quantile(numbers).tobytes()
+    assert plain_deviates.logarithms(numbers[:0]).size == plain_deviates.normal_quantiles(numbers[:0]).size == 0
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (2, 3)])
+def test_without_the_compiler_arrays_of_any_shape_come_back(shape: tuple[int, ...], monkeypatch: pytest.MonkeyPatch):
+    numbers = UNIFORM[: np.prod(shape, dtype=int)].reshape(shape)
+    compiled = logarithm(numbers), normal_quantile(numbers), exponential(numbers)
+    monkeypatch.setattr(deviates, "_has_compiler", lambda: False)
+    monkeypatch.setitem(sys.modules, "rubnoise.contact.compiled_deviates", None)  # not to be imported
+    plain = logarithm(numbers), normal_quantile(numbers), exponential(numbers)
+    assert [(each.shape, each.tobytes()) for each in plain] == [(each.shape, each.tobytes()) for each in compiled]
 
 
 def test_antilogarithm_is_right_to_the_last_bit():

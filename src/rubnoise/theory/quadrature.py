@@ -32,7 +32,7 @@ _TEST_NODES = 16
 def distinct(values: ArrayLike) -> Doubles:
     """Return values in order, each once; numpy's own function would load its masked arrays for this."""
     ordered = np.sort(np.asarray(values, dtype=np.float64), axis=None)
-    return ordered[np.append(True, np.diff(ordered) > 0.0)]  # noqa: FBT003  (the first of all)
+    return ordered[np.append(True, np.diff(ordered) > 0.0)]
 
 
 @cache
