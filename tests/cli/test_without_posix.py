@@ -41,7 +41,8 @@ for name in (
     "O_CLOEXEC O_DIRECTORY O_NOCTTY O_NOFOLLOW O_NONBLOCK O_SYNC O_DSYNC WIFSIGNALED WTERMSIG chown confstr"
     " confstr_names fchdir fchmod fchown fdatasync fork forkpty fpathconf getegid geteuid getgid getloadavg getpgid"
     " getpgrp getuid killpg lockf mkfifo mknod nice pathconf posix_fadvise posix_fallocate posix_spawn pread preadv"
-    " pwrite pwritev sched_getaffinity sched_yield sendfile setsid statvfs fstatvfs sync sysconf sysconf_names wait3 wait4"
+    " pwrite pwritev sched_getaffinity sched_yield sendfile setsid statvfs fstatvfs sync sysconf sysconf_names"
+    " wait3 wait4"
 ).split():
     if hasattr(os, name):
         delattr(os, name)
