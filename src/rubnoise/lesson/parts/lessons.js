@@ -61,7 +61,7 @@
   /** Return what is known of a lesson that nobody has begun: no prediction, no stake, no check answered. */
   function fresh() {
     const further = { step: STEPS.asked, said: '' };
-    return { step: STEPS.asked, said: '', stake: 0, look: '', running: -1, watched: {}, right: {}, further };
+    return { step: STEPS.asked, said: '', stake: 0, look: '', running: -1, pressed: [], watched: {}, right: {}, further };
   }
 
   /** Return whether the lesson may say what is right: the student has said what is seen, or the teacher has skipped. */
@@ -146,6 +146,13 @@
     rub.fragment('progress', written());
   }
 
+  /** Return the two runs that stand beside each other: the last two pressed, or the last one and its neighbour. */
+  function pair({ experiment: { runs } }, { pressed }) {
+    const last = pressed[0] ?? 0;
+    const other = pressed[1] ?? (last + 1 < runs.length ? last + 1 : last - 1);
+    return [last, other].sort().map((i) => ({ ...runs[i], pressed: pressed.includes(i) }));
+  }
+
   /** Return why the question does not fit the settings any more, or nothing. */
   function misfit(lesson, world) {
     const turned = Object.entries(lesson.needs).find(([key, value]) => world[key] !== value);
@@ -166,6 +173,7 @@
     add,
     fresh,
     revealed,
+    pair,
     chosen,
     written,
     recall,

@@ -80,14 +80,23 @@
   function open(index) {
     state.open = index;
     rub.readout.shown = false;
-    rub.show(pictureOf(index));
+    showPicture();
     show('#lesson-title');
     find('.lesson').scrollIntoView({ block: 'nearest' });
   }
 
-  /** Return the picture that a lesson's experiment begins with; none before its prediction: it gives answers away. */
-  function pictureOf(index) {
-    return state.lessons[index].step > STEPS.asked ? list[index].experiment.runs[0].show : '';
+  /** Show the pictures that the open lesson begins with; none before its prediction: they give answers away. */
+  function showPicture() {
+    const { runs } = list[state.open].experiment;
+    const { pressed, step } = current();
+    place();
+    rub.show(step > STEPS.asked ? runs[pressed[0] ?? 0].show : '');
+  }
+
+  /** Put the contacts of the open lesson beside each other, if it has two. */
+  function place() {
+    const lesson = list[state.open];
+    rub.beside.show(lesson.experiment.runs.length > 1 ? lessons.pair(lesson, current()) : []);
   }
 
   function predict() {
@@ -119,6 +128,8 @@
     rub.transport.pace(rub.exact().lifeMean * lesson.experiment.pace);
     rub.run.play();
     current().running = index;
+    current().pressed = [index, ...current().pressed.filter((other) => other !== index)];
+    place();
     if (current().step < STEPS.run) {
       current().step = STEPS.run;
       show(`[data-run="${index}"]`);
@@ -240,7 +251,7 @@
     rub.on('settings', tell);
     addEventListener('hashchange', follow);
     draw();
-    rub.show(pictureOf(state.open));
+    showPicture();
     if (recalled) root.scrollIntoView();
   }
 

@@ -126,13 +126,14 @@
       pace: 1, // lives a second
       text: `The same number of births a millimetre, first at random, then at regular distances.`,
       runs: [
-        { label: 'Births at random', set: contact({ births: 'poisson' }), show: 'gaps' },
-        { label: 'Regular births', set: contact({ births: 'regular' }), show: 'gaps' },
+        { label: 'Births at random', set: contact({ births: 'poisson' }), show: 'beside gaps' },
+        { label: 'Regular births', set: contact({ births: 'regular' }), show: 'beside gaps' },
       ],
       watch: [
         `Births at random come in clusters, with long pauses between them, although nothing draws them together.`,
         `The histogram of the gaps: highest at zero, and more than a third of the gaps longer than the mean.`,
-        `With regular births the count of junctions hardly moves. What makes the contact noisy is chance.`,
+        `Both contacts beside each other, on equal axes: a mark for each birth, and the area above. What makes the contact
+          noisy is chance.`,
       ],
       table: [
         { label: 'mean gap', unit: 'um', seen: (s) => s.gapMean, exact: (f) => f.spacing },

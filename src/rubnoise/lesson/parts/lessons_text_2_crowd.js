@@ -132,14 +132,15 @@
       pace: 1, // lives a second
       text: `The same mean area, made of 2, of 20 and of 100 junctions.`,
       runs: [
-        { label: '2 junctions', set: contact({ meanCount: 2 }), show: 'histogram' },
-        { label: '20 junctions', set: contact({ meanCount: 20 }), show: 'histogram' },
-        { label: '100 junctions', set: contact({ meanCount: 100 }), show: 'histogram' },
+        { label: '2 junctions', set: contact({ meanCount: 2 }), show: 'beside histogram' },
+        { label: '20 junctions', set: contact({ meanCount: 20 }), show: 'beside histogram' },
+        { label: '100 junctions', set: contact({ meanCount: 100 }), show: 'beside histogram' },
       ],
       watch: [
         `With 2 junctions the histogram leans to one side. For some of the way there is no contact at all: the thick line
           at area 0 is the exact share.`,
         `With 20 and 100 it becomes narrow and symmetric: the bell curve arrives.`,
+        `The last two runs stand beside each other on equal axes: the same mean, another swing.`,
       ],
       table: [
         { label: 'mean area', unit: 'um^2', seen: (s) => s.areaMean, exact: (f) => f.areaMean },

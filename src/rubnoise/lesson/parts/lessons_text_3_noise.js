@@ -33,6 +33,8 @@
       text: `Equal junctions. How strongly is the area correlated with itself, a lag further on?`,
       runs: [{ label: 'Run and compare with itself', set: contact({ spread: 0 }), show: 'memory' }],
       watch: [
+        `The trace lies over itself, moved on by a lag. Choose the lag: where both curves are on one side of the mean, it is
+          shaded. Beside it is a dot for each place: its area over the area a lag before.`,
         `The correlation falls as the lag grows, and stays near zero from one life on.`,
         `Press “spectrum” above that picture: flat for waves much longer than a life, then it falls steeply, with dips
           of its own.`,
@@ -102,15 +104,15 @@
     },
     needs: { births: 'poisson' },
     experiment: {
-      pace: 5, // lives a second
+      pace: 7, // lives a second: thirty swings in ten seconds
       text: `The slider of the paper's Fig. 5, first as printed, then with ten times the damping.`,
       runs: [
         { label: 'Fig. 5 as printed', set: FIG5, show: 'slider' },
         { label: 'Ten times the damping', set: { ...FIG5, damping: 10 * FIG5.damping }, show: 'slider' },
       ],
       watch: [
-        `The displacement rings although the force does not. Measure one swing on the axis of distance: with the sliding
-          speed it becomes a time, nearly the same every time.`,
+        `The displacement rings although the force does not. Measure ten swings on the axis of distance: with the sliding
+          speed they become a time, nearly the same every time.`,
         `With more damping it rings less. Listen to it under “Ear”.`,
         `Compare the spread of the slider's velocity with the sliding speed.`,
       ],

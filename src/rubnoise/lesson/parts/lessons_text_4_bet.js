@@ -59,12 +59,12 @@
       text: `One after the other, over many lives each. The bet is settled by what the two runs show, not by the
         formula.`,
       runs: [
-        { label: `${FEW} large junctions`, set: side(FEW), show: 'area' },
-        { label: `${MANY} small junctions`, set: side(MANY), show: 'area' },
+        { label: `${FEW} large junctions`, set: side(FEW), show: 'beside area' },
+        { label: `${MANY} small junctions`, set: side(MANY), show: 'beside area' },
       ],
       watch: [
-        `Mind the scale of the area: that of the few goes up and down in large steps, that of the many hums along its
-          mean.`,
+        `Both contacts beside each other, on equal axes: that of the few goes up and down in large steps, that of the many
+          hums along its mean.`,
         `Listen to both under “Ear”.`,
       ],
       table: [

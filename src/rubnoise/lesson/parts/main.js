@@ -7,14 +7,16 @@
   let last = 0;
   let told = 0;
 
-  /** Show one picture below the stage and fold the others away; no name shows the stage alone. */
-  rub.show = (name) => {
-    rub.panels.open(name);
-    const place = name ? (find(`panel-${name}`) ?? find('panel')) : null;
-    for (const other of document.querySelectorAll('#pictures figure')) other.classList.toggle('shown', other === place);
+  /** Show pictures below the stage, by their names with a space between, and fold the others away. */
+  rub.show = (names) => {
+    const wanted = names.split(' ').filter(Boolean);
+    const places = wanted.map((name) => find(`panel-${name}`) ?? find('panel'));
+    for (const name of wanted) rub.panels.open(name);
+    for (const other of document.querySelectorAll('#pictures figure'))
+      other.classList.toggle('shown', places.includes(other));
     fold(true);
     /* A jump and not a glide: the stage may not leave the screen on the way. */
-    (place ?? find('panel-stage')).scrollIntoView({ block: 'nearest' });
+    (places[0] ?? find('panel-stage')).scrollIntoView({ block: 'nearest' });
   };
 
   /** Fold the traces that no lesson shows now, or unfold all of them. */
@@ -40,6 +42,8 @@
     rub.histogram.draw();
     rub.lives.draw();
     rub.lives.drawCounts();
+    rub.beside.draw();
+    rub.shifted.draw(seen);
     rub.card.draw();
     if (!rub.run.playing || now - told > 200) tell(now, seen);
     dirty = false;
@@ -52,6 +56,7 @@
     rub.transport.where();
     rub.card.refresh();
     rub.panels.draw(seen);
+    rub.shifted.write();
   }
 
   function fitAll() {
@@ -61,11 +66,15 @@
     rub.mass.fit();
     rub.histogram.pen.fit();
     rub.lives.fit();
+    rub.beside.fit();
+    rub.shifted.fit();
     rub.card.pen.fit();
     rub.panels.fit();
     drawLegend();
     dirty = true;
   }
+
+  rub.fitAll = fitAll;
 
   function drawLegend() {
     const pen = rub.plot.pen(find('legend'));
@@ -100,16 +109,19 @@
     rub.mass.begin(find('mass'));
     rub.histogram.begin(find('histogram'));
     rub.lives.begin(find('lives'), find('count-histogram'));
+    rub.beside.begin(find('beside'));
+    rub.shifted.begin(find('shifted'), find('pairs'));
     rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
     rub.panels.begin();
     rub.transport.begin();
+    rub.projector.begin();
     const unfold = () => fold(!find('pictures').classList.contains('folded'));
     find('unfold').addEventListener('click', unfold);
     rub.sound.begin();
     rub.on('settings', settingsChanged);
-    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil']) {
+    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil', 'lag']) {
       rub.on(event, () => {
         dirty = true;
       });

@@ -146,7 +146,25 @@
         1,
       );
       if (!rub.readout.veiled()) strokes(points, x, y, ink.exact, 2);
+      markLag(x, y);
     });
+  }
+
+  /** Mark the lag at which the trace lies over itself, and the correlation there so far. */
+  function markLag(x, y) {
+    const { ctx } = panels.pen;
+    const lag = rub.shifted.lag();
+    const value = rub.shifted.correlation();
+    ctx.strokeStyle = ctx.fillStyle = ink.accent;
+    ctx.lineWidth = 1.5;
+    ctx.beginPath();
+    ctx.moveTo(x(lag), y(-0.5));
+    ctx.lineTo(x(lag), y(1.05));
+    ctx.stroke();
+    if (!Number.isFinite(value)) return;
+    ctx.beginPath();
+    ctx.arc(x(lag), y(value), 4, 0, 2 * Math.PI);
+    ctx.fill();
   }
 
   function clipped(draw) {
@@ -199,6 +217,9 @@
       tab.tabIndex = own ? 0 : -1;
     }
     find('panel').setAttribute('aria-labelledby', `tab-${name}`);
+    find('shift').hidden = name !== 'memory';
+    rub.shifted.fit();
+    panels.pen.fit();
     panels.draw();
   };
 

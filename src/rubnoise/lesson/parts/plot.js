@@ -25,11 +25,13 @@
   const ink = {};
   let shades = [];
   let rem = 16; // pixels: text in pictures grows with the text around them
+  let zoom = 1; // pixels of the page in a pixel of a picture: everything in it grows, lines too
 
   /** Read the colours of the theme from the style sheet. */
   function readTheme() {
     const style = getComputedStyle(document.documentElement);
-    rem = parseFloat(style.fontSize) || 16;
+    zoom = parseFloat(style.getPropertyValue('--zoom')) || 1;
+    rem = (parseFloat(style.fontSize) || 16) / zoom;
     for (const name of INKS) ink[name] = style.getPropertyValue(`--${name}`).trim();
     const ramp = RAMPS[style.getPropertyValue('--ramp').trim()] ?? RAMPS.light;
     shades = Array.from({ length: SHADES }, (_, i) => shade(ramp, i / (SHADES - 1)));
@@ -49,13 +51,14 @@
     return shades[Math.max(0, Math.min(SHADES - 1, Math.floor(part * SHADES)))];
   }
 
-  /** Fit a canvas to its place on the page; return a pen for it, with width and height in pixels of the page. */
+  /** Fit a canvas to its place on the page; return a pen for it, with its width and height and those of its pixels. */
   function pen(canvas) {
-    const state = { canvas, ctx: canvas.getContext('2d'), width: 0, height: 0, scale: 1 };
+    const state = { canvas, ctx: canvas.getContext('2d'), width: 0, height: 0, scale: 1, zoom: 1 };
     state.fit = () => {
-      state.scale = Math.min(window.devicePixelRatio || 1, 2);
-      state.width = canvas.clientWidth;
-      state.height = canvas.clientHeight;
+      state.zoom = zoom;
+      state.scale = zoom * Math.min(window.devicePixelRatio || 1, 2);
+      state.width = canvas.clientWidth / zoom;
+      state.height = canvas.clientHeight / zoom;
       canvas.width = Math.max(1, Math.round(state.width * state.scale));
       canvas.height = Math.max(1, Math.round(state.height * state.scale));
     };

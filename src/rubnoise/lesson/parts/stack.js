@@ -3,7 +3,7 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const { ink, colourOf } = rub.plot;
-  const MOST_RECTANGLES = 8000;
+  const MOST_RECTANGLES = 40000; // at one jump
   const canvas = document.createElement('canvas');
   const ctx = canvas.getContext('2d');
   const live = [];
@@ -28,7 +28,11 @@
     const begin = stack.to < 0 ? from : stack.to + 1;
     if (stack.to < 0) stack.from = from;
     const stride = Math.max(1, Math.ceil(((to - begin + 1) * Math.max(1, rub.run.living.length)) / MOST_RECTANGLES));
-    for (let column = begin; column <= to; column += stride) draw(column, Math.min(stride, to - column + 1));
+    /* The picture is a ring: what is as wide as several columns ends at its edge at the latest. */
+    for (let column = begin, count = 1; column <= to; column += count) {
+      count = Math.min(stride, to - column + 1, stack.width - (column % stack.width));
+      draw(column, count);
+    }
     stack.to = to;
     stack.from = Math.max(stack.from, to - stack.width + 1);
   };

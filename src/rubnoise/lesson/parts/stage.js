@@ -177,14 +177,15 @@
   };
 
   /** Return where a live row is on the stage, in pixels of the page from its upper left corner. */
-  stage.pointOf = (row) => placeOf(row, place).map((value) => value * scale);
+  stage.pointOf = (row) => placeOf(row, place).map((value) => value * scale * stage.pen.zoom);
 
   /** Take over the canvas; a click chooses a junction. */
   stage.begin = (canvas) => {
     stage.pen = rub.plot.pen(canvas);
     canvas.addEventListener('click', (event) => {
       const box = canvas.getBoundingClientRect();
-      const row = stage.rowAt(event.clientX - box.left, event.clientY - box.top);
+      const { zoom } = stage.pen;
+      const row = stage.rowAt((event.clientX - box.left) / zoom, (event.clientY - box.top) / zoom);
       rub.select(row ? row.id : -1);
     });
     measure();

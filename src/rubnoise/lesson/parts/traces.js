@@ -6,8 +6,8 @@
   const rub = (globalThis.rub ??= {});
   const { ink, pen, line, leftAxis, lowerAxis, heading } = rub.plot;
   const LEFT = 46;
-  const PERIODS = 12; // of the slider's own motion, in a picture over time, but within these numbers of lives
-  const LIVES = [4, 40];
+  const SWINGS = 30; // of the slider's own motion in a picture of it, but within these numbers of lives
+  const LIVES = [4, 400];
   const MOST_POINTS = 2500;
   const SLIP = 0;
   const traces = { pens: {} };
@@ -18,12 +18,24 @@
     return reached < window ? [0, window] : [reached - window, reached];
   }
 
+  /** Return the distance that the drive moves in thirty swings of the slider, in um. */
+  function swings() {
+    const { naturalFrequency, lifeMean } = rub.exact();
+    const [least, most] = LIVES.map((lives) => lives * lifeMean);
+    return Math.min(most, Math.max(least, (SWINGS * rub.world.speed) / naturalFrequency));
+  }
+
+  /** Return the stretch of distance on show in pictures of the slider's motion. */
+  function longStretch() {
+    const { reached } = rub.run;
+    const wide = swings();
+    return reached < wide ? [0, wide] : [reached - wide, reached];
+  }
+
   /** Return the stretch of time on show, in s. */
   function span() {
     const { time } = rub.run;
-    const { naturalFrequency, lifeMean } = rub.exact();
-    const [least, most] = LIVES.map((lives) => (lives * lifeMean) / rub.world.speed);
-    const wide = Math.min(most, Math.max(least, PERIODS / naturalFrequency));
+    const wide = swings() / rub.world.speed;
     return time < wide ? [0, wide] : [time - wide, time];
   }
 
@@ -52,20 +64,20 @@
     ctx.setLineDash([]);
   }
 
-  /** Draw one column of the trace over the stretch. */
-  function drawColumn(ctx, box, x, y, values, colour) {
+  /** Draw one column of the trace over a stretch; of a long one, every so many ticks, always the same ones. */
+  function drawColumn(ctx, x, y, values, [from, to] = stretch()) {
     const { tick } = rub.run.trace;
-    const [from] = stretch();
-    const first = Math.max(0, Math.ceil(from / tick));
-    ctx.strokeStyle = colour;
+    const stride = Math.max(1, Math.ceil((to - from) / tick / MOST_POINTS));
+    const step = stride * tick;
+    ctx.strokeStyle = ink.ink;
     ctx.lineWidth = 1.5;
     ctx.lineJoin = 'round';
     line(
       ctx,
-      first,
-      rub.run.ticksSeen,
-      (i) => x(i * tick),
-      (i) => y(values[i]),
+      Math.max(0, Math.ceil(from / step)),
+      Math.floor(rub.run.ticksSeen / stride),
+      (i) => x(i * step),
+      (i) => y(values[i * stride]),
     );
   }
 
@@ -86,15 +98,23 @@
     ctx.stroke();
   }
 
-  function frame(name, low, high, title, inTime = false) {
+  function frame(name, low, high, title, [from, to] = stretch()) {
     const state = traces.pens[name];
     state.clear();
     const box = boxOf(state);
-    if (inTime) drawStuck(state.ctx, box);
     const y = leftAxis(state.ctx, box, low, high, title);
-    const [from, to] = inTime ? span().map((time) => 1e3 * time) : stretch();
-    const x = lowerAxis(state.ctx, box, from, to, inTime ? 'time, ms' : 'sliding distance, µm');
-    return { ctx: state.ctx, box, x, y };
+    return { ctx: state.ctx, box, x: lowerAxis(state.ctx, box, from, to, 'sliding distance, µm'), y };
+  }
+
+  /** As frame, over time, with the times shaded at which the slider is stuck. */
+  function frameInTime(name, low, high, title) {
+    const state = traces.pens[name];
+    state.clear();
+    const box = boxOf(state);
+    drawStuck(state.ctx, box);
+    const y = leftAxis(state.ctx, box, low, high, title);
+    const [from, to] = span().map((time) => 1e3 * time);
+    return { ctx: state.ctx, box, x: lowerAxis(state.ctx, box, from, to, 'time, ms'), y };
   }
 
   /** Shade the times at which the slider is stuck. */
@@ -139,18 +159,16 @@
     ctx.restore();
   }
 
-  /** Return the largest area on show, in um^2. */
-  traces.topArea = () => {
-    const { areaMean, areaStd } = rub.exact();
-    return Math.max(1.25 * areaMean, areaMean + 4.5 * areaStd);
-  };
+  /** Return the largest area on show of a contact, in um^2. */
+  traces.topOf = ({ areaMean, areaStd }) => Math.max(1.25 * areaMean, areaMean + 4.5 * areaStd);
+  traces.topArea = () => traces.topOf(rub.exact());
 
   function drawArea(seen) {
     const { areaMean, areaStd } = rub.exact();
     const { ctx, box, x, y } = frame('area', 0, traces.topArea(), 'real contact area, µm²');
     drawStack(ctx, box);
     drawExact(ctx, box, y, areaMean, areaStd, seen.areaMean);
-    drawColumn(ctx, box, x, y, rub.run.trace.area, ink.ink);
+    drawColumn(ctx, x, y, rub.run.trace.area);
   }
 
   function drawStack(ctx, box) {
@@ -172,7 +190,9 @@
     const from = Math.max(0, to - columns + 1);
     if (to < from) return;
     stack.until(from, to);
-    const x = box.left + ((from * spacing - begin) / rub.run.window) * (box.right - box.left);
+    /* On whole pixels of the screen: a seam shows where the ring's end meets its beginning otherwise. */
+    const left = box.left + ((from * spacing - begin) / rub.run.window) * (box.right - box.left);
+    const x = Math.round(left * scale) / scale;
     stack.paint(ctx, from, to, x, box.top, 1 / scale);
   }
 
@@ -195,27 +215,30 @@
     const top = rub.world.strength * traces.topArea() * 1e-3;
     if (motion) {
       const low = 1.1e-3 * motion.range.force[0];
-      const { ctx, box, x, y } = frame('force', low, Math.max(top, low + 1e-9), 'friction force, mN', true);
+      const { ctx, box, x, y } = frameInTime('force', low, Math.max(top, low + 1e-9), 'friction force, mN');
       clipped(ctx, box, () => drawMotion(ctx, x, (value) => y(value * 1e-3), 'force'));
       return;
     }
     const { ctx, box, x, y } = frame('force', 0, top, 'friction force, mN');
     const milli = (value) => y(value * 1e-3);
     drawExact(ctx, box, milli, forceMean, forceStd, seen.areaMean * rub.world.strength);
-    drawColumn(ctx, box, x, milli, rub.run.trace.force, ink.ink);
+    drawColumn(ctx, x, milli, rub.run.trace.force);
   }
 
   function drawSlider(seen) {
     const { displacementMean, displacementStd } = rub.exact();
     const inTime = Boolean(rub.run.motion);
-    const { ctx, box, x, y } = frame('slider', ...traces.reach(), 'slider displacement, µm', inTime);
+    const title = 'slider displacement, µm';
+    const { ctx, box, x, y } = inTime
+      ? frameInTime('slider', ...traces.reach(), title)
+      : frame('slider', ...traces.reach(), title, longStretch());
     clipped(ctx, box, () => {
       if (inTime) {
         level(ctx, box, y(seen.displacementMean), ink.ink, [5, 4]);
         drawMotion(ctx, x, y, 'displacement');
       } else {
         drawExact(ctx, box, y, displacementMean, displacementStd, seen.displacementMean);
-        drawColumn(ctx, box, x, y, rub.run.trace.displacement, ink.ink);
+        drawColumn(ctx, x, y, rub.run.trace.displacement, longStretch());
       }
     });
   }
@@ -239,12 +262,14 @@
     const [low, high] = motion ? motion.range.velocity : [-reach, reach];
     const [bottom, top] = [Math.min(1.1 * low, -0.02 * speed), Math.max(1.1 * high, 0.02 * speed)];
     const title = 'velocity of the slider, mm/s';
-    const { ctx, box, x, y } = frame('velocity', 1e-3 * bottom, 1e-3 * top, title, Boolean(motion));
+    const { ctx, box, x, y } = motion
+      ? frameInTime('velocity', 1e-3 * bottom, 1e-3 * top, title)
+      : frame('velocity', 1e-3 * bottom, 1e-3 * top, title, longStretch());
     const milli = (value) => y(value * 1e-3);
     clipped(ctx, box, () => {
       level(ctx, box, milli(speed), ink.second, [2, 3]);
       if (motion) drawMotion(ctx, x, milli, 'velocity');
-      else drawColumn(ctx, box, x, milli, trace.velocity, ink.ink);
+      else drawColumn(ctx, x, milli, trace.velocity, longStretch());
     });
     heading(ctx, { ...box, left: box.right - 96 }, speed < top ? '··· drive' : '');
   }
@@ -268,6 +293,6 @@
     rub.stack.forget();
   };
 
-  traces.stretch = stretch;
+  Object.assign(traces, { stretch, longStretch, boxOf, level, clipped });
   rub.traces = traces;
 })();

@@ -53,6 +53,7 @@
     e: () => transport.step(),
     '+': () => transport.pace(rub.run.pace * 1.5),
     '-': () => transport.pace(rub.run.pace / 1.5),
+    b: () => rub.projector.toggle(),
     n: () => rub.card.move(1),
     p: () => rub.card.move(-1),
     0: () => rub.run.goTo(0),

@@ -1,0 +1,155 @@
+'use strict';
+/* Two contacts beside each other on equal axes, each as far as the run on the stage: area, births, how often. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
+  const COLUMNS = 480; // of a picture
+  const LOOK = 8; // columns from one look for the histogram to the next
+  const BINS = 40;
+  const LIVES = 4; // of the longer ones, in a picture
+  const LEAST_GAP = 2.5; // pixels between two births that can be told apart
+  const beside = { pen: null, runs: [], sides: [] };
+
+  /** A contact that slides along: its areas in the columns on show, its births there, and how often each area was. */
+  class Side {
+    constructor(world, spacing, top) {
+      Object.assign(this, { spacing, top, source: new rub.model.Births({ ...world }) });
+      Object.assign(this, { coming: [], live: [], births: [], next: 0, looks: 0 });
+      this.areas = new Float64Array(COLUMNS + 1);
+      this.counts = new Float64Array(BINS);
+    }
+
+    /** Go on to a distance; of columns that have left the picture by then only some are looked at. */
+    until(distance) {
+      const last = Math.floor(distance / this.spacing);
+      for (; this.next <= last; this.next += 1) {
+        const isLook = this.next % LOOK === 0;
+        if (isLook || this.next >= last - COLUMNS) this.column(isLook);
+      }
+    }
+
+    column(isLook) {
+      const place = this.next * this.spacing;
+      this.meet(place);
+      const { area } = this.source.contact.pulse;
+      const sum = this.live.reduce((total, row) => total + area(place - row.birth, row.diameter), 0);
+      this.areas[this.next % this.areas.length] = sum;
+      if (!isLook) return;
+      this.looks += 1;
+      this.counts[Math.min(BINS - 1, Math.floor((BINS * sum) / this.top))] += 1;
+    }
+
+    /* Rows are forgotten as soon as they are out of sight: a long run has hundreds of thousands. */
+    meet(place) {
+      this.source.until(place, this.coming);
+      const begin = place - COLUMNS * this.spacing;
+      for (const row of this.coming) if (row.birth > 0) this.births.push(row.birth);
+      this.live = [...this.live, ...this.coming].filter((row) => row.death > place);
+      this.coming = [];
+      if (this.births.length && this.births[0] < begin) this.births = this.births.filter((birth) => birth >= begin);
+    }
+
+    /** Return the area in a column that is on show, in um^2. */
+    area(column) {
+      return this.areas[column % this.areas.length];
+    }
+  }
+
+  /** Return the settings of a run of the open lesson, with the knobs that it leaves alone. */
+  const worldOf = (run) => ({ ...rub.world, ...run.set });
+
+  /** Show runs of a lesson beside each other: {label, set, pressed}; those not pressed yet keep their place. */
+  beside.show = (runs) => {
+    Object.assign(beside, { runs, sides: [] });
+  };
+
+  /** Make the contacts anew where they are not those of the settings, or where the run has gone back. */
+  function renew() {
+    const key = JSON.stringify([beside.runs, rub.world.seed]);
+    const wentBack = beside.sides.some((side) => side && (side.next - 1) * side.spacing > rub.run.reached);
+    if (key === beside.key && beside.sides.length && !wentBack) return;
+    const exact = beside.runs.map((run) => rub.theory.exact(worldOf(run)));
+    const spacing = (LIVES * Math.max(...exact.map((each) => each.lifeMean))) / COLUMNS;
+    const top = Math.max(...exact.map((each) => rub.traces.topOf(each)));
+    const sides = beside.runs.map((run) => (run.pressed ? new Side(worldOf(run), spacing, top) : null));
+    Object.assign(beside, { key, sides, spacing, top });
+  }
+
+  /** Draw every contact in a part of the canvas, with the same axes. */
+  beside.draw = () => {
+    const { width, height } = beside.pen;
+    if (!width || !beside.runs.length) return;
+    beside.pen.clear();
+    renew();
+    const part = width / beside.runs.length;
+    beside.sides.forEach((side, i) => {
+      const box = { left: i * part + 46, top: 18, right: (i + 1) * part - 10, bottom: height - 18 };
+      drawSide(side, beside.runs[i].label, box);
+    });
+  };
+
+  function drawSide(side, label, box) {
+    const { ctx } = beside.pen;
+    const trace = { ...box, right: box.right - 0.16 * (box.right - box.left) };
+    const last = Math.floor(rub.run.reached / beside.spacing);
+    const first = Math.max(0, last - COLUMNS);
+    const y = leftAxis(ctx, box, 0, beside.top, titleOf(label, box));
+    const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, 'µm');
+    if (!side) return hint(label, box);
+    side.until(rub.run.reached);
+    drawBirths(side, x, trace);
+    ctx.strokeStyle = ink.ink;
+    ctx.lineWidth = 1.5;
+    ctx.lineJoin = 'round';
+    line(
+      ctx,
+      first,
+      last,
+      (i) => x(i * side.spacing),
+      (i) => y(Math.min(side.area(i), side.top)),
+    );
+    return drawOften(side, y, trace.right + 4, box.right);
+  }
+
+  function titleOf(label, box) {
+    const full = `${label}: area, µm²`;
+    return beside.pen.ctx.measureText(full).width < box.right - box.left ? full : label;
+  }
+
+  function hint(label, box) {
+    const { ctx } = beside.pen;
+    ctx.fillStyle = ink.quiet;
+    ctx.textAlign = 'center';
+    ctx.fillText(`press ▶ ${label}`, 0.5 * (box.left + box.right), 0.5 * (box.top + box.bottom));
+  }
+
+  /** Mark each birth at the lower edge, where single ones can be seen. */
+  function drawBirths({ births, source }, x, box) {
+    if (x(source.contact.spacing) - x(0) < LEAST_GAP) return;
+    const { ctx } = beside.pen;
+    ctx.fillStyle = ink.birth;
+    for (const birth of births) {
+      if (x(birth) >= box.left && birth <= rub.run.reached) ctx.fillRect(x(birth) - 0.5, box.bottom - 9, 1.2, 9);
+    }
+  }
+
+  function drawOften({ counts, looks, top }, y, left, right) {
+    const { ctx } = beside.pen;
+    const most = Math.max(...counts);
+    ctx.fillStyle = ink.quiet;
+    ctx.globalAlpha = 0.6;
+    for (let i = 0; looks && i < BINS; i += 1) {
+      const [low, high] = [y((i * top) / BINS), y(((i + 1) * top) / BINS)];
+      ctx.fillRect(left, high, (counts[i] / most) * (right - left), low - high - 0.5);
+    }
+    ctx.globalAlpha = 1;
+  }
+
+  beside.begin = (canvas) => {
+    beside.pen = pen(canvas);
+  };
+
+  beside.fit = () => beside.pen.fit();
+
+  rub.beside = beside;
+})();
