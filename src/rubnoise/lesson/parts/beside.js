@@ -7,7 +7,7 @@
   const LOOK = 8; // columns from one look for the histogram to the next
   const BINS = 40;
   const LIVES = 4; // of the longer ones, in a picture
-  const LEAST_GAP = 2.5; // pixels between two births that can be told apart
+  const LEAST_GAP = 2; // pixels between two births that can be told apart
   const beside = { pen: null, runs: [], sides: [] };
 
   /** A contact that slides along: its areas in the columns on show, its births there, and how often each area was. */
@@ -93,7 +93,7 @@
     const trace = { ...box, right: box.right - 0.16 * (box.right - box.left) };
     const last = Math.floor(rub.run.reached / beside.spacing);
     const first = Math.max(0, last - COLUMNS);
-    const y = leftAxis(ctx, box, 0, beside.top, titleOf(label, box));
+    const y = leftAxis(ctx, box, 0, beside.top, [`${label}: area, µm²`, label]);
     const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, 'µm');
     if (!side) return hint(label, box);
     side.until(rub.run.reached);
@@ -109,11 +109,6 @@
       (i) => y(Math.min(side.area(i), side.top)),
     );
     return drawOften(side, y, trace.right + 4, box.right);
-  }
-
-  function titleOf(label, box) {
-    const full = `${label}: area, µm²`;
-    return beside.pen.ctx.measureText(full).width < box.right - box.left ? full : label;
   }
 
   function hint(label, box) {

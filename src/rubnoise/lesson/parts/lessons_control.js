@@ -6,6 +6,7 @@
   const { list, state, words, page, STEPS } = lessons;
   const AHEAD = 200; // lives of one step ahead: enough for the second digit of most figures
   const REFRESH = 500; // ms between two updates of the table: numbers that flicker cannot be read
+  const phone = matchMedia('(max-width: 55rem)'); // there the pictures lie over the lesson
   let root = null;
   let refreshed = 0;
 
@@ -135,6 +136,7 @@
       show(`[data-run="${index}"]`);
     }
     rub.show(chosen.show);
+    if (phone.matches) find('.lesson-experiment').scrollIntoView();
     fill('#lesson-running', () => `${chosen.label}: running.`);
   }
 

@@ -26,7 +26,7 @@
         41T222 40Q232 38 242 40Q252 18 266 40Q284 46 300 40T320 41V56Z"/>
       <g class="places"><circle cx="47" cy="71" r="10"/><circle cx="38" cy="71" r="10"/><circle cx="150" cy="71"
         r="10"/><circle cx="145" cy="71" r="10"/><circle cx="261" cy="71" r="10"/><circle cx="251" cy="71" r="10"/></g>
-      </svg><figcaption>Rough surfaces touch only where two hills meet. From the side: two surfaces, three junctions.
+      </svg><figcaption><strong>What are these circles?</strong> Rough surfaces touch only where two hills meet. From the side: two surfaces, three junctions.
         Below, from above, as on the stage: a circle for each hill, and their overlap is the area in contact.</figcaption>`,
     prediction: {
       options: [
@@ -44,7 +44,7 @@
         {
           label: 'Run one life after another',
           set: contact({ meanArea: 40, meanCount: 1, births: 'regular' }),
-          show: 'area',
+          show: 'section area',
         },
       ],
       watch: [

@@ -7,17 +7,21 @@
   let last = 0;
   let told = 0;
 
-  /** Show pictures below the stage, by their names with a space between, and fold the others away. */
+  /** Show pictures below the stage, by their names with a space between (none: the side view), and fold the others away. */
   rub.show = (names) => {
-    const wanted = names.split(' ').filter(Boolean);
+    const wanted = (names || 'section').split(' ');
     const places = wanted.map((name) => find(`panel-${name}`) ?? find('panel'));
     for (const name of wanted) rub.panels.open(name);
     for (const other of document.querySelectorAll('#pictures figure'))
       other.classList.toggle('shown', places.includes(other));
     fold(true);
+    pin();
     /* A jump and not a glide: the stage may not leave the screen on the way. */
-    (places[0] ?? find('panel-stage')).scrollIntoView({ block: 'nearest' });
+    for (const place of [...places.reverse(), find('panel-stage')]) place.scrollIntoView({ block: 'nearest' });
   };
+
+  /* How much of a phone's screen the pictures take, below which the lessons go on. */
+  const pin = () => document.documentElement.style.setProperty('--pinned', `${find('pictures').offsetHeight}px`);
 
   /** Fold the traces that no lesson shows now, or unfold all of them. */
   function fold(away) {
@@ -42,6 +46,7 @@
     rub.histogram.draw();
     rub.lives.draw();
     rub.lives.drawCounts();
+    rub.section.draw();
     rub.beside.draw();
     rub.shifted.draw(seen);
     rub.card.draw();
@@ -61,6 +66,7 @@
 
   function fitAll() {
     rub.plot.readTheme();
+    rub.section.fit();
     rub.stage.fit();
     rub.traces.fit();
     rub.mass.fit();
@@ -71,6 +77,7 @@
     rub.card.pen.fit();
     rub.panels.fit();
     drawLegend();
+    pin();
     dirty = true;
   }
 
@@ -109,6 +116,7 @@
     rub.mass.begin(find('mass'));
     rub.histogram.begin(find('histogram'));
     rub.lives.begin(find('lives'), find('count-histogram'));
+    rub.section.begin(find('section'));
     rub.beside.begin(find('beside'));
     rub.shifted.begin(find('shifted'), find('pairs'));
     rub.card.begin(find('card'), find('card-hint'), find('status'));

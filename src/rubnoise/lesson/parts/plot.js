@@ -105,7 +105,7 @@
     ctx.stroke();
   }
 
-  /** Draw the frame of a picture: numbers on the left, and a title within. box = {left, top, right, bottom}. */
+  /** Draw the frame of a picture: numbers on the left, and a title as heading has it. box = {left, top, right, bottom}. */
   function leftAxis(ctx, box, low, high, title) {
     const y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
     ctx.font = font(0.72);
@@ -125,12 +125,14 @@
     return y;
   }
 
-  /** Write the title of a picture into its upper left corner. */
-  function heading(ctx, box, title) {
+  /** Write the title of a picture into its upper left corner: of several ones the first that fits, or the last. */
+  function heading(ctx, box, titles) {
     ctx.font = font(0.78);
     ctx.textAlign = 'left';
     ctx.textBaseline = 'bottom';
     ctx.fillStyle = ink.ink;
+    const fits = (title) => !(ctx.measureText(title).width > box.right - box.left);
+    const title = [titles].flat().find(fits) ?? [titles].flat().at(-1);
     ctx.fillText(title, box.left, box.top - 4);
   }
 

@@ -22,7 +22,7 @@
     shifted.pen.clear();
     const box = rub.traces.boxOf(shifted.pen);
     const [from, to] = rub.traces.stretch();
-    const y = leftAxis(ctx, box, 0, rub.traces.topArea(), 'area, µm²; lighter: the same, moved on by the lag');
+    const y = leftAxis(ctx, box, 0, rub.traces.topArea(), ['area, µm²; thick: the same, moved on by the lag', 'area, µm²; thick: a lag on']);
     const x = lowerAxis(ctx, box, from, to, 'sliding distance, µm');
     drawShared(ctx, x, box, from, seen.areaMean);
     rub.traces.level(ctx, box, y(seen.areaMean), ink.ink, [5, 4]);
@@ -100,9 +100,9 @@
 
   /** Write the lag and, where that gives nothing away, how strongly the curves are correlated so far. */
   shifted.write = () => {
-    const lives = `${said(shifted.lag(), 3)} µm, ${said(shifted.lives, 3)} lives`;
+    const lives = `${said(shifted.lives, 3)} lives, ${said(shifted.lag(), 3)} µm`;
     const value = rub.readout.isOpen('seen') ? shifted.correlation() : NaN;
-    find('lag-said').textContent = Number.isFinite(value) ? `${lives}: correlation so far ${said(value, 2)}` : lives;
+    find('lag-said').textContent = Number.isFinite(value) ? `${lives}: correlation ${said(value, 2)}` : lives;
     find('lag').setAttribute('aria-valuetext', lives);
   };
 

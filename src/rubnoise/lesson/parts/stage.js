@@ -4,7 +4,8 @@
   const rub = (globalThis.rub ??= {});
   const { ink, colourOf } = rub.plot;
   const ROOMY = 6; // area of the stage over that of the circles that are alive on average
-  const stage = { pen: null, calm: false };
+  const FEW = 6; // junctions alive: so few that a line through the middle would miss most of them
+  const stage = { pen: null, calm: false, scale: 1 };
   let scale = 1; // pixels in a um
   let wide = 1;
   let high = 1;
@@ -24,6 +25,7 @@
     const { countMean, contact } = rub.exact();
     const area = ROOMY * Math.max(6, countMean) * 0.25 * Math.PI * contact.diameter ** 2;
     scale = Math.sqrt((stage.pen.width * stage.pen.height) / area);
+    stage.scale = scale;
     wide = stage.pen.width / scale;
     high = stage.pen.height / scale;
   }
@@ -38,6 +40,33 @@
     for (const row of rub.run.living) drawJunction(ctx, row);
     drawGone(ctx);
     drawSelected(ctx);
+    drawCut(ctx);
+  };
+
+  /** Return where the cut of the side view goes, in um: through the chosen junction, one of few, or the middle. */
+  stage.cut = () => {
+    const row = chosen() ?? (rub.exact().countMean < FEW ? rub.run.living[0] : undefined);
+    return row ? placeOf(row, place)[1] : 0.5 * high;
+  };
+
+  function drawCut(ctx) {
+    if (!rub.section.pen.width) return;
+    const y = Math.round(stage.cut() * scale);
+    ctx.strokeStyle = ink.ink;
+    ctx.setLineDash([2, 5]);
+    ctx.beginPath();
+    ctx.moveTo(0, y);
+    ctx.lineTo(stage.pen.width, y);
+    ctx.stroke();
+    ctx.setLineDash([]);
+  }
+
+  /** Return the rows whose circles are in view: alive, about to meet, or just parted. */
+  stage.pairs = () => {
+    const { run } = rub;
+    const reach = 0.5 * rub.exact().contact.diameter;
+    const rows = run.rows.slice(run.after(run.distance - run.longest - reach), run.after(run.distance + reach));
+    return rows.filter((row) => row.death + reach > run.distance);
   };
 
   /* A few strokes of either surface, so that the sliding is seen where nothing meets. */
@@ -137,8 +166,10 @@
     ctx.globalAlpha = 1;
   }
 
+  const chosen = () => rub.run.living.find((each) => each.id === rub.run.selected);
+
   function drawSelected(ctx) {
-    const row = rub.run.living.find((each) => each.id === rub.run.selected);
+    const row = chosen();
     if (!row) return;
     placeOf(row, place);
     ctx.strokeStyle = ink.accent;
@@ -197,6 +228,7 @@
     measure();
   };
 
+  stage.placeOf = (row) => placeOf(row, [0, 0]);
   stage.measure = measure;
   stage.largest = largest;
   rub.stage = stage;

@@ -4,7 +4,7 @@
  */
 (() => {
   const rub = (globalThis.rub ??= {});
-  const { ink, pen, line, leftAxis, lowerAxis, heading } = rub.plot;
+  const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
   const LEFT = 46;
   const SWINGS = 30; // of the slider's own motion in a picture of it, but within these numbers of lives
   const LIVES = [4, 400];
@@ -247,7 +247,7 @@
   traces.reach = () => {
     const { displacementMean, displacementStd, forceStd } = rub.exact();
     const { motion } = rub.run;
-    const spread = motion ? (4 * forceStd) / rub.world.stiffness : 3.5 * displacementStd;
+    const spread = motion ? (4 * forceStd) / rub.world.stiffness : 4.5 * displacementStd;
     const half = Math.max(spread, 0.05 * displacementMean);
     const [low, high] = motion ? motion.range.displacement : [Infinity, -Infinity];
     const edge = 0.05 * Math.max(0, high - low);
@@ -258,10 +258,11 @@
   function drawVelocity() {
     const { motion, trace } = rub.run;
     const { speed } = rub.world;
-    const reach = 3.5 * rub.exact().velocityStd;
+    const reach = 4.5 * rub.exact().velocityStd;
     const [low, high] = motion ? motion.range.velocity : [-reach, reach];
     const [bottom, top] = [Math.min(1.1 * low, -0.02 * speed), Math.max(1.1 * high, 0.02 * speed)];
-    const title = 'velocity of the slider, mm/s';
+    const drive = speed < top ? '; dots: the drive' : '';
+    const title = [`velocity of the slider, mm/s${drive}`, `velocity, mm/s${drive}`];
     const { ctx, box, x, y } = motion
       ? frameInTime('velocity', 1e-3 * bottom, 1e-3 * top, title)
       : frame('velocity', 1e-3 * bottom, 1e-3 * top, title, longStretch());
@@ -271,7 +272,6 @@
       if (motion) drawMotion(ctx, x, milli, 'velocity');
       else drawColumn(ctx, x, milli, trace.velocity, longStretch());
     });
-    heading(ctx, { ...box, left: box.right - 96 }, speed < top ? '··· drive' : '');
   }
 
   /** Draw all traces. */

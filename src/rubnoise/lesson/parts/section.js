@@ -1,0 +1,83 @@
+'use strict';
+/* The same from the side: a cut through both surfaces along the dotted line of the stage, and the hills that meet. */
+(() => {
+  const rub = (globalThis.rub ??= {});
+  const { ink, pen, heading, colourOf } = rub.plot;
+  const STEP = 2; // pixels
+  const FLANK = 0.3; // of a diameter, from a hill's flat top down to its foot
+  const APART = 3; // pixels between the middle and a top that touches nothing
+  const TITLES = ['from the side, cut along the dotted line: tops that meet are junctions', 'from the side'];
+  const section = { pen: null };
+
+  /** Return the hills that the cut meets: middle below and above, half of the flat top, flank, all in pixels. */
+  function hills() {
+    const { stage, run } = rub;
+    return stage.pairs().flatMap((row) => {
+      const [x, y] = stage.placeOf(row);
+      const chord = row.diameter ** 2 - 4 * (y - stage.cut()) ** 2;
+      if (chord <= 0) return [];
+      const offset = 0.5 * (run.distance - row.birth - row.diameter);
+      const lengths = { below: x - offset, above: x + offset, half: 0.5 * Math.sqrt(chord), flank: FLANK * row.diameter };
+      const part = run.trace.pulse.area(run.distance - row.birth, row.diameter) / stage.largest();
+      return [{ ...inPixels(lengths, stage.scale), part }];
+    });
+  }
+
+  const inPixels = (lengths, scale) =>
+    Object.fromEntries(Object.entries(lengths).map(([name, length]) => [name, length * scale]));
+
+  /* Low waves that nothing touches; the upper ones move with the drive. */
+  const wave = (x) => 0.12 + 0.05 * Math.sin(x / 17) + 0.05 * Math.sin(x / 7.3);
+
+  /** Return how high a surface is at a place, 0 at its foot and 1 at a top. */
+  function height(x, all, side, shift) {
+    const rise = (hill) => Math.min(1, Math.max(0, 1 - (Math.abs(x - hill[side]) - hill.half) / hill.flank));
+    return all.reduce((most, hill) => Math.max(most, rise(hill) ** 0.7), wave(x - shift));
+  }
+
+  /** Draw both surfaces, and in the colours of the stage where they touch. */
+  section.draw = () => {
+    const { ctx, width, height: high } = section.pen;
+    if (!width) return;
+    section.pen.clear();
+    const top = 18;
+    const middle = 0.5 * (top + high);
+    const all = hills();
+    const foot = 0.5 * (high - top) - 8;
+    const shift = rub.run.distance * rub.stage.scale;
+    surface(ctx, width, high - 1, ink.quiet, (x) => middle + APART + foot * (1 - height(x, all, 'below', 0)));
+    surface(ctx, width, top, ink.second, (x) => middle - APART - foot * (1 - height(x, all, 'above', shift)));
+    for (const hill of all) touch(ctx, hill, middle);
+    heading(ctx, { left: 0, top, right: width }, TITLES);
+  };
+
+  function surface(ctx, width, edge, colour, y) {
+    ctx.beginPath();
+    ctx.moveTo(0, edge);
+    for (let x = 0; x <= width + STEP; x += STEP) ctx.lineTo(x, y(x));
+    ctx.lineTo(width, edge);
+    ctx.closePath();
+    ctx.fillStyle = ink.faint;
+    ctx.fill();
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = 1.2;
+    ctx.stroke();
+  }
+
+  function touch(ctx, { below, above, half, part }, middle) {
+    const left = Math.max(below, above) - half;
+    const wide = Math.min(below, above) + half - left;
+    if (wide <= 0) return;
+    ctx.fillStyle = colourOf(part);
+    ctx.fillRect(left, middle - APART - 1, wide, 2 * APART + 2);
+  }
+
+  section.begin = (canvas) => {
+    section.pen = pen(canvas);
+  };
+
+  section.fit = () => section.pen.fit();
+
+  section.hills = hills;
+  rub.section = section;
+})();

@@ -1,0 +1,172 @@
+"""Contacts beside each other on equal axes, the trace over itself, thirty swings, and a picture without stripes."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.contact.overlap import junction_area
+from tests.lesson.opened import CALM, UNHURRIED, opened
+from tests.lesson.walk import Walk
+from tests.lesson.worlds import scenario_of
+
+COLUMNS = 480
+PAIRS = {"2. Births": (0, 1), "5. The sum": (0, 2), "8. Many small": (0, 1)}
+SIDES = """(() => {
+  rub.beside.draw();
+  return rub.beside.sides.map((side) => side && {
+    areas: Array.from({ length: 400 }, (_, i) => side.area(side.next - 400 + i)),
+    first: side.next - 400, spacing: side.spacing, top: side.top, looks: side.looks,
+    counts: [...side.counts], births: side.births,
+  });
+})()"""
+ROWS = "rub.run.rows.map((row) => [row.birth, row.diameter])"
+MEMORY = """(lives) => {
+  document.getElementById('lag').value = lives;
+  document.getElementById('lag').dispatchEvent(new Event('input'));
+  return { ticks: rub.shifted.ticks(), lag: rub.shifted.lag(), found: rub.shifted.correlation() };
+}"""
+BARE = """(() => {
+  const { canvas, scale, height, width } = rub.traces.pens.area;
+  rub.traces.draw(rub.run.moments());
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', { willReadFrequently: true });
+  copy.drawImage(canvas, 0, 0);
+  const box = rub.traces.boxOf({ width, height });
+  const left = Math.round(box.left * scale) + 2;
+  const { data } = copy.getImageData(left, Math.round(box.bottom * scale) - 4, Math.round(box.right * scale) - left - 3, 1);
+  let bare = 0;
+  for (let i = 3; i < data.length; i += 4) bare += data[i] < 128;
+  return bare;
+})()"""
+"""Pixels of the area's lower edge where no layer of the stack is drawn."""
+
+
+@pytest.fixture
+def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
+    """Return a walk through a page that stands still until a run is pressed."""
+    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
+        yield Walk(page)
+
+
+@pytest.mark.parametrize("title", PAIRS)
+def test_two_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: str) -> None:
+    first, second = PAIRS[title]
+    walk.open(title)
+    assert walk.page.locator("#beside").is_hidden()
+    walk.predict()
+    walk.run(first)
+    walk.page.evaluate("rub.run.pause()")
+    sides = walk.page.evaluate(SIDES)
+    assert sides[0] is not None
+    assert sides[1] is None, "what is not run yet gives nothing away"
+    walk.run(second)
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(300)")
+    few, many = walk.page.evaluate(SIDES)
+    assert walk.page.locator("#beside").is_visible()
+    assert (few["spacing"], few["top"]) == (many["spacing"], many["top"])
+    places = (many["first"] + np.arange(400)) * many["spacing"]
+    for run, side, other in ((first, few, many), (second, many, few)):
+        walk.run(run)
+        walk.page.evaluate("rub.run.pause(), rub.run.goTo(300)")
+        birth, diameter = np.array(walk.page.evaluate(ROWS)).T
+        age = places[:, None] - birth
+        areas = np.where((age > 0) & (age < 2 * diameter), junction_area(age, diameter), 0.0).sum(axis=1)
+        np.testing.assert_allclose(side["areas"], areas, rtol=1e-9, atol=1e-9)
+        assert np.abs(np.array(other["areas"]) - areas).max() > 1.0
+        seen = birth[(birth > 0) & (birth >= side["births"][0]) & (birth <= side["births"][-1])]
+        assert side["births"] == seen.tolist()
+        assert side["births"][0] < places[80]
+
+
+def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
+    walk.open("8. Many small")
+    walk.predict()
+    walk.run(0)
+    walk.run(1)
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(2000)")
+    there = walk.page.evaluate(SIDES)
+    walk.page.evaluate("rub.run.goTo(0)")
+    for place in range(50, 2001, 50):
+        walk.page.evaluate(f"rub.run.goTo({place}), rub.beside.draw()")
+    slowly = walk.page.evaluate(SIDES)
+    assert slowly == there
+    for side in slowly:
+        assert side["looks"] == sum(side["counts"]) == int(2000 / side["spacing"]) // 8 + 1
+    walk.page.evaluate("rub.run.goTo(1000)")
+    assert walk.page.evaluate(SIDES) != there
+
+
+def test_the_last_two_runs_are_the_ones_on_show(walk: Walk) -> None:
+    walk.open("5. The sum")
+    walk.predict()
+    for run, labels in ((2, [1, 2]), (0, [0, 2]), (1, [0, 1])):
+        walk.run(run)
+        shown = walk.page.evaluate("rub.beside.runs.map((run) => run.set.meanCount)")
+        assert shown == [[2, 20, 100][i] for i in labels], run
+
+
+@pytest.mark.parametrize("lives", [0.0, 0.25, 0.5, 1.0, 1.25])
+def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk, lives: float) -> None:
+    walk.open("6. Memory")
+    walk.predict()
+    walk.run()
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(2000)")
+    told = walk.page.evaluate(MEMORY, lives)
+    area = np.array(walk.page.evaluate("[...rub.run.trace.area.slice(0, rub.run.ticksSeen + 1)]"))
+    life, tick, mean = walk.page.evaluate("[rub.exact().lifeMean, rub.run.trace.tick, rub.exact().areaMean]")
+    assert told["ticks"] == pytest.approx(lives * life / tick, abs=0.5)
+    assert told["lag"] == told["ticks"] * tick
+    left = area - mean
+    expected = np.mean(left[told["ticks"] :] * left[: left.size - told["ticks"]]) / np.mean(left**2)
+    assert told["found"] == pytest.approx(expected, abs=0.005)  # between two lags by a straight line
+    later = told["ticks"] + 8
+    assert abs(np.mean(left[later:] * left[:-later]) / np.mean(left**2) - told["found"]) > 0.01 or lives > 0.9
+
+
+def test_the_trace_lies_over_itself_once_it_has_been_predicted(walk: Walk) -> None:
+    walk.open("6. Memory")
+    assert walk.page.locator("#shifted").is_hidden()
+    walk.predict()
+    walk.run()
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(500)")
+    walk.page.wait_for_timeout(300)
+    picture = "document.getElementById('shifted').toDataURL()"
+    before = walk.page.evaluate(picture)
+    assert walk.page.locator("#shifted").is_visible()
+    assert "0.25 lives: correlation so far 0.6" in walk.page.locator("#lag-said").inner_text()
+    walk.page.locator("#lag").focus()
+    walk.page.keyboard.press("End")
+    walk.page.wait_for_timeout(300)
+    assert walk.page.evaluate(picture) != before
+    assert "1.25 lives" in walk.page.locator("#lag-said").inner_text()
+
+
+def test_thirty_swings_are_on_show(walk: Walk) -> None:
+    walk.open("7. The slider")
+    walk.predict()
+    walk.run()
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(3000)")
+    begin, end = walk.page.evaluate("rub.traces.longStretch()")
+    world = walk.page.evaluate("rub.world")
+    frequency = rubnoise.exact(scenario_of(world)).model.slider.natural_frequency
+    assert (end - begin) / world["speed"] * frequency == pytest.approx(30.0, rel=1e-9)
+    motion = walk.page.evaluate("[...rub.run.trace.displacement.slice(0, rub.run.ticksSeen + 1)]")
+    tick = walk.page.evaluate("rub.run.trace.tick")
+    shown = np.array(motion)[int(begin / tick) :]
+    crossings = np.count_nonzero(np.diff(np.signbit(shown - shown.mean())))
+    assert abs(crossings - 60) <= 8, "two crossings of the mean for each swing"
+
+
+@pytest.mark.parametrize("count", [20, 300])
+def test_a_jump_leaves_no_stripe(walk: Walk, count: int) -> None:
+    """Layers are kept in a ring; what is drawn in strides after a jump ends at the ring's edge."""
+    walk.page.evaluate(f"rub.set({{ meanCount: {count} }}), rub.show('area')")
+    walk.page.wait_for_timeout(300)
+    for place in (400, 900.3, 905, 2000.7):
+        walk.page.evaluate(f"rub.run.goTo({place})")
+        assert walk.page.evaluate(BARE) <= 2, place
+    walk.page.evaluate("rub.stack.until = () => {}, rub.run.goTo(3000)")
+    walk.page.evaluate("rub.stack.begin(rub.stack.width, rub.stack.height, rub.stack.top, rub.stack.spacing)")
+    assert walk.page.evaluate(BARE) > 100, "layers that are missing would be noticed"
