@@ -23,7 +23,7 @@
       part('further', further.title, '', question, predict(further, known)),
       part('further-experiment', 'The switch', said, ...(said ? [] : experiment(further, known))),
       part('further-law', 'What happens', run, make('p', { html: comparison(further, known) }), law()),
-      part('further-check', 'Check', run, ...further.checks.map(checkForm)),
+      part('further-check', 'Check this too', run, ...further.checks.map(checkForm)),
     ];
   };
 
