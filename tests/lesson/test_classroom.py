@@ -22,7 +22,8 @@ ANSWERS = """rub.lessons.list.map((lesson) => {
   const exact = rub.theory.exact(world);
   const laws = lesson.experiment.table.map((row) => row.exact(exact, world));
   const asked = lesson.checks.filter((check) => check.expected).flatMap((check) => check.expected(exact, world));
-  return [[...laws, ...asked], asked].map((values) => values.map(rub.lessons.words.say).filter((text) => text.length > 3));
+  const texts = (values) => values.map(rub.lessons.words.say).filter((text) => text.length > 3);
+  return [texts([...laws, ...asked]), texts(asked)];
 })"""
 """What a lesson's table and questions ask for, and what its questions alone do."""
 

@@ -73,6 +73,48 @@ def test_the_laws_column_is_the_theory_of_the_package(walk):
             assert run["figures"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
+TABLE = """(names) => Object.fromEntries(names.map((name) => [name,
+  document.querySelector(`#number-${name} td`).textContent.replace('\u2212', '-')]))"""
+
+
+def table(exact):
+    """Return what the page's table of numbers has to say of a contact and its slider, in the units of the table."""
+    forces = exact.model.strengths.mean
+    return {
+        "count": exact.count_mean,
+        "count-std": exact.count_std,
+        "area": exact.area.mean,
+        "area-std": exact.area.std,
+        "relative": swing(exact),
+        "skewness": exact.area.skewness,
+        "diameter": exact.mean_diameter,
+        "live-diameter": exact.length_biased_mean_diameter,
+        "life": 2 * exact.mean_diameter,
+        "spacing": exact.model.mean_birth_spacing,
+        "force": 1e-3 * forces * exact.area.mean,
+        "force-std": 1e-3 * forces * exact.area.std,
+        "displacement": exact.slider.mean_displacement,
+        "displacement-std": exact.slider.displacement_std,
+        "velocity-std": 1e-3 * exact.slider.velocity_std,
+        "frequency": exact.model.slider.natural_frequency,
+        "one-way": exact.slider.one_way_validity,
+    }
+
+
+@pytest.mark.parametrize("lesson", [4, 7, 8])
+def test_the_numbers_on_the_page_are_those_of_theory(walk, lesson):
+    """Seventeen numbers, as they can be read, of each of three lessons."""
+    walk.page.evaluate(f"rub.set(rub.lessons.list[{lesson - 1}].experiment.runs[0].set)")
+    walk.page.locator("#reveal").click()
+    world = walk.page.evaluate("rub.world")
+    expected = table(rubnoise.exact(scenario_of(world)))
+    shown = walk.page.evaluate(TABLE, list(expected))
+    for name, value in expected.items():
+        assert float(shown[name]) == pytest.approx(value, rel=5e-6), name
+    other = table(rubnoise.exact(scenario_of({**world, "meanCount": 1.001 * world["meanCount"]})))
+    assert float(shown["area-std"]) != pytest.approx(other["area-std"], rel=5e-6)
+
+
 def spread(values):
     return np.mean((values - np.mean(values)) ** 2)
 

@@ -33,6 +33,10 @@ class Walk:
             if self.article.locator("#lesson-observe").count() == 0:
                 self.run(other)
                 self.slide_on()
+        self.say(index)
+
+    def say(self, index=0):
+        """Say what is seen."""
         self.article.locator("#lesson-observe").get_by_role("radio").nth(index).check()
         self.article.locator("#lesson-observe [type=submit]").click()
 

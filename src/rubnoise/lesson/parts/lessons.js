@@ -61,7 +61,8 @@
   /** Return what is known of a lesson that nobody has begun: no prediction, no stake, no check answered. */
   function fresh() {
     const further = { step: STEPS.asked, said: '' };
-    return { step: STEPS.asked, said: '', stake: 0, look: '', running: -1, pressed: [], watched: {}, right: {}, further };
+    const runs = { running: -1, pressed: [], watched: {} };
+    return { step: STEPS.asked, said: '', stake: 0, look: '', ...runs, right: {}, further };
   }
 
   /** Return whether the lesson may say what is right: the student has said what is seen, or the teacher has skipped. */

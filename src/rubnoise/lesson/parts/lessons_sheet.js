@@ -32,7 +32,10 @@
     parts.push(boxes(prediction.options, (each) => each.text));
     if (prediction.stake) parts.push(blank('Chips on it (1 to 10)'));
     parts.push(blank('Because'), table(lesson.experiment), blank('What I saw'), blank('The law'));
-    if (further) parts.push(make('p', { html: further.question }), boxes(further.prediction.options, (each) => each.text));
+    if (further) {
+      parts.push(make('p', { html: further.question }));
+      parts.push(boxes(further.prediction.options, (each) => each.text));
+    }
     return make('section', { class: 'sheet-lesson' }, ...parts);
   }
 

@@ -25,7 +25,7 @@
       ],
     },
     experiment: {
-      pace: 4, // lives a second
+      pace: 6, // lives a second
       label: 'Fig. 5, and it pushes back',
       set: { ...settings, coupling: 'two-way' },
       show: 'slider',

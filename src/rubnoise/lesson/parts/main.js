@@ -7,7 +7,7 @@
   let last = 0;
   let told = 0;
 
-  /** Show pictures below the stage, by their names with a space between (none: the side view), and fold the others away. */
+  /** Show pictures below the stage by name, with a space between (none: the side view), and fold the others away. */
   rub.show = (names) => {
     const wanted = (names || 'section').split(' ');
     const places = wanted.map((name) => find(`panel-${name}`) ?? find('panel'));

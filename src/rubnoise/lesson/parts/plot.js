@@ -105,7 +105,7 @@
     ctx.stroke();
   }
 
-  /** Draw the frame of a picture: numbers on the left, and a title as heading has it. box = {left, top, right, bottom}. */
+  /** Draw the frame of a picture: numbers on the left, and a title as by heading. box = {left, top, right, bottom}. */
   function leftAxis(ctx, box, low, high, title) {
     const y = (value) => box.bottom - ((value - low) / (high - low)) * (box.bottom - box.top);
     ctx.font = font(0.72);

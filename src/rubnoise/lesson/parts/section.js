@@ -17,7 +17,8 @@
       const chord = row.diameter ** 2 - 4 * (y - stage.cut()) ** 2;
       if (chord <= 0) return [];
       const offset = 0.5 * (run.distance - row.birth - row.diameter);
-      const lengths = { below: x - offset, above: x + offset, half: 0.5 * Math.sqrt(chord), flank: FLANK * row.diameter };
+      const top = { half: 0.5 * Math.sqrt(chord), flank: FLANK * row.diameter };
+      const lengths = { below: x - offset, above: x + offset, ...top };
       const part = run.trace.pulse.area(run.distance - row.birth, row.diameter) / stage.largest();
       return [{ ...inPixels(lengths, stage.scale), part }];
     });

@@ -7,6 +7,7 @@
   const DOTS = 400;
   const APART = 1 / 8; // of a life from one dot to the next
   const find = (id) => document.getElementById(id);
+  const TITLES = ['area, µm²; thick: the same, moved on by the lag', 'area, µm²; thick: a lag on'];
   const shifted = { lives: LAG };
 
   /** Return the lag in ticks: whole ones, so that each value has its partner. */
@@ -22,7 +23,7 @@
     shifted.pen.clear();
     const box = rub.traces.boxOf(shifted.pen);
     const [from, to] = rub.traces.stretch();
-    const y = leftAxis(ctx, box, 0, rub.traces.topArea(), ['area, µm²; thick: the same, moved on by the lag', 'area, µm²; thick: a lag on']);
+    const y = leftAxis(ctx, box, 0, rub.traces.topArea(), TITLES);
     const x = lowerAxis(ctx, box, from, to, 'sliding distance, µm');
     drawShared(ctx, x, box, from, seen.areaMean);
     rub.traces.level(ctx, box, y(seen.areaMean), ink.ink, [5, 4]);
