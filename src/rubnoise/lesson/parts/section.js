@@ -30,10 +30,17 @@
   /* Low waves that nothing touches; the upper ones move with the drive. */
   const wave = (x) => 0.12 + 0.05 * Math.sin(x / 17) + 0.05 * Math.sin(x / 7.3);
 
-  /** Return how high a surface is at a place, 0 at its foot and 1 at a top. */
-  function height(x, all, side, shift) {
-    const rise = (hill) => Math.min(1, Math.max(0, 1 - (Math.abs(x - hill[side]) - hill.half) / hill.flank));
-    return all.reduce((most, hill) => Math.max(most, rise(hill) ** 0.7), wave(x - shift));
+  /** Return how high a surface is at every other pixel, 0 at its foot and 1 at a top. */
+  function heights(width, all, side, shift) {
+    const found = Float64Array.from({ length: Math.ceil(width / STEP) + 1 }, (_, i) => wave(i * STEP - shift));
+    for (const { [side]: middle, half, flank } of all) {
+      const last = Math.min(found.length - 1, Math.floor((middle + half + flank) / STEP));
+      for (let i = Math.max(0, Math.ceil((middle - half - flank) / STEP)); i <= last; i += 1) {
+        const out = Math.max(0, (Math.abs(i * STEP - middle) - half) / flank);
+        found[i] = Math.max(found[i], (1 - Math.min(1, out)) ** 0.7);
+      }
+    }
+    return found;
   }
 
   /** Draw both surfaces, and in the colours of the stage where they touch. */
@@ -46,8 +53,10 @@
     const all = hills();
     const foot = 0.5 * (high - top) - 8;
     const shift = rub.run.distance * rub.stage.scale;
-    surface(ctx, width, high - 1, ink.quiet, (x) => middle + APART + foot * (1 - height(x, all, 'below', 0)));
-    surface(ctx, width, top, ink.second, (x) => middle - APART - foot * (1 - height(x, all, 'above', shift)));
+    const below = heights(width, all, 'below', 0);
+    const above = heights(width, all, 'above', shift);
+    surface(ctx, width, high - 1, ink.quiet, (i) => middle + APART + foot * (1 - below[i]));
+    surface(ctx, width, top, ink.second, (i) => middle - APART - foot * (1 - above[i]));
     for (const hill of all) touch(ctx, hill, middle);
     heading(ctx, { left: 0, top, right: width }, TITLES);
   };
@@ -55,7 +64,7 @@
   function surface(ctx, width, edge, colour, y) {
     ctx.beginPath();
     ctx.moveTo(0, edge);
-    for (let x = 0; x <= width + STEP; x += STEP) ctx.lineTo(x, y(x));
+    for (let i = 0; i <= Math.ceil(width / STEP); i += 1) ctx.lineTo(i * STEP, y(i));
     ctx.lineTo(width, edge);
     ctx.closePath();
     ctx.fillStyle = ink.faint;
