@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from tests.lesson.opened import CALM, UNHURRIED, opened
+from tests.lesson.opened import CALM, UNHURRIED, opened, until
 from tests.lesson.teaching import lessons
 from tests.lesson.test_in_sight import IN_SIGHT, LEAST
 from tests.lesson.test_no_answer_early import VERDICTS
@@ -58,7 +58,7 @@ def test_a_print_is_a_worksheet_without_answers(browser: Any, lesson_file: str) 
     with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
         assert page.locator("#sheet").count() == 0
         page.emulate_media(media="print")
-        page.wait_for_timeout(100)
+        until(page, "document.getElementById('sheet') !== null")
         sheet = page.locator("#sheet")
         text = sheet.inner_text()
         assert page.inner_text("body").strip() == text.strip(), "nothing else is printed"
@@ -79,6 +79,5 @@ def test_a_print_is_a_worksheet_without_answers(browser: Any, lesson_file: str) 
                 assert [answer for answer in forbidden if answer in part] == [], lesson.title
         assert page.pdf(format="A4")[:5] == b"%PDF-"
         page.emulate_media(media="screen")
-        page.wait_for_timeout(100)
-        assert page.locator("#sheet").count() == 0
+        until(page, "document.getElementById('sheet') === null")
         assert page.locator("#lessons").is_visible()
