@@ -78,7 +78,7 @@ def command(
     if plot and picture is not None:
         from rubnoise.figures.theory import theory_picture
 
-        write_picture(picture, lambda kind: theory_picture(model, scenario.title or file.stem, kind), force=force)
+        write_picture(picture, lambda kind: theory_picture(model, file.name, kind), force=force)
         return
     brief = not (as_csv or as_json)
     points = Points.of(

@@ -1,4 +1,4 @@
-"""A run as a film: junctions sliding over each other above, the real contact area growing below, frame by frame."""
+"""A run as a film: junctions sliding over each other above, area and live count growing below, frame by frame."""
 
 from collections.abc import Generator
 from dataclasses import dataclass
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figures.area import COUNT
 from rubnoise.figures.motion import Motion
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
@@ -28,6 +29,7 @@ from rubnoise.figures.style import (
 )
 from rubnoise.record.rows import Phase
 from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.exact import exact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,13 +38,19 @@ if TYPE_CHECKING:
 MOST_AT_ONCE: Final = 400
 """Pairs that a stage can show apart."""
 
-LEAD: Final = 0.25
-"""How long, in diameters, a pair is seen before it touches and after it has parted."""
+LEAD: Final = 0.15
+"""How long, in diameters, a pair is seen before it touches and after it has parted, then with the sign of a death."""
 
-CELL: Final = (3.1, 1.3)
+BORN: Final = 0.3
+"""How long, in diameters, a birth has its sign."""
+
+CELL: Final = (2.9, 1.12)
 """Width and height of a pair's place, in diameters of the largest."""
 
-SPARE: Final = 1.2
+MARGINS: Final = (0.6, 0.4, 0.2)
+"""From the edge to the first pair, of every second row to the right, and above the last row, in places."""
+
+SPARE: Final = 1.05
 ARC_POINTS: Final = 25
 GOLDEN: Final = (sqrt(5.0) - 1.0) / 2.0
 SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
@@ -77,7 +85,16 @@ class Stage:
             axes.add_collection(overlap),
             axes.add_collection(self._circles(near, shift, facecolor="none", edgecolor=INK, zorder=3)),
         ]
+        drawn += self._signs(axes, pairs.birth, BORN, distance, marker="o", mfc="white", ms=5.0)
+        drawn += self._signs(axes, pairs.death, LEAD, distance, marker="x", ms=6.0)
         return [*drawn, *_edge_marks(axes, self.width, self.height, distance)]
+
+    def _signs(self, axes: "Axes", events: Doubles, lasting: float, distance: float, **look: Any) -> list[Any]:
+        """Mark where pairs first or last touched, or were parted, from then on for some diameters."""
+        pairs = self.junctions
+        which = (events <= distance) & (distance < events + lasting * pairs.diameter)
+        middle = self.x + 0.5 * (events - pairs.birth - pairs.diameter)
+        return axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
 
     def _circles(self, which: NDArray[np.int64], shift: Doubles, **look: Any) -> Any:
         from matplotlib.collections import PolyCollection
@@ -117,10 +134,10 @@ def stage_of(junctions: Neighbours, aspect: float) -> Stage:
     row, column = np.divmod(cell, columns)
     return Stage(
         junctions=junctions,
-        x=(column + 0.75 + 0.5 * (row % 2)) * wide,
-        y=(row + 0.75) * high,
-        width=(columns + 1.0) * wide,
-        height=(rows + 0.5) * high,
+        x=(column + MARGINS[0] + MARGINS[1] * (row % 2)) * wide,
+        y=(row + MARGINS[0]) * high,
+        width=(columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]) * wide,
+        height=(rows + MARGINS[2]) * high,
         largest_area=float(0.25 * pi * largest**2),
     )
 
@@ -176,9 +193,9 @@ LIVES: Final = 3.0
 STICKS: Final = 4
 """Mean lives and, with two-way coupling, the number of sticks shown at least, by default."""
 
-WIDTH, HEIGHT = 8.0, 5.0
+WIDTH, HEIGHT = 9.6, 5.4
 DOTS_PER_INCH: Final = 100
-ASPECT: Final = 3.6
+ASPECT: Final = 2.9
 MOST_FRAMES: Final = 1000
 Frame = NDArray[np.uint8]
 
@@ -229,49 +246,65 @@ class Film:
             figure = new_figure(WIDTH, HEIGHT)
             figure.set_dpi(DOTS_PER_INCH)
             canvas: Any = FigureCanvasAgg(figure)
-            add_title(figure, self.stretch, "The junctions, and the real contact area that they add up to")
-            above, below = figure.subplots(2, 1, height_ratios=[1.65, 1.0])
-            trace = _Trace(below, self.stretch)
-            _set_scene(above, self.stage)
-            drawn = self._draw(above, trace, float(self.distances[0]), self.labels[0])
+            add_title(figure, self.stretch, "The junctions, how many live, and the real contact area that they add up to")
+            rows: Any = [["stage", "stage"], ["area", "count"]]
+            panes = figure.subplot_mosaic(rows, height_ratios=[2.3, 1.0], width_ratios=[1.6, 1.0])
+            traces = _area_trace(panes["area"], self.stretch), _count_trace(panes["count"], self.stretch)
+            _set_scene(panes["stage"], self.stage)
+            drawn = self._draw(panes["stage"], traces, float(self.distances[0]), self.labels[0])
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # what is laid out once stays where it is
             for distance, label in zip(self.distances.tolist(), self.labels, strict=True):
                 for each in drawn:
                     each.remove()
-                drawn = self._draw(above, trace, distance, label)
+                drawn = self._draw(panes["stage"], traces, distance, label)
                 canvas.draw()
                 yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
-    def _draw(self, axes: "Axes", trace: "_Trace", distance: float, label: str) -> list[Any]:
+    def _draw(self, axes: "Axes", traces: tuple["_Trace", "_Trace"], distance: float, label: str) -> list[Any]:
         alive = self.stage.junctions.alive(distance)
-        area = float(alive.area(distance).sum())
-        trace.show(distance, area)
-        axes.set_title(f"s = {distance:.1f} µm{label}     {alive.rows.size} alive     {area:.0f} µm² in contact")
+        area, count = float(alive.area(distance).sum()), alive.rows.size
+        traces[0].show(distance, area, f"{area:.0f} µm² in contact")
+        traces[1].show(distance, float(count), f"{count} alive")
+        axes.set_title(f"s = {distance:.1f} µm{label}")
         return self.stage.draw(axes, distance)
 
 
 class _Trace:
-    """The real contact area up to a distance, over the exact mean and spread."""
+    """A column of the trace up to a distance, over its exact mean and spread."""
 
-    def __init__(self, axes: "Axes", stretch: Stretch) -> None:
-        self._distance, self._area = stretch.curve("trace", "real_contact_area")
-        exact = area_cumulants(stretch.model)
-        exact_band(axes, exact.mean, exact.std)
-        (self._line,) = axes.plot([], [], color=BLUE, lw=1.4, label="simulated")
+    def __init__(self, axes: "Axes", stretch: Stretch, name: str, mean: float, std: float, **look: Any) -> None:
+        self._axes = axes
+        self._distance, self._value = stretch.curve("trace", name)
+        exact_band(axes, mean, std)
+        (self._line,) = axes.plot([], [], color=BLUE, lw=1.4, label="simulated", **look)
         (self._dot,) = axes.plot([], [], "o", color=BLUE, ms=5.0, clip_on=False, zorder=5)
-        highest = max(float(self._area.max()), exact.mean + exact.std)
         axes.set_xlim(stretch.start, stretch.stop)
-        axes.set_ylim(0.0, 1.05 * highest)
+        axes.set_ylim(0.0, 1.05 * max(float(self._value.max()), mean + std))
         axes.set_xlabel(DISTANCE)
-        axes.set_ylabel(AREA)
-        legend_above(axes)
 
-    def show(self, distance: float, area: float) -> None:
-        """Draw the area up to here."""
+    def show(self, distance: float, value: float, words: str) -> None:
+        """Draw the values up to here, and write the last of them in words."""
         known = int(np.searchsorted(self._distance, distance, side="right"))
-        self._line.set_data(np.append(self._distance[:known], distance), np.append(self._area[:known], area))
-        self._dot.set_data([distance], [area])
+        self._line.set_data(np.append(self._distance[:known], distance), np.append(self._value[:known], value))
+        self._dot.set_data([distance], [value])
+        self._axes.set_title(words)
+
+
+def _area_trace(axes: "Axes", stretch: Stretch) -> _Trace:
+    law = area_cumulants(stretch.model)
+    trace = _Trace(axes, stretch, "real_contact_area", law.mean, law.std)
+    axes.set_ylabel(AREA)
+    legend_above(axes)
+    return trace
+
+
+def _count_trace(axes: "Axes", stretch: Stretch) -> _Trace:
+    law = exact(stretch.model)
+    trace = _Trace(axes, stretch, "junction_count", law.count_mean, law.count_std, drawstyle="steps-post")
+    axes.locator_params(axis="y", integer=True)
+    axes.set_ylabel(COUNT)
+    return trace
 
 
 def _sticks_width(stretch: Stretch) -> float:
@@ -307,4 +340,19 @@ def _set_scene(axes: "Axes", stage: Stage) -> None:
     axes.set_yticks([])
     for side in ("left", "bottom"):
         axes.spines[side].set_visible(False)
-    axes.set_title("outlined: the upper surface, sliding \N{RIGHTWARDS ARROW}", loc="right", fontsize=8.5)
+    _add_key(axes, stage)
+
+
+def _add_key(axes: "Axes", stage: Stage) -> None:
+    """Say what outlines and signs mean, and which shade is how much area."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    shown: dict[str, Any] = {"ls": "", "color": INK, "mew": 1.2}
+    upper = axes.plot([], [], marker="o", ms=8.0, mfc="none", label="upper surface, sliding \N{RIGHTWARDS ARROW}", **shown)
+    axes.plot([], [], marker="o", mfc="white", ms=5.0, label="birth", **shown)
+    axes.plot([], [], marker="x", ms=6.0, label="death", **shown)
+    upper[0].set_markeredgewidth(0.7)
+    legend_above(axes)
+    scale = ScalarMappable(Normalize(0.0, stage.largest_area), _shades())
+    axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")

@@ -79,8 +79,11 @@ DEFAULT_DRAWN: Final = 400
 FEWEST_SAMPLES: Final = 800
 SAMPLES_A_LIFE: Final = 40
 MOST_SAMPLES: Final = 4000
-MOST_MARKED: Final = 150
+MOST_MARKED: Final = 250
 """Lives whose births and deaths are marked: with more, the marks would hide one another."""
+
+LARGE_MARKS: Final = 100
+"""Lives up to which the marks are large."""
 
 LAYER_SHADES: Final = ("#e3eef5", "#a9cce3", "#c6dcea", "#8dbbd9")
 """Pale blues of neighbouring layers."""
@@ -105,7 +108,7 @@ def lives_figure(stretch: Stretch) -> "Figure":
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     _draw_sum(above, shown, distance, areas)
     _draw_each(below, shown, distance, areas)
-    _mark_ends(below, shown, alive)
+    mark_ends(below, shown.start, shown.stop, alive.birth, alive.death)
     legend_above(below, columns=5)
     return figure
 
@@ -155,15 +158,15 @@ def _draw_each(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles
     axes.set_xlabel(DISTANCE)
 
 
-def _mark_ends(axes: "Axes", stretch: Stretch, alive: Neighbours) -> None:
-    """Mark births by rings and deaths by crosses below the lives, where there are not too many to be told apart."""
-    if alive.rows.size > MOST_MARKED:
+def mark_ends(axes: "Axes", start: float, stop: float, birth: Doubles, death: Doubles) -> None:
+    """Mark births by rings and deaths by crosses below lives from start to stop, in um, if there is room for them."""
+    if birth.size > MOST_MARKED:
         return
-    highest = axes.get_ylim()[1]
-    for row, places, marker, label in ((1.0, alive.birth, "o", "birth"), (2.0, alive.death, "x", "death")):
-        inside = places[(places >= stretch.start) & (places <= stretch.stop)]
+    highest, size = axes.get_ylim()[1], 3.4 if birth.size <= LARGE_MARKS else 2.4
+    for row, places, marker, label in ((1.0, birth, "o", "birth"), (2.0, death, "x", "death")):
+        inside = places[(places >= start) & (places <= stop)]
         level = np.full_like(inside, -0.09 * row * highest)
-        axes.plot(inside, level, marker, color=INK, ms=3.4, mfc="white", mew=0.7, ls="", label=label)
+        axes.plot(inside, level, marker, color=INK, ms=size, mfc="white", mew=0.7, ls="", label=label)
     axes.set_ylim(-0.27 * highest, highest)
     axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= highest])
 

@@ -18,11 +18,13 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
     AREA,
     BLUE,
+    CONFIDENCE,
     FAINT,
     INK,
     NEAREST,
     VERMILION,
     add_title,
+    draw_ratio,
     legend_above,
     logarithmic,
     new_figure,
@@ -116,7 +118,11 @@ LAG_LIVES: Final = 1.6
 
 
 def acf_figure(stretch: Stretch) -> "Figure":
-    """Draw the autocovariance of A_r over a stretch and R(tau), with its standard error where theory knows one."""
+    """Draw the autocovariance of A_r over a stretch, R(tau), and the band that holds 95 % of estimates at each lag.
+
+    Theory knows the band for births at random, to first order in a life over the stretch. It lies about what an
+    estimate is expected to be: R(tau) less the variance of the mean that is subtracted, S(0) over the stretch.
+    """
     steps = _lag_steps(stretch)
     lag = stretch.model.tick * steps
     products = LaggedProducts(steps.tolist(), area_cumulants(stretch.model).mean)
@@ -135,7 +141,7 @@ def acf_figure(stretch: Stretch) -> "Figure":
         axes.set_ylim(-rounding, rounding)
     axes.set_xlabel("lag in sliding distance (µm)")
     axes.set_ylabel("autocovariance (µm⁴)")
-    legend_above(axes)
+    legend_above(axes, columns=2)
     return figure
 
 
@@ -157,10 +163,18 @@ def _draw_exact_covariance(axes: "Axes", stretch: Stretch, longest: float) -> No
     exact = autocovariance(stretch.model, lag)
     axes.axhline(0.0, color=FAINT, lw=0.6, zorder=0)
     if isinstance(stretch.model.births, PoissonBirths):
-        error = covariance_errors(stretch.model, lag, stretch.stop - stretch.start, stretch.model.tick)
-        label = "± standard error"
-        axes.fill_between(lag, exact - error, exact + error, color=VERMILION, alpha=0.15, lw=0.0, label=label)
+        low, high = covariance_band(stretch, lag, exact)
+        label = "95 % of estimates, each lag alone: neighbours err together"
+        axes.fill_between(lag, low, high, color=VERMILION, alpha=0.15, lw=0.0, label=label)
     axes.plot(lag, exact, color=VERMILION, lw=1.6, label="exact")
+
+
+def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Doubles, Doubles]:
+    """Return between which values in um^4 the estimate lies at each lag in um in 95 % of runs like this one."""
+    length = stretch.stop - stretch.start
+    error = CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
+    expected = exact - float(spectral_density(stretch.model, np.zeros(1))[0]) / length
+    return expected - error, expected + error
 
 
 FEWEST_TICKS: Final = 16
@@ -245,13 +259,8 @@ def _draw_expected_estimate(axes: "Axes", stretch: Stretch, seen: Spectrum) -> D
 
 
 def _draw_ratio(axes: "Axes", seen: Spectrum, expected: Doubles) -> None:
-    """Draw the estimate over what it is expected to be, with two standard errors of each value about 1."""
+    """Draw the estimate over what it is expected to be, where that is more than rounding."""
     known = (expected > ROUNDING * float(expected.max())) & (seen.wavenumber > 0.0)
     wavenumber, level = seen.wavenumber[known], expected[known]
-    error = 2.0 * sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
-    axes.axhspan(1.0 - error, 1.0 + error, color=VERMILION, alpha=0.15, lw=0.0, label="± 2 std errors of a value")
-    axes.axhline(1.0, color=VERMILION, lw=1.0)
-    axes.plot(wavenumber, seen.density[known] / level, color=BLUE, lw=0.7, label="simulated over expected")
-    axes.set_ylim(0.0, 2.0 + error)
-    axes.set_ylabel("ratio")
-    legend_above(axes)
+    error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
+    draw_ratio(axes, wavenumber, seen.density[known] / level, error)

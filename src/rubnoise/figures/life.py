@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rubnoise.analysis.life import Life
-from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened
+from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened, with_minus
 from rubnoise.record.rows import JunctionState
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def life_png(life: Life, source: str = "") -> bytes:
 def _title(life: Life, source: str) -> str:
     whose = f"Junction {life.number:,}" + (f" of {shortened(source)}" if source else "")
     ended = ", ended early" if JunctionState.ENDED_EARLY in life.state else ""
-    return f"{whose}\ndiameter {life.diameter:.4g} µm, born at {life.birth_distance:,.2f} µm{ended}"
+    return f"{whose}\ndiameter {life.diameter:.4g} µm, born at {with_minus(f'{life.birth_distance:,.2f}')} µm{ended}"
 
 
 def _draw_neighbours(axes: "Axes", life: Life) -> None:

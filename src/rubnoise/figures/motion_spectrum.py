@@ -2,20 +2,32 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import pi
+from functools import partial
+from math import pi, sqrt
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from rubnoise.analysis.spectra import Spectrum, WelchSum
+from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.motion import Motion, labels_of, motions_of
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import BLUE, FAINT, NEAREST, VERMILION, add_title, legend_above, logarithmic, new_figure
+from rubnoise.figures.style import (
+    BLUE,
+    FAINT,
+    NEAREST,
+    VERMILION,
+    add_title,
+    draw_ratio,
+    legend_above,
+    logarithmic,
+    new_figure,
+)
 from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of
+from rubnoise.theory.estimated_spectrum import through_window
 from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
 from rubnoise.theory.spectrum import force_spectral_density
 
@@ -25,6 +37,9 @@ if TYPE_CHECKING:
 
 Heard = Literal["displacement", "velocity", "force"]
 FEWEST_ROWS: Final = 16
+FIRST: Final = 2
+"""The first bin of a ratio: the mean that is subtracted changes those before."""
+
 SEGMENTS: Final = 12
 PERIODS: Final = 400.0
 STICKS: Final = 40.0
@@ -88,10 +103,40 @@ def motion_spectrum_figure(stretch: Stretch, heard: Heard, beside: Stretch | Non
         if seen is None:
             needed = FEWEST_ROWS * (SEGMENTS + 1) / 2 * motion.apart
             raise Refused(f"a spectrum needs {needed:.3g} s of a {heard} that varies")
-    figure = new_figure(7.2, 4.4)
+    pairs = list(zip(motions, filter(None, found), strict=True))
+    compared = next((pair for pair in pairs if _is_expected(pair[0], heard)), None)
+    figure = new_figure(7.2, 4.4 if compared is None else 5.6)
     add_title(figure, stretch, f"The spectrum of the {heard}", beside)
-    draw_spectra(figure.subplots(), list(zip(motions, filter(None, found), strict=True)), heard)
+    if compared is None:
+        draw_spectra(figure.subplots(), pairs, heard)
+        return figure
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.6, 1])
+    draw_spectra(above, pairs, heard)
+    _draw_ratio(below, *compared, heard, above.get_xlim()[1])
+    above.set_xlabel("")
     return figure
+
+
+def _is_expected(motion: Motion, heard: Heard) -> bool:
+    """Whether theory knows the spectrum of a motion: coupled one way, damped, and not of lines alone."""
+    if motion.model.is_two_way:
+        return False
+    try:
+        natural = np.array([2.0 * pi * motion.slider.natural_frequency])
+        return bool(QUANTITIES[heard].exact(motion.model, natural).any())
+    except Refused:
+        return False
+
+
+def _draw_ratio(axes: "Axes", motion: Motion, seen: Spectrum, heard: Heard, highest: float) -> None:
+    """Draw the estimate up to a frequency in Hz over what theory and the window let one expect."""
+    last = int(np.searchsorted(seen.wavenumber, 2.0 * pi * highest, side="right")) - 1
+    exact = partial(QUANTITIES[heard].exact, motion.model)
+    expected = through_window(exact, motion.apart, hann(seen.ticks), last)[FIRST:]
+    frequency = seen.wavenumber[FIRST : last + 1] / (2.0 * pi)
+    error = sqrt(float(shared_variance(seen.ticks, seen.segments, 0)[0]) / seen.segments)
+    draw_ratio(axes, frequency, seen.density[FIRST : last + 1] / expected, error)
+    axes.set_xlabel("frequency (Hz)")
 
 
 def spectrum_of(motion: Motion, heard: Heard) -> Spectrum | None:

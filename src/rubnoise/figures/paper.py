@@ -51,8 +51,9 @@ FIGURES: Final[dict[str, PaperFigure]] = {
     "fig4": PaperFigure(
         title="The real contact area as a sum of junctions",
         caption=(
-            "Part of the trace of the real contact area (above), and the areas of its single junctions (below). The "
-            "trace is their sum. The band is the exact standard deviation about the exact mean."
+            "Part of the trace of the real contact area (above), and the areas of its single junctions (below), with "
+            "their births and deaths. The trace is their sum; one junction and its part of the sum are black. The band "
+            "is the exact standard deviation about the exact mean."
         ),
         scenarios=("fig4.toml",),
         draw=draw_fig4,
@@ -61,8 +62,9 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         title="Excitation force and vibration",
         caption=(
             "Friction force on the slider, displacement and velocity, each with its exact mean and standard "
-            "deviation. The velocity is far above the sliding speed. The paper's one-way coupling assumes a constant "
-            "speed, so the example breaks its own assumption."
+            "deviation. The lowest pane enlarges the velocity near zero: for nearly half of the time, the slider is "
+            "faster than the drive. The paper's one-way coupling assumes a constant sliding speed, so the example "
+            "breaks its own assumption."
         ),
         scenarios=("fig5.toml",),
         draw=draw_fig5,
@@ -80,7 +82,8 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         title="Standard deviation against the number of junctions",
         caption=(
             "Simulated standard deviations with 95 % intervals, and the exact curves. Divided by the mean, all "
-            "follow one law: 1.2298/√N for junctions of one size. This is the paper's non-linear decrease."
+            "follow one law: 1.2298/√N for junctions of one size. There, points of one number stand side by side, so "
+            "that all can be seen. This is the paper's non-linear decrease."
         ),
         scenarios=("fig7.toml",),
         draw=draw_fig7,
@@ -90,7 +93,7 @@ FIGURES: Final[dict[str, PaperFigure]] = {
         caption=(
             "Welch's estimate from a run, and the exact density. On linear axes it seems to end in a constant. On "
             "logarithmic axes it oscillates about 4λE[d²]/k⁴, because every pass goes through both centres. The floor "
-            "at the end comes only from the estimate: aliases of the ticks."
+            "at the end comes only from the estimate: the ratio below shows how aliases of the ticks raise it."
         ),
         scenarios=("fig8.toml",),
         draw=draw_fig8,

@@ -36,6 +36,9 @@ FIRST: Final = 2
 SIMULATED: Final[dict[str, Any]] = {"lw": 2.6, "alpha": 0.55, "solid_joinstyle": "round"}
 """A simulated spectrum is drawn broad and pale, for the exact one lies on it."""
 
+ONE_OF_SEVERAL: Final[dict[str, Any]] = {"lw": 2.6, "solid_joinstyle": "round"}
+"""One among others keeps its full colour, by which it is known."""
+
 WAVENUMBER: Final = "wavenumber (rad/µm)"
 DENSITY: Final = "two-sided spectral\ndensity (µm⁴ per rad/µm)"
 
@@ -62,20 +65,21 @@ LINEAR_PHASE: Final = 12.0
 TAIL_PHASE: Final = 3.0
 """Where the tail's law begins to be drawn, as a wavenumber times the mean diameter."""
 
-ALIASED: Final = 0.5
-"""From which part of the largest wavenumber on aliases are to be seen."""
+ALIASED: Final = 0.1
+"""From which part of the largest wavenumber on the ratio to the exact density is drawn."""
 
 EXACT_SAMPLES: Final = 1500
 
 
 def draw_fig8(sources: Sources) -> "Figure":
-    """Draw Welch's estimate and S(k), and in the logarithmic picture the mean of its tail."""
+    """Draw Welch's estimate and S(k), the mean of its tail, and near the end the ratio of both, with the aliases."""
     scenario = sources.scenario("fig8.toml")
     model = scenario.model()
     seen = spectrum_of(model, simulate(scenario))
     wavenumber, density = merged_bins(seen)
-    figure = new_figure(7.2, 3.8)
-    linear, tail = figure.subplots(1, 2)
+    figure = new_figure(7.2, 4.6)
+    panes: Any = figure.subplot_mosaic([["linear", "tail"], ["linear", "ratio"]], height_ratios=[2.2, 1.0])
+    linear, tail = panes["linear"], panes["tail"]
     highest = LINEAR_PHASE / model.mean_life_distance
     shown = wavenumber <= highest
     linear.plot(wavenumber[shown], density[shown], color=BLUE, label="simulated", **SIMULATED)
@@ -85,11 +89,13 @@ def draw_fig8(sources: Sources) -> "Figure":
     tail.plot(wavenumber, density, color=BLUE, label="simulated", **SIMULATED)
     _draw_exact_density(tail, model, np.geomspace(wavenumber[0], wavenumber[-1], EXACT_SAMPLES))
     _draw_tail(tail, model, float(wavenumber[-1]))
-    _draw_aliased(tail, model, seen)
+    _draw_aliased(panes["ratio"], model, seen)
     logarithmic(tail.xaxis)
     logarithmic(tail.yaxis)
     tail.set_xlim(wavenumber[0], wavenumber[-1])
     _label_tail(linear, tail)
+    linear.set_xlabel(WAVENUMBER)
+    panes["ratio"].set_xlabel(WAVENUMBER)
     return figure
 
 
@@ -105,12 +111,19 @@ def _draw_tail(axes: "Axes", model: "Model", highest: float) -> None:
 
 
 def _draw_aliased(axes: "Axes", model: "Model", seen: Spectrum) -> None:
-    """Draw what the estimate is expected to be where the aliases of the ticks lift it, near the last wavenumber."""
-    wavenumber, expected = expected_periodogram(model, model.tick, hann(seen.ticks))
-    lifted = wavenumber > ALIASED * wavenumber[-1]
-    axes.plot(
-        wavenumber[lifted], expected[lifted], color=INK, lw=1.2, ls=(0, (1, 1.5)), label="with the ticks' aliases"
-    )
+    """Draw the estimate over S(k) near the last wavenumber, and what aliases of the ticks let one expect."""
+    wavenumber, density = merged_bins(seen)
+    bins, level = expected_periodogram(model, model.tick, hann(seen.ticks))
+    shown, lifted = wavenumber > ALIASED * wavenumber[-1], bins > ALIASED * bins[-1]
+    ratio = density[shown] / spectral_density(model, wavenumber[shown])
+    axes.plot(wavenumber[shown], ratio, color=BLUE, **SIMULATED)
+    axes.axhline(1.0, color=VERMILION, lw=1.0)
+    expected = level[lifted] / spectral_density(model, bins[lifted])
+    axes.plot(bins[lifted], expected, color=INK, lw=1.2, ls=(0, (3, 1.5)), label="with the ticks' aliases")
+    axes.set_xlim(bins[lifted][0], bins[-1])
+    axes.set_ylim(0.0, 1.15 * float(expected[-1]))
+    axes.set_ylabel("over exact")
+    axes.legend(loc="upper left")
 
 
 def _label_tail(linear: "Axes", tail: "Axes") -> None:
@@ -119,8 +132,6 @@ def _label_tail(linear: "Axes", tail: "Axes") -> None:
     tail.set_title("On logarithmic axes: a tail, no floor")
     linear.legend(loc="upper right")
     tail.legend(loc="lower left")
-    for axes in (linear, tail):
-        axes.set_xlabel(WAVENUMBER)
 
 
 HIGHEST_PHASE: Final = 60.0
@@ -137,6 +148,7 @@ def draw_fig9(sources: Sources) -> "Figure":
         model = point.scenario.model()
         label = f"{model.mean_junction_count:g}"
         _draw_spectrum(plain, model, seen, colour, label, scales=(1.0, 1.0))
+        _name_at_start(plain, model, seen, colour, label)
         variance, life = area_cumulants(model).variance, model.mean_life_distance
         _draw_spectrum(scaled, model, seen, colour, label, scales=(life, 1.0 / (variance * life)))
     _finish_points(plain, scaled)
@@ -159,8 +171,17 @@ def _draw_spectrum(
     shown = wavenumber <= highest
     exact = np.geomspace(wavenumber[0], highest, POINT_SAMPLES)
     across, up = scales
-    axes.plot(across * exact, up * spectral_density(model, exact), color=VERMILION, lw=0.8, zorder=3)
-    axes.plot(across * wavenumber[shown], up * density[shown], color=colour, label=label, **SIMULATED)
+    law = up * spectral_density(model, exact)
+    axes.plot(across * exact, law, color=VERMILION, lw=0.8, zorder=3)
+    axes.plot(across * wavenumber[shown], up * density[shown], color=colour, label=label, **ONE_OF_SEVERAL)
+
+
+def _name_at_start(axes: "Axes", model: Model, seen: Spectrum, colour: str, label: str) -> None:
+    """Write the number of junctions where the exact curve begins."""
+    first = float(seen.wavenumber[FIRST])
+    level = float(spectral_density(model, np.array([first]))[0])
+    place = {"xytext": (-4.0, 0.0), "textcoords": "offset points", "ha": "right", "va": "center"}
+    axes.annotate(label, (first, level), color=colour, fontsize=8.5, **place)
 
 
 def _finish_points(plain: "Axes", scaled: "Axes") -> None:

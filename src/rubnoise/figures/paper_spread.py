@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.figures.paper_sources import Sources
-from rubnoise.figures.style import SERIES, VERMILION, logarithmic, new_figure
+from rubnoise.figures.style import CONFIDENCE, INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.record.tally import Tally
@@ -81,15 +81,12 @@ def by_area(spreads: list[Spread]) -> dict[float, list[Spread]]:
     return dict(sorted(families.items()))
 
 
-CONFIDENCE: Final = 1.959963984540054
-"""Half-width of a 95 % interval in standard errors."""
-
 LAW: Final = 1.5 * sqrt(2.0 * pi / 3.0 - 64.0 / 45.0)
 """std/mean times sqrt(N) for lenses of one size: sqrt(c_2) / (c_1 sqrt(2 / N)) with c_1 = 2/3, c_2 = pi/3 - 32/45."""
 
 
 APART: Final = 0.018
-"""How far points of one number of junctions are drawn apart, as a part of it."""
+"""How far points of one number of junctions are set apart, as a part of it, so that none hides another."""
 
 CURVE: Final = 41
 """Points of an exact curve, from the fewest junctions to the most."""
@@ -158,7 +155,7 @@ def _draw_law(axes: "Axes", spreads: list[Spread]) -> None:
 
 
 def _finish_spreads(absolute: "Axes", relative: "Axes") -> None:
-    absolute.errorbar([], [], [], label="simulated, 95 % interval", color=SERIES[2][0], fmt="o", ms=4.5, capsize=2.0)
+    absolute.errorbar([], [], [], label="simulated, 95 % interval", color=INK, fmt="o", ms=4.5, capsize=2.0)
     absolute.plot([], [], color=VERMILION, lw=1.2, label="exact")
     absolute.legend(loc="upper right")
     absolute.set_ylabel("standard deviation of\nthe real contact area (µm²)")
@@ -169,9 +166,9 @@ def _finish_spreads(absolute: "Axes", relative: "Axes") -> None:
         _few_numbers(axis)
     relative.set_ylabel("standard deviation over mean")
     relative.set_title("Over their mean: one law")
-    relative.legend(loc="lower left")
-    for axes in (absolute, relative):
-        axes.set_xlabel("mean number of junctions")
+    relative.legend(loc="lower left", title="simulated", alignment="left")
+    absolute.set_xlabel("mean number of junctions")
+    relative.set_xlabel("mean number of junctions\n(points of one number set side by side)")
 
 
 def _few_numbers(axis: "Axis") -> None:

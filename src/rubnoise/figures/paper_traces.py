@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from rubnoise.api import simulate
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
+from rubnoise.figures.area import mark_ends
 from rubnoise.figures.paper_sources import Sources, envelope
 from rubnoise.figures.style import (
     AREA,
@@ -36,7 +37,7 @@ LIFE_SAMPLES: Final = 41
 
 
 def draw_fig4(sources: Sources) -> "Figure":
-    """Draw A_r over the whole of a short run, and below it the area of every junction."""
+    """Draw A_r over the whole of a short run, below it the area of every junction, and in both one life in black."""
     scenario = sources.scenario("fig4.toml")
     model, record = scenario.model(), simulate(scenario)
     figure = new_figure(7.2, 4.4)
@@ -50,20 +51,33 @@ def draw_fig4(sources: Sources) -> "Figure":
         lw=1.5,
         label="sum of the junctions, simulated",
     )
+    rows = record["junctions"]
+    one = int(np.searchsorted(rows["birth_distance"], 0.5 * model.distance))
+    _draw_part(above, trace, rows, model, one)
     above.set_ylabel(AREA)
     above.set_ylim(bottom=0.0)
     legend_above(above)
-    _draw_junctions(below, record["junctions"], model)
+    _draw_junctions(below, rows, model, one)
+    mark_ends(below, 0.0, model.distance, rows["birth_distance"], rows["death_distance"])
+    legend_above(below)
     below.set_ylabel("junction area (µm²)")
     below.set_xlabel(DISTANCE)
     below.set_xlim(0.0, model.distance)
     return figure
 
 
-def _draw_junctions(axes: "Axes", rows: dict[str, Any], model: "Model") -> None:
-    """Draw every life, and one in the middle on top so that the eye finds a whole one."""
+def _draw_part(axes: "Axes", trace: dict[str, Any], rows: dict[str, Any], model: "Model", one: int) -> None:
+    """Fill what one junction adds to the sum."""
+    birth, death = rows["birth_distance"][one], rows["death_distance"][one]
+    lived = (trace["distance"] >= birth) & (trace["distance"] < death)
+    distance, total = trace["distance"][lived], trace["real_contact_area"][lived]
+    own = model.pulse.area(distance - birth, rows["diameter"][one])
+    axes.fill_between(distance, total - own, total, color=INK, lw=0.0, label="the part of one junction")
+
+
+def _draw_junctions(axes: "Axes", rows: dict[str, Any], model: "Model", chosen: int) -> None:
+    """Draw every life, and the chosen one on top so that the eye finds a whole one."""
     births, diameters = rows["birth_distance"], rows["diameter"]
-    chosen = int(np.searchsorted(births, 0.5 * model.distance))
     age = 1.0 - np.cos(np.linspace(0.0, np.pi, LIFE_SAMPLES))
     for row, (birth, diameter) in enumerate(zip(births, diameters, strict=True)):
         one = row == chosen
@@ -73,14 +87,17 @@ def _draw_junctions(axes: "Axes", rows: dict[str, Any], model: "Model") -> None:
             color=INK if one else FAINT,
             lw=1.6 if one else 0.5,
             zorder=3 if one else 1,
-            label=f"one of {births.size}" if one else None,
+            label=f"this one of {births.size}" if one else None,
         )
     axes.set_ylim(0.0, 1.1 * float(0.25 * np.pi * diameters.max() ** 2))
-    legend_above(axes)
 
 
 SECONDS: Final = 1.0
 """How much is shown: some forty periods of the slider."""
+
+NEAR_SECONDS: Final = 0.2
+NEAR_SPEEDS: Final = 6.0
+"""How much of the velocity is drawn once more, and up to how many sliding speeds."""
 
 PER_MILLI: Final = 1e-3
 
@@ -97,8 +114,8 @@ def draw_fig5(sources: Sources) -> "Figure":
         raise Refused("fig5.toml: the figure needs a strength and a slider")
     motion = simulate(scenario)["slider"]
     shown = slice(0, int(np.searchsorted(motion["time"], SECONDS)) + 1)
-    figure = new_figure(7.2, 5.4)
-    force, displacement, velocity = figure.subplots(3, 1, sharex=True)
+    figure = new_figure(7.2, 7.0)
+    force, displacement, velocity, near = figure.subplots(4, 1)
     for axes, name, mean, std, scale in (
         (force, "friction_force", theory.force.mean, theory.force.std, PER_MILLI),
         (displacement, "displacement", theory.slider.mean_displacement, theory.slider.displacement_std, 1.0),
@@ -110,11 +127,30 @@ def draw_fig5(sources: Sources) -> "Figure":
             exact_band(axes, scale * mean, scale * std)
         axes.plot(*envelope(motion["time"][shown], scale * motion[name][shown]), color=BLUE, lw=0.9, label="simulated")
     _label_motion(force, displacement, velocity)
-    velocity.axhline(PER_MILLI * theory.slider.sliding_speed, color=INK, lw=1.2, label="sliding speed", zorder=5)
-    for axes in (force, velocity):
-        legend_above(axes)
-    velocity.set_xlim(0.0, motion["time"][shown][-1])
+    _draw_near_zero(near, motion["time"], motion["velocity"], theory.slider.sliding_speed)
+    legend_above(force)
+    for axes in (force, displacement, velocity):
+        axes.set_xlim(0.0, motion["time"][shown][-1])
+        axes.tick_params(labelbottom=axes is velocity)
+    figure.align_ylabels()
     return figure
+
+
+def _draw_near_zero(axes: "Axes", time: Doubles, velocity: Doubles, drive: float) -> None:
+    """Draw the velocity once more where it is near zero and the drive's speed, and shade where it is above that."""
+    known = time <= NEAR_SECONDS
+    time, velocity, speed = time[known], PER_MILLI * velocity[known], PER_MILLI * drive
+    across = axes.get_xaxis_transform()
+    ahead = "slider faster than the drive"
+    axes.fill_between(time, 0.0, 1.0, where=velocity > speed, transform=across, color=STUCK, lw=0.0, label=ahead)
+    axes.plot(time, velocity, color=BLUE, lw=1.2)
+    axes.axhline(0.0, color=FAINT, lw=0.8)
+    axes.axhline(speed, color=INK, lw=1.2, ls=(0, (5, 2)), label=f"sliding speed, {speed:.3g} mm/s")
+    axes.set_xlim(0.0, time[-1])
+    axes.set_ylim(-NEAR_SPEEDS * speed, NEAR_SPEEDS * speed)
+    axes.set_ylabel("velocity near\nzero (mm/s)")
+    axes.set_xlabel("time (s), the beginning of the curves above")
+    legend_above(axes)
 
 
 def _shade_sticks(axes: "Axes", time: NDArray[np.float64], stuck: NDArray[np.bool_]) -> None:
@@ -129,7 +165,6 @@ def _label_motion(force: "Axes", displacement: "Axes", velocity: "Axes") -> None
     displacement.set_ylabel("displacement (µm)")
     velocity.set_ylabel("velocity (mm/s)")
     velocity.set_xlabel("time (s)")
-    force.figure.align_ylabels([force, displacement, velocity])
 
 
 COUNTS: Final = (10, 20, 30, 40, 50)

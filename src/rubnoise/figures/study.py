@@ -1,5 +1,6 @@
 """A study: one quantity of a sweep against what is swept, in lines of points with the exact curve through each."""
 
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,7 +18,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.axis_labels import ALL, shown_unit
 from rubnoise.scenario import Scenario, build
-from rubnoise.units import Quantity
+from rubnoise.units import NUMBER, Quantity
 
 CURVE: Final = 61
 """Points of an exact curve, from the lowest value of a key to the highest, besides those of the sweep."""
@@ -60,13 +61,15 @@ class Line:
 class Study:
     """A quantity against a key, one line for each value of the others.
 
-    ``numeric`` says whether the key has numbers, in ``unit``; of others the points lie at 0, 1, 2, ...
+    ``numeric`` says whether the key has numbers; of others the points lie at 0, 1, 2, ... The axis has ``unit``, in
+    which the values are written; a place is ``scale`` times as large in it. ``title`` says whose the study is.
     """
 
     title: str
     quantity: str
     key: str
     unit: str
+    scale: float
     others: tuple[str, ...]
     numeric: bool
     lines: tuple[Line, ...]
@@ -190,15 +193,29 @@ def study_of_points(
     lines = _lines(points, quantity, key if numeric else "", key, others, curve)
     if without_values(lines):
         raise Refused(f"{quantity}: no run has it")
+    unit, scale = _written_unit(points, key, units[key]) if numeric else (units[key], 1.0)
     return Study(
         title=title,
         quantity=quantity,
         key=key,
-        unit=units[key],
+        unit=unit,
+        scale=scale,
         others=others,
         numeric=bool(numeric),
         lines=lines,
     )
+
+
+WRITTEN: Final = re.compile(rf"({NUMBER}) *(\S.*)")
+
+
+def _written_unit(points: Sequence[PointRuns], key: str, unit: str) -> tuple[str, float]:
+    """Return the unit in which all values of a key are written, and the factor to it; else the key's unit and 1."""
+    found = [WRITTEN.fullmatch(str(point.values[key]).strip()) for point in points]
+    units = {each[2] if each else "" for each in found}
+    pairs = [(float(each[1]), point.numbers[key]) for each, point in zip(found, points, strict=True) if each]
+    known = [number / value for number, value in pairs if value != 0.0]
+    return (units.pop(), known[0]) if len(units) == 1 and "" not in units and known else (unit, 1.0)
 
 
 def _lines(
@@ -241,7 +258,7 @@ def study_of_sweep(sweep: SweepResult, quantity: str) -> Study:
     return study_of_points(
         _points(sweep, quantity),
         quantity,
-        title=sweep.title,
+        title=sweep.path.resolve().name,
         units={key: _unit(sweep, key) for key in sweep.keys},
         side_by_side=sweep.side_by_side,
     )

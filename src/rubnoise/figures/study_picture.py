@@ -1,5 +1,7 @@
 """The picture of a study: simulated values with their intervals, and the exact curves."""
 
+from collections.abc import Callable
+from functools import partial
 from itertools import cycle
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Final
@@ -9,7 +11,6 @@ import numpy as np
 from rubnoise.figures.axis_labels import key_label, key_words, quantity_label, quantity_words
 from rubnoise.figures.study import Line, Study
 from rubnoise.figures.style import (
-    LONGEST_TITLE,
     SERIES,
     VERMILION,
     Format,
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+Place = Callable[[float], float]
 LOOK: Final[dict[str, Any]] = {"ms": 4.5, "lw": 0.0, "elinewidth": 1.0, "capsize": 2.0, "zorder": 3}
 MOST_LABELS: Final = 10
 APART: Final = 0.06
@@ -47,15 +49,21 @@ def draw_study(study: Study) -> "Figure":
     axes = figure.subplots()
     for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(SERIES), strict=False)):
         shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
-        _draw_points(axes, line, {"color": colour, "fmt": marker, **LOOK}, shift, named=number < MOST_LABELS)
-        _draw_exact(axes, line, shift)
+        at = partial(_place, study.scale, shift)
+        _draw_points(axes, line, {"color": colour, "fmt": marker, **LOOK}, at, named=number < MOST_LABELS)
+        _draw_exact(axes, line, at)
     _label(axes, study)
     _legend(axes, study)
     _add_title(figure, study)
     return figure
 
 
-def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *, named: bool) -> None:
+def _place(scale: float, shift: float, place: float) -> float:
+    """Return where on the axis a place is drawn."""
+    return scale * place + shift
+
+
+def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, named: bool) -> None:
     """Draw points; a point without a known interval is hollow."""
     known = [spot for spot in line.spots if isfinite(spot.seen.value)]
     if not known:
@@ -63,26 +71,27 @@ def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], shift: float, *
     complete = [spot for spot in known if isfinite(spot.seen.reach)]
     bare = [spot for spot in known if not isfinite(spot.seen.reach)]
     axes.errorbar(
-        [spot.place + shift for spot in complete],
+        [at(spot.place) for spot in complete],
         [spot.seen.value for spot in complete],
         [spot.seen.reach for spot in complete],
         label=one_line(line.label) if named and line.label else None,
         **look,
     )
     hollow = {"marker": look["fmt"], "mfc": "none", "mec": look["color"], "ls": "none", "ms": look["ms"]}
-    axes.plot([spot.place + shift for spot in bare], [spot.seen.value for spot in bare], **hollow)
+    axes.plot([at(spot.place) for spot in bare], [spot.seen.value for spot in bare], **hollow)
 
 
-def _draw_exact(axes: "Axes", line: Line, shift: float) -> None:
+def _draw_exact(axes: "Axes", line: Line, at: Place) -> None:
     """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
     look: dict[str, Any] = {"color": VERMILION, "lw": 1.2, "zorder": 2}
     if not _has_exact(line):
         return
     if line.curve is not None:
-        axes.plot(*line.curve, **look)
+        across, exact = line.curve
+        axes.plot([at(place) for place in across.tolist()], exact, **look)
         return
     for spot in line.spots:
-        axes.errorbar([spot.place + shift], [spot.exact], marker="_", ms=14.0, mew=1.4, color=VERMILION, zorder=2)
+        axes.errorbar([at(spot.place)], [spot.exact], marker="_", ms=14.0, mew=1.4, color=VERMILION, zorder=2)
 
 
 def _has_exact(line: Line) -> bool:
@@ -130,6 +139,6 @@ def _legend(axes: "Axes", study: Study) -> None:
 
 
 def _add_title(figure: "Figure", study: Study) -> None:
-    title = shortened(one_line(study.title), LONGEST_TITLE)
-    shown = quantity_words(study.quantity)
-    figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], title))), x=0.01, ha="left", fontsize=10.0)
+    name = shortened(one_line(study.title))
+    shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
+    figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], name))), x=0.01, ha="left", fontsize=10.0)

@@ -12,6 +12,7 @@ from io import BytesIO
 from math import log10
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, how_to_install
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rubnoise.figures.stretch import Stretch
+    from rubnoise.model import Model
 
 INK: Final = "#000000"
 BLUE: Final = "#0072b2"
@@ -33,12 +35,12 @@ STUCK: Final = (0.90, 0.90, 0.90)
 
 SERIES: Final[tuple[tuple[str, str], ...]] = (
     ("#04213a", "o"),
-    ("#0a4a7d", "s"),
+    ("#7a1f7e", "s"),
     ("#0072b2", "^"),
-    ("#4c9ed3", "D"),
-    ("#8cc4e8", "v"),
+    ("#1b9e77", "D"),
+    ("#b5a200", "v"),
 )
-"""Colours and markers of several runs in one picture: the blue from dark to light, which a grey printer keeps apart."""
+"""Colours and markers of several runs in one picture: five hues from dark to light, which grey print keeps apart."""
 
 Format = Literal["png", "pdf", "svg"]
 FORMATS: Final[tuple[Format, ...]] = ("png", "pdf", "svg")
@@ -171,22 +173,35 @@ def shortened(name: str, longest: int = LONGEST_NAME) -> str:
     return name if len(name) <= longest else f"{name[: longest - 3]}..."
 
 
+CONFIDENCE: Final = 1.959963984540054
+"""Half-width of a 95 % interval in standard errors."""
+
 AREA: Final = "real contact area (µm²)"
-LONGEST_TITLE: Final = 64
 DISTANCE: Final = "sliding distance (µm)"
 NEAREST: Final = 1e-6
 """Span of values over the values themselves below which nothing but rounding is seen."""
 
 
 def add_title(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch | None" = None) -> None:
-    """Put a title over a figure: what it shows, of which run, and which other one is laid over it."""
-    whose = _run_label(stretch) if beside is None else f"{_run_label(stretch)}, and over it\n{_run_label(beside)}"
+    """Put a title over a figure: what it shows, then the file, what is in contact, or which run is laid over it."""
+    file = file_label(stretch)
+    whose = f"{file}: {contact_label(stretch.model)}" if beside is None else f"{file}, and over it {file_label(beside)}"
     figure.suptitle(f"{shown}\n{whose}", x=0.01, ha="left", fontsize=10.0)
 
 
-def _run_label(stretch: "Stretch") -> str:
-    title, name = one_line(stretch.title), one_line(stretch.file.path.name)
-    return f"{shortened(title, LONGEST_TITLE)} ({shortened(name)})" if title else shortened(name, LONGEST_TITLE)
+def contact_label(model: "Model") -> str:
+    """Return how many junctions there are on average, and how large they are."""
+    return f"{model.mean_junction_count:.4g} junctions of {model.calibrated_diameter:.3g} µm on average"
+
+
+def file_label(stretch: "Stretch") -> str:
+    """Return the name of a result as a picture has room for."""
+    return shortened(one_line(stretch.file.path.name))
+
+
+def with_minus(text: str) -> str:
+    """Return a text with numbers whose hyphens are minus signs, as those of the axes are."""
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def one_line(text: str) -> str:
@@ -201,6 +216,17 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
     axes.axhline(mean, color=VERMILION, lw=1.2, zorder=4)
     for edge in (mean - std, mean + std):
         axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
+
+
+def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float) -> None:
+    """Draw an estimate over what it is expected to be, with two standard errors of each value about 1."""
+    band = 2.0 * error
+    axes.axhspan(1.0 - band, 1.0 + band, color=VERMILION, alpha=0.15, lw=0.0, label="± 2 std errors of a value")
+    axes.axhline(1.0, color=VERMILION, lw=1.0)
+    axes.plot(place, ratio, color=BLUE, lw=0.7, label="simulated over expected")
+    axes.set_ylim(0.0, 2.0 + band)
+    axes.set_ylabel("ratio")
+    legend_above(axes)
 
 
 def legend_above(axes: "Axes", columns: int = 4) -> None:

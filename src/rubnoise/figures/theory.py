@@ -14,6 +14,7 @@ from rubnoise.figures.style import (
     VERMILION,
     Format,
     as_bytes,
+    contact_label,
     house_style,
     logarithmic,
     new_figure,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 POINTS: Final = 1200
 REACH: Final = 4.5
-LONGEST_TITLE: Final = 80
 LAGS: Final = 300
 LITTLE: Final = 0.01
 NOTE_COLOUR: Final = "#5a5a5a"
@@ -48,11 +48,15 @@ def theory_picture(model: Model, title: str, kind: Format) -> bytes:
 
 
 def theory_figure(model: Model, title: str) -> "Figure":
-    """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement."""
+    """Draw distribution, autocovariance and spectrum of A_r, and the spectrum of a slider's displacement.
+
+    ``title`` says what the model is from.
+    """
     area = area_cumulants(model)
     figure = new_figure(7.6, 5.6)
-    moments = f"real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
-    figure.suptitle(f"{shortened(one_line(title), LONGEST_TITLE)}\n{moments}", x=0.01, ha="left", fontsize=10.0)
+    moments = f"What is exact: real contact area {area.mean:.5g} ± {area.std:.4g} µm²"
+    whose = f"{shortened(one_line(title))}: {contact_label(model)}"
+    figure.suptitle(f"{moments}\n{whose}", x=0.01, ha="left", fontsize=10.0)
     rows: Any = [["law", "covariance"], ["spectrum", "spectrum" if model.slider is None else "response"]]
     axes = figure.subplot_mosaic(rows)
     _draw_law(axes["law"], model, area)

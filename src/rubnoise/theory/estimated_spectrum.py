@@ -4,6 +4,7 @@ Read it from above: the covariance of two windowed segments of a record, the mea
 Welch's estimate, bin by bin and over bands of bins.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import pi
@@ -21,6 +22,7 @@ from rubnoise.theory.quadrature import size_range, size_rule
 from rubnoise.theory.regular_births import are_at_random, need_centred_passes, need_random_births
 from rubnoise.theory.spectrum import spectral_density
 
+_LEAKS, _ALIASES = 16, (0, -1, 1, -2, 2)
 _NOTHING = 1e-17
 _NEARER, _TRIALS = 0.8, 120
 
@@ -128,6 +130,26 @@ def expected_periodogram(
         energy += model.stationary_mean_area**2 * np.square(np.abs(np.fft.rfft(weights)))
     density = tick / float(weights @ weights) * energy
     return segment_wavenumbers(tick, weights.size), np.maximum(density, 0.0)
+
+
+def through_window(
+    density: Callable[[Doubles], Doubles], step: float, window: NDArray[np.float64], last: int
+) -> Doubles:
+    """Return the mean of a windowed periodogram at bins 0 ... ``last`` of a record with the density S(w), two-sided.
+
+    E[P(w_p)] = sum_q S_a(w_p - q/2 bins) |W_q|^2 / (2 n sum w^2), with W the transform of the window padded to 2 n
+    values and S_a(w) = sum_a S(|w + 2 pi a / h|): exact where covariances end before n values of ``step`` h, but for
+    what leaks over more than 8 bins and for aliases beyond the second. The record's mean is taken to be 0; a mean that
+    is subtracted changes bins 0 and 1. Units are those of the density. Raises Refused for a window that weighs nothing.
+    """
+    weights = checked_window(window)
+    n = weights.size
+    energy = np.square(np.abs(np.fft.rfft(weights, 2 * n)))[: _LEAKS + 1] / (2.0 * n * float(weights @ weights))
+    kernel = np.concatenate([energy[:0:-1], energy])
+    places = np.pi / (n * step) * np.arange(1 - energy.size, 2 * last + energy.size, dtype=np.float64)
+    turn = 2.0 * np.pi / step
+    folded = sum((density(np.abs(places + alias * turn)) for alias in _ALIASES), np.zeros(places.size))
+    return np.convolve(folded, kernel, "valid")[::2]
 
 
 def checked_window(window: NDArray[np.float64]) -> Doubles:
