@@ -128,7 +128,7 @@ def stage_of(junctions: Neighbours, aspect: float) -> Stage:
         raise Refused(f"{slots:,} junctions are there at once, of which a film shows {MOST_AT_ONCE} at most")
     cells = ceil(SPARE * max(slots, 1))
     wide, high = CELL[0] * largest, CELL[1] * largest
-    columns = max(1, round(sqrt(cells * aspect * high / wide)))
+    columns = min(range(1, cells + 1), key=lambda count: _height(cells, count, aspect))
     rows = ceil(cells / columns)
     cell = _spread_order(columns * rows)[order]
     row, column = np.divmod(cell, columns)
@@ -136,10 +136,19 @@ def stage_of(junctions: Neighbours, aspect: float) -> Stage:
         junctions=junctions,
         x=(column + MARGINS[0] + MARGINS[1] * (row % 2)) * wide,
         y=(row + MARGINS[0]) * high,
-        width=(columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]) * wide,
+        width=_columns_width(columns) * wide,
         height=(rows + MARGINS[2]) * high,
         largest_area=float(0.25 * pi * largest**2),
     )
+
+
+def _columns_width(columns: int) -> float:
+    return columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]
+
+
+def _height(cells: int, columns: int, aspect: float) -> float:
+    """Return how high, in diameters, a view of this width over height is that holds the places in so many columns."""
+    return max((ceil(cells / columns) + MARGINS[2]) * CELL[1], _columns_width(columns) * CELL[0] / aspect)
 
 
 def shades(count: int) -> NDArray[np.uint8]:
@@ -195,7 +204,7 @@ STICKS: Final = 4
 
 WIDTH, HEIGHT = 9.6, 5.4
 DOTS_PER_INCH: Final = 100
-ASPECT: Final = 2.9
+ASPECT: Final = 3.2
 MOST_FRAMES: Final = 1000
 Frame = NDArray[np.uint8]
 

@@ -166,6 +166,8 @@ def _draw_exact_covariance(axes: "Axes", stretch: Stretch, longest: float) -> No
         low, high = covariance_band(stretch, lag, exact)
         label = "95 % of estimates, each lag alone: neighbours err together"
         axes.fill_between(lag, low, high, color=VERMILION, alpha=0.15, lw=0.0, label=label)
+        for edge in (low, high):
+            axes.plot(lag, edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)))
     axes.plot(lag, exact, color=VERMILION, lw=1.6, label="exact")
 
 

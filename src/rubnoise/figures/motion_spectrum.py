@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Heard = Literal["displacement", "velocity", "force"]
 FEWEST_ROWS: Final = 16
 FIRST: Final = 2
-"""The first bin of a ratio: the mean that is subtracted changes those before."""
+"""The first bin that is drawn: the mean that is subtracted from each segment changes those before."""
 
 SEGMENTS: Final = 12
 PERIODS: Final = 400.0
@@ -172,16 +172,16 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
     """
     quantity = QUANTITIES[heard]
     natural = found[0][0].slider.natural_frequency
-    lowest = min(float(seen.wavenumber[1]) for _, seen in found) / (2.0 * pi)
+    lowest = min(float(seen.wavenumber[FIRST]) for _, seen in found) / (2.0 * pi)
     fastest = max(float(seen.wavenumber[-1]) for _, seen in found) / (2.0 * pi)
     highest = min(fastest, max(FARTHEST * natural, 10.0 * lowest))
     labels = [f"simulated ({found[0][1].segments} segments)"]
     if len(found) > 1:
         labels = labels_of([motion for motion, _ in found])
     for (_, seen), label, look in zip(found, labels, curve_styles(len(found)), strict=True):
-        frequency = seen.wavenumber[1:] / (2.0 * pi)
+        frequency = seen.wavenumber[FIRST:] / (2.0 * pi)
         shown = frequency <= highest
-        density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[1:] / (2.0 * pi)
+        density = 2.0 * (2.0 * pi * quantity.scale**2) * seen.density[FIRST:] / (2.0 * pi)
         axes.plot(frequency[shown], density[shown], label=label, **look)
     axes.axvline(natural, color=FAINT, lw=0.8, ls=(0, (1, 2)), zorder=0, label="natural frequency")
     _draw_exact(axes, [motion for motion, _ in found], quantity, lowest, highest)

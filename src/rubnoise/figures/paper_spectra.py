@@ -122,7 +122,7 @@ def _draw_aliased(axes: "Axes", model: "Model", seen: Spectrum) -> None:
     axes.plot(bins[lifted], expected, color=INK, lw=1.2, ls=(0, (3, 1.5)), label="with the ticks' aliases")
     axes.set_xlim(bins[lifted][0], bins[-1])
     axes.set_ylim(0.0, 1.15 * float(expected[-1]))
-    axes.set_ylabel("over exact")
+    axes.set_ylabel("ratio to exact")
     axes.legend(loc="upper left")
 
 
@@ -138,17 +138,21 @@ HIGHEST_PHASE: Final = 60.0
 """Largest wavenumber that is drawn, times the mean life."""
 
 POINT_SAMPLES: Final = 900
+ROOM: Final = 0.4
+NUMBER_POINTS: Final = 14.0
+"""How much farther to the left the axis begins for the numbers beside the curves, and how wide one of them is."""
 
 
 def draw_fig9(sources: Sources) -> "Figure":
     """Draw S(k) of every point, and all of them once more over variance and mean life."""
     figure = new_figure(7.2, 3.9)
     plain, scaled = figure.subplots(1, 2)
-    for (point, seen), (colour, _) in zip(sources.results("fig9.toml", SPECTRUM), cycle(SERIES), strict=False):
+    looks = enumerate(cycle(SERIES))
+    for (point, seen), (number, (colour, _)) in zip(sources.results("fig9.toml", SPECTRUM), looks, strict=False):
         model = point.scenario.model()
         label = f"{model.mean_junction_count:g}"
         _draw_spectrum(plain, model, seen, colour, label, scales=(1.0, 1.0))
-        _name_at_start(plain, model, seen, colour, label)
+        _name_at_start(plain, model, seen, label, NUMBER_POINTS * (number % 2))
         variance, life = area_cumulants(model).variance, model.mean_life_distance
         _draw_spectrum(scaled, model, seen, colour, label, scales=(life, 1.0 / (variance * life)))
     _finish_points(plain, scaled)
@@ -176,12 +180,12 @@ def _draw_spectrum(
     axes.plot(across * wavenumber[shown], up * density[shown], color=colour, label=label, **ONE_OF_SEVERAL)
 
 
-def _name_at_start(axes: "Axes", model: Model, seen: Spectrum, colour: str, label: str) -> None:
-    """Write the number of junctions where the exact curve begins."""
+def _name_at_start(axes: "Axes", model: Model, seen: Spectrum, label: str, away: float) -> None:
+    """Write the number of junctions some points away from where the exact curve begins."""
     first = float(seen.wavenumber[FIRST])
     level = float(spectral_density(model, np.array([first]))[0])
-    place = {"xytext": (-4.0, 0.0), "textcoords": "offset points", "ha": "right", "va": "center"}
-    axes.annotate(label, (first, level), color=colour, fontsize=8.5, **place)
+    place: dict[str, Any] = {"textcoords": "offset points", "ha": "right", "va": "center", "fontsize": 7.5}
+    axes.annotate(label, (first, level), xytext=(-4.0 - away, 0.0), **place)
 
 
 def _finish_points(plain: "Axes", scaled: "Axes") -> None:
@@ -189,6 +193,7 @@ def _finish_points(plain: "Axes", scaled: "Axes") -> None:
         logarithmic(axes.xaxis)
         logarithmic(axes.yaxis)
         axes.plot([], [], color=VERMILION, lw=0.8, label="exact")
+    plain.set_xlim(left=ROOM * plain.get_xlim()[0])
     plain.set_xlabel(WAVENUMBER)
     plain.set_ylabel(DENSITY)
     plain.set_title("Five mean numbers of junctions")

@@ -35,10 +35,10 @@ STUCK: Final = (0.90, 0.90, 0.90)
 
 SERIES: Final[tuple[tuple[str, str], ...]] = (
     ("#04213a", "o"),
-    ("#7a1f7e", "s"),
+    ("#6a1b70", "s"),
     ("#0072b2", "^"),
     ("#1b9e77", "D"),
-    ("#b5a200", "v"),
+    ("#c2ab00", "v"),
 )
 """Colours and markers of several runs in one picture: five hues from dark to light, which grey print keeps apart."""
 

@@ -31,8 +31,9 @@ CAPTIONS: Final = {
     " one standard deviation on each side.",
     "lives": "Single junctions: above, their areas add up to the real contact area; below, each by itself.",
     "histogram": "How often each area occurs, with the exact density.",
-    "psd": "Spectrum of the real contact area, with the exact one.",
-    "acf": "Autocovariance of the real contact area, with the exact one.",
+    "psd": "Spectrum of the real contact area, with the exact one. Below, its ratio to what theory expects.",
+    "acf": "Autocovariance of the real contact area, with the exact one. At each lag by itself, 95 % of runs lie in the"
+    " band.",
     "count": "Number of live junctions, with the exact distribution.",
     "slider": "Motion of the slider at the beginning of the run.",
     "phase": "Velocity of the slider over its displacement.",
