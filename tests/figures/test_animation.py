@@ -16,7 +16,7 @@ import rubnoise
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.figures import animation, film, style
-from rubnoise.figures.animation import LEAD, MOST_AT_ONCE, Film, Stage, shades, stage_of
+from rubnoise.figures.animation import BORN, LEAD, MOST_AT_ONCE, Film, Stage, shades, stage_of
 from rubnoise.figures.film import check_film, write_film
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
@@ -128,17 +128,19 @@ def test_frames_go_from_the_start_to_the_end_of_the_stretch(stretch: Stretch) ->
     assert short.distances.tolist() == pytest.approx([100.0, 110.0, 120.0, 130.0])
     frames = list(short.frames())
     assert len(frames) == 4
-    assert all(frame.shape == (500, 800, 3) and frame.dtype == np.uint8 for frame in frames)
+    assert all(frame.shape == (540, 960, 3) and frame.dtype == np.uint8 for frame in frames)
     assert all(np.any(before != after) for before, after in pairwise(frames))
 
 
 def test_a_frame_tells_how_many_are_alive_and_their_area(stretch: Stretch, monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[tuple[float, float]] = []
-    monkeypatch.setattr(animation._Trace, "show", lambda _, distance, area: told.append((distance, area)))
+    seen: list[tuple[float, float, str]] = []
+    monkeypatch.setattr(animation._Trace, "show", lambda _, *values: seen.append(values))
     list(_short(stretch).frames())
-    for distance, area in told[1:]:
-        wanted = stretch.file.column("trace", "real_contact_area")[round(distance / stretch.model.tick)]
-        assert area == pytest.approx(wanted, rel=1e-9)
+    for (distance, area, _), (_, count, words) in zip(seen[::2], seen[1::2], strict=True):
+        row = round(distance / stretch.model.tick)
+        assert area == pytest.approx(stretch.file.column("trace", "real_contact_area")[row], rel=1e-9)
+        assert count == stretch.file.column("trace", "junction_count")[row]
+        assert words == f"{count:.0f} alive"
 
 
 def test_the_trace_grows(stretch: Stretch) -> None:
@@ -151,11 +153,37 @@ def test_the_trace_grows(stretch: Stretch) -> None:
 def test_areas_of_the_stage_add_up_to_the_number(stretch: Stretch) -> None:
     """As many pixels are blue above as the area says, in the scale of the stage."""
     short = _short(stretch)
-    frame = next(iter(short.frames()))[60:290].astype(int)
+    frame = next(iter(short.frames()))[60:340, :880].astype(int)  # without the key beside it
     coloured = (frame[:, :, 2] - frame[:, :, 0] > 20).sum()
-    scale = 800.0 / short.stage.width  # pixels an um at most: the stage is as wide as the picture, or narrower
+    scale = 840.0 / short.stage.width  # pixels an um at most: the stage is as wide as the picture, or narrower
     area = float(short.stage.junctions.alive(100.0).area(100.0).sum())
     assert 0.4 < coloured / (area * scale**2) < 1.0
+
+
+def test_births_and_deaths_have_their_signs_where_circles_touch(stage: Stage) -> None:
+    pairs = stage.junctions
+    for event, lasting, side, marker in ((pairs.birth, BORN, -0.5, "o"), (pairs.death, LEAD, 0.5, "x")):
+        row = int(np.argmax(event > 120.0))
+        for since, shown in ((0.0, True), (0.9 * lasting, True), (1.1 * lasting, False), (-0.1, False)):
+            with style.house_style():
+                axes = style.new_figure(3.0, 2.0).subplots()
+                drawn = stage.draw(axes, float(event[row] + since * pairs.diameter[row]))
+            signs = next(each for each in drawn if getattr(each, "get_marker", lambda: "")() == marker)
+            where = np.column_stack(signs.get_data())
+            wanted = [stage.x[row] + side * pairs.diameter[row], stage.y[row]]
+            assert bool(np.any(np.all(np.isclose(where, wanted), axis=1))) is shown
+
+
+def test_a_frame_has_a_key_of_colours_and_signs(stretch: Stretch, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures: list[Any] = []
+    made = animation.new_figure
+    monkeypatch.setattr(animation, "new_figure", lambda *size: figures.append(made(*size)) or figures[-1])
+    next(iter(_short(stretch).frames()))
+    texts: set[str] = set()
+    for axes in figures[0].axes:
+        legend = axes.get_legend()
+        texts |= {text.get_text() for text in legend.get_texts()} if legend is not None else {axes.get_ylabel()}
+    assert {"birth", "death", "area of a junction (µm²)", "live junctions"} <= texts
 
 
 def test_without_a_choice_the_first_three_lives_are_shown(stretch: Stretch) -> None:
@@ -177,7 +205,7 @@ def test_a_gif_lasts_as_long_as_it_should_and_repeats(stretch: Stretch, tmp_path
         for i in range(gif.n_frames):
             gif.seek(i)
             durations.append(gif.info["duration"])
-        assert (gif.n_frames, gif.size, gif.info["loop"]) == (12, (800, 500), 0)
+        assert (gif.n_frames, gif.size, gif.info["loop"]) == (12, (960, 540), 0)
     assert sum(durations) == 1000
     assert set(durations) == {80, 90}
 
@@ -209,9 +237,9 @@ def test_an_mp4_is_made_by_ffmpeg_of_raw_frames(
     tool = _ffmpeg(tmp_path, FAKE, monkeypatch)
     check_film("mp4")
     write_film(tmp_path / "a", _short(stretch), "mp4", lambda: None)
-    assert int((tmp_path / "a").read_text()) == 4 * 800 * 500 * 3
+    assert int((tmp_path / "a").read_text()) == 4 * 960 * 540 * 3
     asked = Path(f"{tool}.asked").read_text()
-    assert "-pix_fmt rgb24 -s 800x500 -r 10 -i -" in asked
+    assert "-pix_fmt rgb24 -s 960x540 -r 10 -i -" in asked
     assert asked.endswith(f"-f mp4 {tmp_path / 'a'}\n")
 
 
@@ -235,7 +263,7 @@ def test_ffmpeg_makes_a_film_that_it_reads_itself(stretch: Stretch, tmp_path: Pa
     said = film.subprocess.run(
         ["ffmpeg", "-i", tmp_path / "a.mp4", "-f", "null", "-"], capture_output=True, text=True, check=True
     ).stderr
-    assert "800x500" in said
+    assert "960x540" in said
     assert "h264" in said
 
 

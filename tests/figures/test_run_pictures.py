@@ -14,6 +14,7 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.figures import stretch as stretches
 from rubnoise.figures import style
+from rubnoise.figures.area_statistics import covariance_band
 from rubnoise.figures.catalogue import PICTURES, picture
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import house_style
@@ -24,7 +25,7 @@ from rubnoise.theory.spectrum import spectral_density
 
 SCENARIO: dict[str, Any] = {
     "format": 1,
-    "title": "a contact that costs $5",
+    "title": "a contact",
     "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
     "diameter": {"law": "normal", "spread": "0.2 um"},
     "strength": {"mean": 250.0},
@@ -55,8 +56,8 @@ MOTION = {"slider", "phase", "landmarks"}
 
 
 def _stretch(folder: Path, values: dict[str, Any]) -> Iterator[Stretch]:
-    rubnoise.run(rubnoise.build(values), folder / "run.h5", seed=3).close()
-    with open_run(folder / "run.h5") as file:
+    rubnoise.run(rubnoise.build(values), folder / "run$5.h5", seed=3).close()
+    with open_run(folder / "run$5.h5") as file:
         yield Stretch.of(file)
 
 
@@ -189,6 +190,19 @@ def test_the_autocovariance_is_that_of_the_record(full: Stretch) -> None:
     np.testing.assert_allclose(exact, autocovariance(full.model, lag), rtol=1e-12)
 
 
+def test_the_band_of_the_autocovariance_holds_the_record(full: Stretch) -> None:
+    seen_at, seen = _lines("acf", full)["simulated"]
+    exact = autocovariance(full.model, seen_at)
+    low, high = covariance_band(full, seen_at, exact)
+    middle, error = 0.5 * (low + high), (high - low) / (2.0 * style.CONFIDENCE)
+    life = full.model.mean_life_distance
+    some = [int(np.argmin(np.abs(seen_at - place * life))) for place in (0.0, 0.3, 0.6, 1.0, 1.5)]
+    assert np.all(np.abs(seen[some] - middle[some]) < 4.0 * error[some])
+    assert np.any(np.abs(1.5 * seen[some] - middle[some]) > 4.0 * error[some]), "half as much again is noticed"
+    variance_of_mean = spectral_density(full.model, np.zeros(1))[0] / (full.stop - full.start)
+    np.testing.assert_allclose(exact - middle, variance_of_mean, rtol=1e-9)
+
+
 def test_the_shares_of_live_junctions_are_those_of_the_run(full: Stretch) -> None:
     count = full.file.column("trace", "junction_count")
     with house_style():
@@ -223,10 +237,10 @@ def test_it_is_told_where_only_the_beginning_is_counted(full: Stretch, monkeypat
         assert "first" not in str(PICTURES["histogram"](full).get_suptitle())
 
 
-def test_a_title_is_drawn_as_it_is(full: Stretch) -> None:
+def test_a_title_says_what_is_drawn_and_of_which_contact(full: Stretch) -> None:
     with house_style():
-        told = PICTURES["trace"](full).get_suptitle()
-    assert told == "The real contact area\na contact that costs $5 (run.h5)"
+        title = PICTURES["trace"](full).get_suptitle()
+    assert title == "The real contact area\nrun$5.h5: 20 junctions of 5.48 µm on average"
 
 
 def test_the_spectrum_of_the_displacement_is_one_sided_and_per_hertz(full: Stretch) -> None:

@@ -206,6 +206,21 @@ def _texts(study: Study) -> set[str]:
         return {*told, *(text.get_text() for text in (*legend.get_texts(), *axes.get_xticklabels()))}
 
 
+def test_the_axis_has_the_unit_in_which_values_are_written() -> None:
+    study = _study({SPEED: ["1 mm/s", "4 mm/s", "16 mm/s"]}, "displacement_std")
+    assert (study.unit, study.scale) == ("mm/s", pytest.approx(1e-3))
+    with house_style():
+        axes = draw_study(study).axes[0]
+    assert axes.get_xlabel() == "sliding speed (mm/s)"
+    assert axes.containers[0][0].get_xdata().tolist() == pytest.approx([1.0, 4.0, 16.0])
+    curve = max(axes.lines, key=lambda line: len(line.get_xdata()))
+    assert (min(curve.get_xdata()), max(curve.get_xdata())) == pytest.approx((1.0, 16.0))
+    mixed = _study({SPEED: ["500 um/s", "1 mm/s"]}, "displacement_std")
+    assert (mixed.unit, mixed.scale) == ("um/s", 1.0)
+    shares = _study({SPREAD: ["4 %", "8 %"]})
+    assert (shares.unit, shares.scale) == ("%", pytest.approx(100.0))
+
+
 def test_a_picture_says_what_it_shows() -> None:
     texts = _texts(_study({AREA: ["100 um^2", "200 um^2", "300 um^2"], COUNT: [10, 20]}))
     assert {"10", "20", "exact", "mean real contact area (µm²)"} <= texts

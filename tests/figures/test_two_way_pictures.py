@@ -296,22 +296,43 @@ def test_spectra_over_frequency_are_those_of_scipy(
 ) -> None:
     for stretch, label in ((one_way, "exact"), (two_way, "exact, one-way")):
         with house_style():
-            (axes,) = motion_spectrum_figure(stretch, heard).axes
+            axes = motion_spectrum_figure(stretch, heard).axes[0]
         frequency, density = _line(axes, "simulated")
-        count = round(1.0 / (frequency[0] * 1e-4))
+        count = round(2.0 / (frequency[0] * 1e-4))
         values = scale * _column(stretch, column)
         hertz, expected = welch(values, 1e4, "hann", count, count // 2, detrend="constant")
-        np.testing.assert_allclose(frequency, hertz[1 : frequency.size + 1], rtol=1e-9)
-        np.testing.assert_allclose(density, expected[1 : frequency.size + 1], rtol=1e-6)
+        np.testing.assert_allclose(frequency, hertz[2 : frequency.size + 2], rtol=1e-9)
+        np.testing.assert_allclose(density, expected[2 : frequency.size + 2], rtol=1e-6)
         _, exact = _line(axes, label)
         assert exact.max() > 0.0
-        assert axes.get_xlabel() == "frequency (Hz)"
+        assert axes.figure.axes[-1].get_xlabel() == "frequency (Hz)"
         assert "/Hz)" in axes.get_ylabel()
+
+
+@pytest.mark.parametrize("heard", ["velocity", "displacement", "force"])
+def test_a_one_way_spectrum_is_what_is_expected_of_it(one_way: Stretch, heard: Any) -> None:
+    with house_style():
+        figure = motion_spectrum_figure(one_way, heard)
+    _, below = figure.axes
+    frequency, ratio = _line(below, "simulated over expected")
+    (band,) = (each for each in below.patches if "std errors" in str(each.get_label()))
+    error = 0.25 * band.get_height()
+    # Bins two apart are nearly independent under the Hann window: their mean has the error of so many values.
+    known = ratio[frequency > 100.0][::2]
+    assert known.size > 100
+    assert abs(known.mean() - 1.0) < 4.0 * error / np.sqrt(known.size)
+    wrong = known * 0.8
+    assert abs(wrong.mean() - 1.0) > 4.0 * error / np.sqrt(known.size), "a spectrum a fifth too low is noticed"
+
+
+def test_no_ratio_is_drawn_of_what_theory_does_not_know(two_way: Stretch) -> None:
+    with house_style():
+        assert len(motion_spectrum_figure(two_way, "velocity").axes) == 1
 
 
 def test_the_exact_spectrum_of_the_velocity_adds_up_to_its_variance(one_way: Stretch) -> None:
     with house_style():
-        (axes,) = motion_spectrum_figure(one_way, "velocity").axes
+        axes = motion_spectrum_figure(one_way, "velocity").axes[0]
     frequency, exact = _line(axes, "exact")
     variance = (1e-3 * response(one_way.model).velocity_std) ** 2
     assert np.trapezoid(exact, frequency) == pytest.approx(variance, rel=0.02)
@@ -326,10 +347,9 @@ def test_one_run_is_laid_over_another_at_the_same_times(one_way: Stretch, two_wa
     with house_style():
         force, place, spectrum = slider_figure(one_way, two_way).axes
         (plane,) = phase_figure(one_way, two_way).axes
-        (heard,) = motion_spectrum_figure(one_way, "velocity", two_way).axes
+        heard, _ = motion_spectrum_figure(one_way, "velocity", two_way).axes
         title = str(slider_figure(one_way, two_way).get_suptitle())
-    assert "(one.h5), and over it\n" in title
-    assert "(two.h5)" in title
+    assert title.endswith("\none.h5, and over it two.h5")
     end = place.get_xlim()[1]
     for stretch, label in ((one_way, "one-way coupling"), (two_way, "two-way coupling")):
         time, shown = _line(place, label)
@@ -426,7 +446,8 @@ def test_a_sweep_shows_only_what_a_coupling_has(
         np.array([value["slider.coupling"] == "two-way" for value in swept.values])[swept.runs["point"][:]]
     ]
     if legend == ["two-way"]:
-        assert sorted(drawn) == [1e3, 1e4]
+        assert sorted(drawn) == [1.0, 10.0]
+        assert axes.get_xlabel() == "sliding speed (mm/s)"
         assert list(drawn.values()) == pytest.approx([two_way[:2].mean(), two_way[2:].mean()])
 
 

@@ -15,6 +15,7 @@ from rubnoise.theory.estimated_spectrum import (
     correlation_reach,
     cross_spectrum,
     expected_periodogram,
+    through_window,
     tick_covariance,
     welch_errors,
 )
@@ -159,3 +160,20 @@ def test_a_triangle_and_spread_sizes_leak_and_alias_alike() -> None:
 def test_a_window_that_weighs_nothing_is_refused(window: Doubles) -> None:
     with pytest.raises(Refused, match="window needs at least 2 ticks"):
         expected_periodogram(one_size(), TICK, window)
+
+
+def test_a_density_seen_through_a_window_is_the_expected_periodogram() -> None:
+    model = one_size()
+    n, last = 512, 256
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(n) / n)
+    wavenumber, exact = expected_periodogram(model, TICK, window)
+    seen = through_window(lambda k: spectral_density(model, k), TICK, window, last)
+    # The mean that is subtracted changes bins 0 and 1, and beyond the second aliases fall as the fourth power.
+    np.testing.assert_allclose(seen[2:], exact[2:], rtol=2e-3)
+    plain = spectral_density(model, wavenumber)
+    assert np.abs(plain[2:] / exact[2:] - 1.0).max() > 0.3, "what has no aliases is noticed"
+
+
+def test_a_window_that_weighs_nothing_sees_nothing() -> None:
+    with pytest.raises(Refused, match="a window needs at least 2 ticks"):
+        through_window(np.ones_like, TICK, np.zeros(8), 4)

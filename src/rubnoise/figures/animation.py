@@ -255,7 +255,9 @@ class Film:
             figure = new_figure(WIDTH, HEIGHT)
             figure.set_dpi(DOTS_PER_INCH)
             canvas: Any = FigureCanvasAgg(figure)
-            add_title(figure, self.stretch, "The junctions, how many live, and the real contact area that they add up to")
+            add_title(
+                figure, self.stretch, "The junctions, how many live, and the real contact area that they add up to"
+            )
             rows: Any = [["stage", "stage"], ["area", "count"]]
             panes = figure.subplot_mosaic(rows, height_ratios=[2.3, 1.0], width_ratios=[1.6, 1.0])
             traces = _area_trace(panes["area"], self.stretch), _count_trace(panes["count"], self.stretch)
@@ -288,6 +290,7 @@ class _Trace:
         exact_band(axes, mean, std)
         (self._line,) = axes.plot([], [], color=BLUE, lw=1.4, label="simulated", **look)
         (self._dot,) = axes.plot([], [], "o", color=BLUE, ms=5.0, clip_on=False, zorder=5)
+        self._dot.set_in_layout(False)  # it moves, and panes do not
         axes.set_xlim(stretch.start, stretch.stop)
         axes.set_ylim(0.0, 1.05 * max(float(self._value.max()), mean + std))
         axes.set_xlabel(DISTANCE)
@@ -358,7 +361,9 @@ def _add_key(axes: "Axes", stage: Stage) -> None:
     from matplotlib.colors import Normalize
 
     shown: dict[str, Any] = {"ls": "", "color": INK, "mew": 1.2}
-    upper = axes.plot([], [], marker="o", ms=8.0, mfc="none", label="upper surface, sliding \N{RIGHTWARDS ARROW}", **shown)
+    upper = axes.plot(
+        [], [], marker="o", ms=8.0, mfc="none", label="upper surface, sliding \N{RIGHTWARDS ARROW}", **shown
+    )
     axes.plot([], [], marker="o", mfc="white", ms=5.0, label="birth", **shown)
     axes.plot([], [], marker="x", ms=6.0, label="death", **shown)
     upper[0].set_markeredgewidth(0.7)

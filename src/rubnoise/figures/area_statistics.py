@@ -33,7 +33,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import expected_periodogram
-from rubnoise.theory.spectrum import spectral_density, visible_lines
+from rubnoise.theory.spectrum import density_at_zero, spectral_density, visible_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -175,7 +175,7 @@ def covariance_band(stretch: Stretch, lag: Doubles, exact: Doubles) -> tuple[Dou
     """Return between which values in um^4 the estimate lies at each lag in um in 95 % of runs like this one."""
     length = stretch.stop - stretch.start
     error = CONFIDENCE * covariance_errors(stretch.model, lag, length, stretch.model.tick)
-    expected = exact - float(spectral_density(stretch.model, np.zeros(1))[0]) / length
+    expected = exact - density_at_zero(stretch.model) / length
     return expected - error, expected + error
 
 

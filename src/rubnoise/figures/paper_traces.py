@@ -122,12 +122,12 @@ def draw_fig5(sources: Sources) -> "Figure":
         (velocity, "velocity", 0.0, theory.slider.velocity_std, PER_MILLI),
     ):
         if model.is_two_way:
-            _shade_sticks(axes, motion["time"][shown], motion["phase"][shown] == Phase.STICK)
+            _shade(axes, motion["time"][shown], motion["phase"][shown] == Phase.STICK, "stick")
         else:
             exact_band(axes, scale * mean, scale * std)
         axes.plot(*envelope(motion["time"][shown], scale * motion[name][shown]), color=BLUE, lw=0.9, label="simulated")
     _label_motion(force, displacement, velocity)
-    _draw_near_zero(near, motion["time"], motion["velocity"], theory.slider.sliding_speed)
+    _draw_near_zero(near, motion, theory.slider.sliding_speed, stuck=model.is_two_way)
     legend_above(force)
     for axes in (force, displacement, velocity):
         axes.set_xlim(0.0, motion["time"][shown][-1])
@@ -136,13 +136,14 @@ def draw_fig5(sources: Sources) -> "Figure":
     return figure
 
 
-def _draw_near_zero(axes: "Axes", time: Doubles, velocity: Doubles, drive: float) -> None:
-    """Draw the velocity once more where it is near zero and the drive's speed, and shade where it is above that."""
-    known = time <= NEAR_SECONDS
-    time, velocity, speed = time[known], PER_MILLI * velocity[known], PER_MILLI * drive
-    across = axes.get_xaxis_transform()
-    ahead = "slider faster than the drive"
-    axes.fill_between(time, 0.0, 1.0, where=velocity > speed, transform=across, color=STUCK, lw=0.0, label=ahead)
+def _draw_near_zero(axes: "Axes", motion: dict[str, Any], drive: float, *, stuck: bool) -> None:
+    """Draw the velocity once more near zero and the drive's speed, and shade where it is above that, or sticks."""
+    known = motion["time"] <= NEAR_SECONDS
+    time, velocity, speed = motion["time"][known], PER_MILLI * motion["velocity"][known], PER_MILLI * drive
+    if stuck:
+        _shade(axes, time, motion["phase"][known] == Phase.STICK, "stick")
+    else:
+        _shade(axes, time, velocity > speed, "slider faster than the drive")
     axes.plot(time, velocity, color=BLUE, lw=1.2)
     axes.axhline(0.0, color=FAINT, lw=0.8)
     axes.axhline(speed, color=INK, lw=1.2, ls=(0, (5, 2)), label=f"sliding speed, {speed:.3g} mm/s")
@@ -153,9 +154,9 @@ def _draw_near_zero(axes: "Axes", time: Doubles, velocity: Doubles, drive: float
     legend_above(axes)
 
 
-def _shade_sticks(axes: "Axes", time: NDArray[np.float64], stuck: NDArray[np.bool_]) -> None:
+def _shade(axes: "Axes", time: Doubles, where: NDArray[np.bool_], label: str) -> None:
     across = axes.get_xaxis_transform()
-    axes.fill_between(time, 0.0, 1.0, where=stuck, transform=across, color=STUCK, lw=0.0, zorder=0, label="stick")
+    axes.fill_between(time, 0.0, 1.0, where=where, transform=across, color=STUCK, lw=0.0, zorder=0, label=label)
 
 
 def _label_motion(force: "Axes", displacement: "Axes", velocity: "Axes") -> None:
