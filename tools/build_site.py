@@ -38,7 +38,6 @@ SHOWN: Final = (
 )
 SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
 LESSON: Final = ["teach", "-o", "site/lesson.html"]
-PICTURE: Final = re.compile(r"!\[([^\]]+)\]\((pictures/[^)]+)\)")
 
 
 def main(arguments: list[str]) -> int:
@@ -78,7 +77,7 @@ def stage(source: Path) -> None:
         said = answer(source, command)
         (source / "site" / f"{command[0]}.txt").write_text(said, encoding="utf-8")
     (source / "fig5.h5").unlink()
-    written = {"outputs": outputs, "commands": commands, "gallery": gallery, "scenarios": scenarios, "python": python}
+    written = {"outputs": outputs, "commands": commands, "scenarios": scenarios, "python": python}
     for name, page in written.items():
         (source / f"{name}.md").write_text("\n".join(page(source)) + "\n", encoding="utf-8")
     for path in source.rglob("*.md"):
@@ -118,20 +117,6 @@ def commands(source: Path) -> Iterator[str]:
     yield f"```\n{help_text}```\n"
     for name in re.findall(r"^│ (\w+) {2,}", help_text.partition("Commands")[2], re.MULTILINE):
         yield f"## {name}\n\n```\n{answer(source, [name, '--help'])}```\n"
-
-
-def gallery(source: Path) -> Iterator[str]:
-    """Yield the page of all pictures, each with the page that explains it."""
-    yield "# Gallery\n"
-    yield "Each picture leads to the page that explains it and names its command.\n"
-    seen: set[str] = set()
-    for path in sorted((source / "docs").glob("*.md")):
-        page = path.read_text(encoding="utf-8")
-        title = page.partition("\n")[0].removeprefix("# ")
-        for text, picture in PICTURE.findall(page):
-            if picture not in seen:
-                seen.add(picture)
-                yield f"![{text}](docs/{picture})\n\n{text}. From [{title}](docs/{path.name}).\n"
 
 
 def scenarios(source: Path) -> Iterator[str]:

@@ -21,11 +21,8 @@ from rubnoise.figures.paper import FIGURES
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 PAGE: Final = ROOT / "docs" / "gallery.md"
-PICTURES: Final = ROOT / "docs" / "pictures" / "gallery"
-WIDTH: Final = 800
-"""Pixels across a picture of the gallery."""
-
-FRAME: Final = 30
+PICTURES: Final = ROOT / "docs" / "pictures"
+FRAME: Final = 10
 """The frame of the film that the page shows."""
 
 
@@ -45,11 +42,15 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Room:
-    """A part of the page: its title, how it begins, the commands that come before, and its pictures."""
+    """A part of the page: its title, how it begins, the commands that come before, and its pictures.
+
+    Those of ``elsewhere`` take longer, and are needed only for pictures that other tools keep.
+    """
 
     title: str
     begins: str
     before: tuple[str, ...] = ()
+    elsewhere: tuple[str, ...] = ()
     pictures: tuple[Shown, ...]
 
 
@@ -110,7 +111,7 @@ CONTACT: Final = Room(
         ),
         Shown(
             title="A film",
-            command="rubnoise animate fig5.h5 -o film.gif --to 33 --seconds 6 --fps 10",
+            command="rubnoise animate fig5.h5 -o film.gif --to 33 --seconds 2 --fps 10",
             says="One frame of it. Pairs of circles slide over each other; where they overlap is contact.",
             kept="gallery/film.png",
             made="film.gif",
@@ -121,7 +122,7 @@ CONTACT: Final = Room(
 SLIDER: Final = Room(
     title="The slider",
     begins="The same run, and one in which the slider pushes back, on the same junctions.",
-    before=("rubnoise run scenarios/paper/fig5_two_way.toml -o two_way.h5",),
+    elsewhere=("rubnoise run scenarios/paper/fig5_two_way.toml -o two_way.h5",),
     pictures=(
         of_run("Force and vibration", "slider", "The force, the displacement, and its spectrum with a line at 39 Hz."),
         of_run("Phase plane", "phase", "Where the slider is how often, with the ellipse of the exact spreads."),
@@ -169,10 +170,8 @@ SLIDER: Final = Room(
 SWEEPS: Final = Room(
     title="Sweeps",
     begins="A quantity of many runs, with 95 % intervals and the exact curve.",
-    before=(
-        "rubnoise sweep scenarios/paper/fig7.toml -o spread --set 'sliding.distance=\"1 mm\"'",
-        "rubnoise sweep scenarios/studies/rise.toml -o rise",
-    ),
+    before=("rubnoise sweep scenarios/paper/fig7.toml -o spread --set 'sliding.distance=\"1 mm\"'",),
+    elsewhere=("rubnoise sweep scenarios/studies/rise.toml -o rise",),
     pictures=(
         of_run(
             "Spread of the area",
@@ -229,29 +228,29 @@ def page() -> Iterator[str]:
     """Yield the lines of the page."""
     yield "# Gallery"
     yield ""
-    yield "Every picture that rubnoise draws, each with the command that makes it. Blue or black is simulated; red-brown"
-    yield "(vermilion) is exact theory. `tools/generate_gallery.py` wrote this page."
+    yield "These are the pictures that rubnoise draws, each with the command that makes it. Blue and black are simulated,"
+    yield "orange is exact theory. `tools/generate_gallery.py` wrote this page."
     for room in ROOMS:
         yield from ("", f"## {room.title}", "", room.begins)
-        if room.before:
-            yield from ("", "```text", *room.before, "```")
+        if room.before or room.elsewhere:
+            yield from ("", "```text", *room.before, *room.elsewhere, "```")
         for shown in room.pictures:
             yield from ("", f"### {shown.title}", "", f"![{shown.title}](pictures/{shown.kept})", "", shown.says)
             yield from ("", "```text", shown.command, "```")
 
 
-def draw(folder: Path) -> None:
-    """Call the commands in a folder, and keep their pictures."""
+def draw(folder: Path, pictures: Path) -> None:
+    """Call the commands in a folder, and keep their pictures in another."""
     (folder / "scenarios").symlink_to(ROOT / "scenarios")
     for room in ROOMS:
-        made = [shown for shown in room.pictures if shown.made]
-        wanted = {word for shown in made for word in split(shown.command)}
         for command in room.before:
-            if wanted & {Path(word).with_suffix(".h5").name for word in split(command)} | wanted & set(split(command)):
-                call(folder, command)
-        for shown in made:
-            call(folder, shown.command)
-            (ROOT / "docs" / "pictures" / shown.kept).write_bytes(kept(folder / shown.made))
+            call(folder, command)
+        for shown in room.pictures:
+            if shown.made:
+                call(folder, shown.command)
+                place = pictures / shown.kept
+                place.parent.mkdir(parents=True, exist_ok=True)
+                place.write_bytes(kept(folder / shown.made))
 
 
 def call(folder: Path, command: str) -> None:
@@ -262,14 +261,12 @@ def call(folder: Path, command: str) -> None:
 
 
 def kept(path: Path) -> bytes:
-    """Return a picture, or a frame of a film, as the gallery has it: small, and so wide as a page."""
+    """Return a picture, or a frame of a film, as the gallery has it."""
     with Image.open(path) as picture:
         if path.suffix == ".gif":
             picture.seek(FRAME)
-        flat = picture.convert("RGB")
-    stream = BytesIO()
-    height = round(flat.height * WIDTH / flat.width)
-    flat.resize((WIDTH, height), Image.Resampling.LANCZOS).save(stream, format="PNG")
+        stream = BytesIO()
+        picture.convert("RGB").save(stream, format="PNG")
     return small(stream.getvalue())
 
 
@@ -280,9 +277,8 @@ def main(arguments: Sequence[str]) -> int:
         stale = not PAGE.exists() or PAGE.read_text(encoding="utf-8") != text
         print(f"docs/gallery.md {'is out of date' if stale else 'is up to date'}")
         return int(stale)
-    PICTURES.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        draw(Path(folder))
+        draw(Path(folder), PICTURES)
     PAGE.write_text(text, encoding="utf-8")
     return 0
 

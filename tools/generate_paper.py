@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from math import isnan
 from pathlib import Path
 
+from small_png import small
+
 from rubnoise.claims.catalogue import evaluate_claims
 from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.figures.paper import FIGURES, paper_figure
@@ -71,7 +73,7 @@ def main() -> int:
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in FIGURES:
         print(name, file=sys.stderr)
-        (PICTURES / f"{name}.png").write_bytes(paper_figure(name, ["png"], Sources())["png"])
+        (PICTURES / f"{name}.png").write_bytes(small(paper_figure(name, ["png"], Sources())["png"]))
     (DOCS / "paper.md").write_text("\n".join(page(claims)) + "\n", encoding="utf-8")
     return 0
 

@@ -18,6 +18,7 @@ from typing import Final
 
 import numpy as np
 import two_way_reference
+from small_png import small
 
 import rubnoise
 from rubnoise.analysis.replicates import Pooled, pooled
@@ -269,7 +270,7 @@ def made(folder: Path, sweep: Path | None, tell: Report) -> dict[str, list[str]]
     parts["chaos"] = list(chaos())
     tell("the sweep")
     with rubnoise.run_sweep(STUDY, folder / "rise") if sweep is None else rubnoise.open_sweep(sweep) as found:
-        (PICTURES / "speeds.png").write_bytes(study_picture(study_of_sweep(found, "displacement_std"), "png"))
+        (PICTURES / "speeds.png").write_bytes(small(study_picture(study_of_sweep(found, "displacement_std"), "png")))
         parts["surprise"] = list(surprise(found))
     parts["reference"] = reference()
     return parts
@@ -285,7 +286,7 @@ def draw(one: RunFile, two: RunFile, finer: RunFile) -> None:
         ("spectrum", picture("psd", both, "png", heard="velocity", beside=pushed)),
         ("chaos", picture("slider", Stretch.of(two, *PARTING), "png", beside=Stretch.of(finer))),
     ):
-        (PICTURES / f"{name}.png").write_bytes(png)
+        (PICTURES / f"{name}.png").write_bytes(small(png))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from small_png import small
+
 import rubnoise
 from rubnoise.figures.overview import overview_png
 
@@ -17,7 +19,7 @@ def main() -> int:
     PICTURES.mkdir(exist_ok=True)
     scenario = rubnoise.load(ROOT / "scenarios" / "paper" / "fig5.toml")
     with tempfile.TemporaryDirectory() as folder, rubnoise.run(scenario, Path(folder) / "fig5.h5") as run:
-        (PICTURES / "fig5.png").write_bytes(overview_png(run, JUNCTION))
+        (PICTURES / "fig5.png").write_bytes(small(overview_png(run, JUNCTION)))
     return 0
 
 

@@ -5,11 +5,11 @@ from typing import Final
 
 from PIL import Image
 
-COLOURS: Final = 128
+COLOURS: Final = 32
 
 
 def small(png: bytes) -> bytes:
-    """Return a png with at most so many colours, its edges as smooth as before."""
+    """Return a png with at most so many colours, which are enough for curves and their smooth edges."""
     with Image.open(BytesIO(png)) as picture:
         flat = picture.convert("RGB").quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     stream = BytesIO()

@@ -255,9 +255,7 @@ class Film:
             figure = new_figure(WIDTH, HEIGHT)
             figure.set_dpi(DOTS_PER_INCH)
             canvas: Any = FigureCanvasAgg(figure)
-            add_title(
-                figure, self.stretch, "The junctions, how many live, and the real contact area that they add up to"
-            )
+            add_title(figure, self.stretch, "The junctions, how many live, and the area that they add up to")
             rows: Any = [["stage", "stage"], ["area", "count"]]
             panes = figure.subplot_mosaic(rows, height_ratios=[2.3, 1.0], width_ratios=[1.6, 1.0])
             traces = _area_trace(panes["area"], self.stretch), _count_trace(panes["count"], self.stretch)
@@ -360,13 +358,11 @@ def _add_key(axes: "Axes", stage: Stage) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    shown: dict[str, Any] = {"ls": "", "color": INK, "mew": 1.2}
-    upper = axes.plot(
-        [], [], marker="o", ms=8.0, mfc="none", label="upper surface, sliding \N{RIGHTWARDS ARROW}", **shown
-    )
-    axes.plot([], [], marker="o", mfc="white", ms=5.0, label="birth", **shown)
-    axes.plot([], [], marker="x", ms=6.0, label="death", **shown)
-    upper[0].set_markeredgewidth(0.7)
+    shown: dict[str, Any] = {"ls": "", "color": INK}
+    upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
+    axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, label=upper, **shown)
+    axes.plot([], [], marker="o", ms=5.0, mfc="white", mew=1.2, label="birth", **shown)
+    axes.plot([], [], marker="x", ms=6.0, mew=1.2, label="death", **shown)
     legend_above(axes)
     scale = ScalarMappable(Normalize(0.0, stage.largest_area), _shades())
     axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")
