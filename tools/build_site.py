@@ -1,8 +1,8 @@
 """Build the site: `python3 tools/dev.py docs [FOLDER]`, into site/ by default.
 
 Pages are copied into a new folder as they lie in the repository, so that their links keep their meaning. Pages that
-show output are written here from today's program: the lesson, a sound, commands and what they print. Sphinx then builds
-all of it, and any warning fails. The folder gets its name only when the site is complete.
+show output are written here from today's program: the lesson, a viewer, a sound, commands and what they print. Sphinx
+then builds all of it, and any warning fails. The folder gets its name only when the site is complete.
 """
 
 import argparse
@@ -38,6 +38,7 @@ SHOWN: Final = (
 )
 SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
 LESSON: Final = ["teach", "-o", "site/lesson.html"]
+VIEWER: Final = ["view", "fig5.h5", "--to", "1mm", "-o", "site/view.html"]
 
 
 def main(arguments: list[str]) -> int:
@@ -73,7 +74,7 @@ def stage(source: Path) -> None:
         if path.is_file():
             shutil.copy(path, source)
     (source / "site").mkdir()
-    for command in (*(words for _, words in SHOWN), SOUND, LESSON):
+    for command in (*(words for _, words in SHOWN), SOUND, LESSON, VIEWER):
         said = answer(source, command)
         (source / "site" / f"{command[0]}.txt").write_text(said, encoding="utf-8")
     (source / "fig5.h5").unlink()

@@ -10,7 +10,7 @@ import pytest
 from tests.architecture.sources import ROOT
 
 FOLDERS = (".", "docs", "notebooks", "paper", "tools/site", "packaging", ".github")
-SITE_ONLY = {"install.md", "lesson.md", "outputs.md", "README.md", "docs", "commands.md", "python.md"}
+SITE_ONLY = {"install.md", "lesson.md", "viewer.md", "outputs.md", "README.md", "docs", "commands.md", "python.md"}
 """What the start page of the site links to: pages beside it there."""
 FENCED = re.compile(r"^```.*?^```$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")

@@ -37,12 +37,24 @@ def test_every_link_of_the_site_leads_to_a_file_and_a_place(site: Path) -> None:
     assert broken == []
 
 
-def test_lesson_sound_and_outputs_live_in_it(site: Path) -> None:
-    assert "</html>" in (site / "site" / "lesson.html").read_text(encoding="utf-8")
+def test_lesson_viewer_sound_and_outputs_live_in_it(site: Path) -> None:
+    for name, page in (("lesson", "lesson"), ("view", "viewer")):
+        text = (site / "site" / f"{name}.html").read_text(encoding="utf-8")
+        assert "</html>" in text
+        assert len(text) < 5_000_000
+        assert f'src="site/{name}.html"' in (site / f"{page}.html").read_text(encoding="utf-8")
     assert (site / "site" / "fig5.wav").read_bytes().startswith(b"RIFF")
     shown = (site / "outputs.html").read_text(encoding="utf-8")
     assert all(f"rubnoise {name}" in shown for name in ("check", "run", "junction", "compare", "verify", "theory"))
     assert "landmarks" in (site / "searchindex.js").read_text(encoding="utf-8")
+
+
+def test_the_gallery_is_in_it_with_its_pictures(site: Path) -> None:
+    page = (site / "docs" / "gallery.html").read_text(encoding="utf-8")
+    pictures = re.findall(r'<img[^>]* src="([^"]+\.png)"', page)
+    assert len(pictures) > 30
+    assert all((site / "docs" / name).resolve().is_file() for name in pictures)
+    assert "rubnoise plot fig5.h5 lifelines" in page
 
 
 def test_nothing_but_a_site_is_replaced(tmp_path: Path) -> None:
