@@ -29,7 +29,7 @@ def test_a_gif_is_made_where_nothing_is_said(result: Path, here: Path) -> None:
     answer = call("animate", "x.h5", *SHORT)
     assert (answer.code, answer.err) == (0, "")
     assert answer.out.startswith("x.gif: 2 frames, 0 to 32.8634 um of sliding, ")
-    assert _pictures(here / "x.gif") == (2, (800, 500))
+    assert _pictures(here / "x.gif") == (2, (960, 540))
     assert names(here) == ["x.gif", "x.h5"]
 
 

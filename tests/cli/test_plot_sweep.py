@@ -38,7 +38,7 @@ def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_study_is_what_the_index_says(swept: Path) -> None:
     with rubnoise.open_sweep(swept) as sweep:
         study = study_of_sweep(sweep, STD)
-        assert (study.title, study.key, study.unit) == ("swept", "interface.mean_junction_count", "1")
+        assert (study.title, study.key, study.unit) == ("study", "interface.mean_junction_count", "1")
         assert [line.label for line in study.lines] == ["100 µm²", "200 µm²"]
         figures, point = sweep.runs[STD][:], sweep.runs["point"][:]
         exact = sweep.runs[f"{STD}_exact"][:]

@@ -215,6 +215,7 @@ def test_the_axis_has_the_unit_in_which_values_are_written() -> None:
     assert axes.containers[0][0].get_xdata().tolist() == pytest.approx([1.0, 4.0, 16.0])
     curve = max(axes.lines, key=lambda line: len(line.get_xdata()))
     assert (min(curve.get_xdata()), max(curve.get_xdata())) == pytest.approx((1.0, 16.0))
+    assert _study({COUNT: [10, 20]}).unit == "1"
     mixed = _study({SPEED: ["500 um/s", "1 mm/s"]}, "displacement_std")
     assert (mixed.unit, mixed.scale) == ("um/s", 1.0)
     shares = _study({SPREAD: ["4 %", "8 %"]})

@@ -168,7 +168,7 @@ def _finish_spreads(absolute: "Axes", relative: "Axes") -> None:
     relative.set_title("Over their mean: one law")
     relative.legend(loc="lower left", title="simulated", alignment="left")
     absolute.set_xlabel("mean number of junctions")
-    relative.set_xlabel("mean number of junctions\n(points of one number set side by side)")
+    relative.set_xlabel("mean number of junctions\n(points of one number side by side)")
 
 
 def _few_numbers(axis: "Axis") -> None:

@@ -206,7 +206,7 @@ def study_of_points(
     )
 
 
-WRITTEN: Final = re.compile(rf"({NUMBER}) *(\S.*)")
+WRITTEN: Final = re.compile(rf"((?>{NUMBER})) *([^ ].*)")
 
 
 def _written_unit(points: Sequence[PointRuns], key: str, unit: str) -> tuple[str, float]:
