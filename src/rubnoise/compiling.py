@@ -86,7 +86,7 @@ def _kept(function: Any, **how: Any) -> Any:
         # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles again.
         return njit(error_model=_DIVISION, **how)(function)
     # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
-    cache = kernel._cache  # noqa: SLF001  (there is no other way to tell it)
+    cache = kernel._cache  # noqa: SLF001  (numba has no public way)
     cache.load_overload = partial(_kept_code, cache)
     kept = cache._cache_file  # noqa: SLF001
     kept._source_stamp = (kept._source_stamp, _stamp())  # noqa: SLF001

@@ -57,7 +57,7 @@ class RunOutside(RubnoiseError):  # noqa: N818  (nothing failed: the run is not 
 
 
 class TraceDoubtful(RubnoiseError):  # noqa: N818  (nothing failed: the trace is not of the model, or says too little)
-    """A measured trace that does not follow the model, or is too little to tell its junctions; exit code 3."""
+    """A measured trace that does not follow the model, or is too short to find its junctions; exit code 3."""
 
     exit_code = 3
 

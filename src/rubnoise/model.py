@@ -87,7 +87,7 @@ class Model:
 
     @property
     def slider_rows(self) -> int | None:
-        """Rows of /slider: one at every tick, none without a slider; None where only the end of a run would tell."""
+        """Rows of /slider: one at every tick, none without a slider; None where only the run itself shows it."""
         if self.is_two_way:
             return None
         return 0 if self.slider is None else self.tick_count + 1

@@ -65,7 +65,7 @@ def test_the_lines_of_the_law_wait_for_the_prediction(browser: Any, lesson_file:
         page.locator("#unfold").click()
         page.wait_for_timeout(300)
         before = page.evaluate(inked)
-        page.evaluate("rub.tell('veil')")
+        page.evaluate("rub.emit('veil')")
         page.wait_for_timeout(300)
         assert page.evaluate(inked) == before
         page.locator("#reveal").click()

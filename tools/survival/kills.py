@@ -102,7 +102,7 @@ class Torture:
         if code == -signal.SIGKILL:
             self.kills += 1
             self.outcome.count(f"killed, aiming at {aim}")
-            self.outcome.count(f"killed when it had told of {_stage(child)}")
+            self.outcome.count(f"killed after it reported {_stage(child)}")
         elif code:
             self._find(child.told[-1] if child.told else f"exit code {code}")
         return code != -signal.SIGKILL

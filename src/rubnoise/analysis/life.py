@@ -195,7 +195,7 @@ def _known(time: float | None) -> float | None:
 
 
 def _share(part: float, whole: float) -> float:
-    # Born where the record ends: no area yet, and perhaps nobody else has one.
+    # Born where the record ends: no area yet, and perhaps no other junction has one.
     return part / whole if whole else 0.0
 
 

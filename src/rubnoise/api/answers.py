@@ -167,7 +167,7 @@ class Verification(Answer):
 
 @contextmanager
 def calculating(source: str) -> Iterator[None]:
-    """Say of values that no run has which result holds them, and what tells more."""
+    """Say of values that no run has which result holds them, and what says more."""
     try:
         yield
     except (ArithmeticError, ValueError, IndexError) as problem:

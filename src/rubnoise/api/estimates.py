@@ -116,9 +116,9 @@ def power_spectrum(
     ticks = 2 * (rows // (SEGMENTS + 1)) if segment is None else round(float(in_unit(segment, place_units)) / step)
     ticks = max(8, 2 * (ticks // 2)) if segment is None else 2 * (ticks // 2)
     if not 8 <= ticks <= rows:
-        told = f"{ticks} rows" if segment is not None else "8 rows at least"
+        length = f"{ticks} rows" if segment is not None else "8 rows at least"
         raise Refused(
-            f"{name}: a segment of {told}, in a record of {rows:,}; a spectrum needs segments of 8 rows or more"
+            f"{name}: a segment of {length}, in a record of {rows:,}; a spectrum needs segments of 8 rows or more"
         )
     total = WelchSum(ticks, step)
     for chunk in chunks:

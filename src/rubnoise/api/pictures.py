@@ -73,8 +73,8 @@ def measured_spectrum(trace: Trace, heard: str | None) -> Any:
     name = "real_contact_area" if heard is None else "friction_force" if heard == "force" else heard
     fitting = [each for each in trace if each != trace.place and trace.units[each] == wanted]
     if name not in fitting and len(fitting) != 1:
-        told = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
-        raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {told}")
+        present = f"there are {', '.join(fitting)}" if fitting else "it has no such column"
+        raise Refused(f"{trace.name}: needs a column {name} in units of {wanted}; {present}")
     seen = trace.psd(name if name in fitting else fitting[0])
     scale = 1.0 if heard is None else PICTURED[heard]
     return Path(trace.name).name, seen.place[1:], scale * seen.density[1:]

@@ -258,12 +258,12 @@ def _step(places: Doubles, what: str, units: str, lines: Sequence[int] | None, r
         raise Refused(f"{what}: must rise from row to row; it falls or stays at {_where(row + 1, lines)}")
     wrong = np.flatnonzero(~((0.5 * usual < steps) & (steps < 1.5 * usual)))
     if wrong.size:
-        told = "; ".join(
+        examples = "; ".join(
             f"{_where(row + 1, lines)}: {steps[row]:.6g} {units} after the row before" for row in wrong[:3].tolist()
         )
         more = f"; and {wrong.size - 3:,} more" if wrong.size > 3 else ""
         raise Refused(
-            f"{what}: not uniform: {wrong.size:,} of {steps.size:,} steps are not {usual:.6g} {units}: {told}{more}"
+            f"{what}: not uniform: {wrong.size:,} of {steps.size:,} steps are not {usual:.6g} {units}: {examples}{more}"
         )
     mean = float(places[-1] - places[0]) / (places.size - 1)
     allowed = UNEVEN * mean + 2.0 * resolution

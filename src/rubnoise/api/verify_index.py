@@ -41,7 +41,7 @@ RULES: Final = {
     ("/", "command"): command_form,
     ("/", HASH): digits_form,
 }
-"""What sweep.json and the journals do not tell to the last character."""
+"""What sweep.json and the journals do not hold to the last character."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +54,7 @@ class IndexFound:
 
 @dataclass(frozen=True, slots=True)
 class AsOfIndex(SweepFolder):
-    """A folder whose journals tell no more than its index does, which may be older than they are."""
+    """A folder whose journals hold no more than its index does, which may be older than they are."""
 
     states: Mapping[str, str]
 
@@ -64,9 +64,9 @@ class AsOfIndex(SweepFolder):
 
 
 def index_checks(folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOut]) -> IndexFound:
-    """Return whether the index has its hashes, and whether it is that of the sweep and of what the journals tell.
+    """Return whether the index has its hashes, and whether it is that of the sweep and of what the journals hold.
 
-    Without a ``sweep``, which sweep.json does not tell, its hashes are all that can be asked.
+    Without a ``sweep``, which sweep.json does not hold, its hashes are all that can be asked.
     """
     try:
         with open_index(folder.index) as index:
@@ -87,8 +87,8 @@ def index_checks(folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOu
 def _hash_check(index: IndexFile) -> Check:
     notes, damaged = Notes("index_hashes", of=INDEX), index.damaged()
     for path in index.hashes:
-        told = "not what its hash was taken of" if path in damaged else "as it was written"
-        notes.say(path, found=told, expected="as it was written")
+        state = "not what its hash was taken of" if path in damaged else "as it was written"
+        notes.say(path, found=state, expected="as it was written")
     seal = seal_of_index(dict(index.attributes), {path: each or "" for path, each in index.hashes.items()})
     notes.say(f"/ {HASH}", found=index.seal or "missing", expected=seal)
     return notes.check()
@@ -102,12 +102,12 @@ def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: 
     cases = _cases(notes, sweep, index)
     if not notes.check().holds:
         return notes.check()
-    told = replace(sweep, text=attributes["scenario_toml"], side_by_side=tuple(sides["side_by_side"]), cases=cases)
+    stored = replace(sweep, text=attributes["scenario_toml"], side_by_side=tuple(sides["side_by_side"]), cases=cases)
     points = _points(cases, index)
     states = dict(zip(*(map(str, index.read(RUNS, name)) for name in ("run_id", "state")), strict=True))
     then = AsOfIndex(folder.root, states)
     known = RecordedRuns.of(then, points, counts=lambda _entry: True)
-    right, values = expected_index(index_of(then, told, points, known, attributes["command"]))
+    right, values = expected_index(index_of(then, stored, points, known, attributes["command"]))
     found = index.inventory()
     compare_structure(notes, found, right)
     compare_attributes(notes, RULES, found, right)
@@ -121,17 +121,17 @@ def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: 
             LeftOut(name="index", reason="it is older than sweep.json or the journals; the same sweep renews it")
         )
     else:
-        _compare_text(notes, told, points, attributes, left_out)
+        _compare_text(notes, stored, points, attributes, left_out)
     return notes.check()
 
 
 def _list(text: str) -> list[str]:
     """Return the keys that an attribute lists; none where it lists none."""
     try:
-        told = json.loads(text)
+        names = json.loads(text)
     except (ValueError, RecursionError):
         return []
-    return [str(key) for key in told] if isinstance(told, list) else []
+    return [str(key) for key in names] if isinstance(names, list) else []
 
 
 def _cases(notes: Notes, sweep: Sweep, index: IndexFile) -> tuple[Case, ...]:
@@ -161,7 +161,7 @@ def _since(folder: SweepFolder, points: tuple[Point, ...], known: RecordedRuns) 
 def _compare_rows(notes: Notes, path: str, found: NDArray[Any], right: NDArray[Any]) -> None:
     """Compare a column of any kind bit for bit, and name the first row that differs."""
     if found.shape != right.shape or found.dtype != right.dtype:
-        return  # which its structure tells
+        return  # its structure differs, which is reported already
     bits = [np.ascontiguousarray(each).view(np.uint8).reshape(len(each), -1) for each in (found, right)]
     wrong = np.flatnonzero((bits[0] != bits[1]).any(axis=1))
     row = int(wrong[0]) if wrong.size else 0
@@ -193,5 +193,5 @@ def _compare_text(
         reason = f"the program that carried it out changed its {', '.join(wrong)}"
         left_out.append(LeftOut(name="index scenario_toml", reason=reason))
     else:
-        told = f"another {', '.join(wrong)}" if wrong else "the sweep"
-        notes.say("/ scenario_toml", found=told, expected="the sweep")
+        found = f"another {', '.join(wrong)}" if wrong else "the sweep"
+        notes.say("/ scenario_toml", found=found, expected="the sweep")

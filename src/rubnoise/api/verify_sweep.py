@@ -153,8 +153,8 @@ def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
     except FileNotFoundError:
         return _one("manifest", MANIFEST, "missing", "the description of the sweep"), None
     except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError) as problem:
-        told = " ".join(f"unreadable ({problem})".split())
-        return _one("manifest", MANIFEST, told, "the description of the sweep"), None
+        found = " ".join(f"unreadable ({problem})".split())
+        return _one("manifest", MANIFEST, found, "the description of the sweep"), None
     notes.say("form", found="JSON", expected="JSON" if text == manifest_text(kept) else "JSON as the program writes it")
     if sweep is not None:
         right = json.loads(json.dumps(identity(sweep)))
@@ -206,9 +206,9 @@ def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
             with open_run(path) as run:
                 _take_in(results, run, path, regenerate)
         except RunFileRefused as refusal:
-            told = str(refusal).removeprefix(f"{path}: ")
+            reason = str(refusal).removeprefix(f"{path}: ")
             results.different.append(
-                Difference(place=f"runs/{path.name}", row=None, found=told, expected="the result of a run")
+                Difference(place=f"runs/{path.name}", row=None, found=reason, expected="the result of a run")
             )
     return results
 
@@ -239,8 +239,8 @@ def _take_in(results: Results, run: ResultFile, path: Path, regenerate: int) -> 
 def _unknown_runs(results: Results, known: frozenset[str]) -> None:
     """Name results of which neither the index nor a journal knows."""
     for name in results.figures:
-        told = "known" if name in known else "a run that neither the index nor a journal knows"
-        results.names.say(f"runs/{name}.h5", found=told, expected="known" if name in known else "a run of this sweep")
+        state = "known" if name in known else "a run that neither the index nor a journal knows"
+        results.names.say(f"runs/{name}.h5", found=state, expected="known" if name in known else "a run of this sweep")
 
 
 def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:

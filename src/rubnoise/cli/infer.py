@@ -94,7 +94,7 @@ def command(
     report: Annotated[Path | None, typer.Option(help="Write a page with pictures and tests.", metavar="HTML")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
-    """Tell number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
+    """Find number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
     The exit code is 3 if the trace does not follow the model, or says too little.
 
@@ -201,15 +201,15 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
         yield remark(f"refused: {found.refused_because}")
         return
     alike = [each.law for each in found.laws if not each.told_apart and each.law != found.law]
-    told = f"{found.law}; not told apart from it: {', '.join(alike)}" if alike else found.law
-    yield line("law of sizes", told)
+    laws = f"{found.law}; not distinguished from it: {', '.join(alike)}" if alike else found.law
+    yield line("law of sizes", laws)
     for name in NAMES:
         if name in found.estimates:
             yield line(_LABELS[name], _value(found.estimates[name]))
     if alike:
-        yield remark("Intervals hold those of every law that is not told apart.")
+        yield remark("Intervals hold those of every law that is not distinguished.")
     for name, reason in found.not_identified.items():
-        yield remark(f"{_LABELS[name]}: not told: {reason}")
+        yield remark(f"{_LABELS[name]}: not identified: {reason}")
     yield "without a law"
     yield line("diameter m6/m5", f"{found.law_free['effective_diameter']:.4g} um")
     if "effective_count" in found.law_free:

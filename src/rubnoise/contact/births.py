@@ -66,7 +66,7 @@ class PoissonBirths:
 class RegularBirths:
     """Births at one spacing s_jm = L_jm / N_jm, in um, about a place chosen at random: Rabinowicz's births.
 
-    Moments of a gap: mean s_jm, variance 0. Source: Rabinowicz (1956), as the paper tells it ("at precisely regular
+    Moments of a gap: mean s_jm, variance 0. Source: Rabinowicz (1956), as in the paper ("at precisely regular
     moments in time").
     """
 

@@ -196,7 +196,7 @@ class LensPulse(_Centred):
 class TrianglePulse(_Centred):
     """A straight rise to pi d^2/4 and a straight fall: Rabinowicz's approximation of the life; life mean (pi/8) d^2.
 
-    Source: Rabinowicz (1956), as the paper tells it ("uses a triangular pulse to approximate the life of a junction").
+    Source: Rabinowicz (1956), as in the paper ("uses a triangular pulse to approximate the life of a junction").
     """
 
     @property

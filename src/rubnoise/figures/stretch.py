@@ -19,7 +19,7 @@ MOST_POINTS: Final = 3000
 
 CHUNK_ROWS: Final = 65_536
 MOST_READ: Final = 4_194_304
-"""Rows that are read at once where a picture needs them together; what they tell changes little with more of them."""
+"""Rows that are read at once where a picture needs them together; more of them change the picture little."""
 
 SLACK: Final = 1e-9
 

@@ -186,7 +186,7 @@ def study_of_points(
     key = max(numeric, key=lambda each: counts[each]) if numeric else varied[0]
     together = [each for each in varied if each in side_by_side]
     along = [each for each in together if each != key] if key in together else []
-    # Of keys side by side one is enough to tell lines apart.
+    # Of keys side by side one is enough to distinguish lines.
     others = tuple(each for each in varied if each != key and each not in (along or together[1:]))
     smooth = bool(numeric) and set(along) <= set(numeric)
     curve = partial(exact_curve, keys=(key, *along), quantity=quantity) if smooth else None

@@ -124,7 +124,7 @@ def _scale(axes: "Axes", study: Study) -> None:
 
 
 def _legend(axes: "Axes", study: Study) -> None:
-    """Tell lines apart by the values of the other keys; below them stands the exact curve."""
+    """Distinguish lines by the values of the other keys; below them stands the exact curve."""
     (exact,) = axes.plot([], [], color=VERMILION, lw=1.2)
     points: Any = axes.errorbar([], [], [], **LOOK, color=SERIES[0][0], fmt=SERIES[0][1])
     handles, labels = axes.get_legend_handles_labels()

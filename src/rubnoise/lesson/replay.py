@@ -15,7 +15,7 @@ MOST_ROWS: Final = 50_000
 
 
 def record_of(run: Run) -> dict[str, Any]:
-    """Return the junctions of a run as base64 of little-endian doubles, its tick, and how far they tell the run, in um.
+    """Return the junctions of a run as base64 of little-endian doubles, its tick, and their end in um.
 
     A longer run is cut where the first junction is born that does not fit; ``note`` says so in words.
     """
@@ -43,10 +43,10 @@ def _early_deaths(junctions: Columns, rows: int) -> dict[str, str]:
 
 
 def _note(run: Run, rows: int, distance: float, whole: float) -> str:
-    told = f"This is {run.path.name}, seed {run.scenario.run.seed}: its junctions, row by row."
+    sentence = f"This is {run.path.name}, seed {run.scenario.run.seed}: its junctions, row by row."
     if distance < whole:
-        told += f" Of {whole:g} um the page holds the first {distance:g}, {rows} junctions."
-    return f"{told} A knob of the contact leaves it for a run of the page's own; reset brings it back."
+        sentence += f" Of {whole:g} um the page holds the first {distance:g}, {rows} junctions."
+    return f"{sentence} A knob of the contact leaves it for a run of the page's own; reset brings it back."
 
 
 def _text(values: NDArray[np.float64]) -> str:

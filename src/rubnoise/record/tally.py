@@ -69,7 +69,7 @@ class Moments:
         """Take in one panel of values of any kind of number."""
         if not values.size:
             return
-        # Only who runs a model waits for the compiler to be loaded, and no one who opens its result.
+        # Only a run waits for the compiler to be loaded, and not the reading of its result.
         from rubnoise.record.central_sums import central_sums
 
         whole = values if values.flags.writeable else values.copy()

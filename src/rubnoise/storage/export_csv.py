@@ -20,7 +20,7 @@ def heading(column: Column) -> str:
 
 
 def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
-    """Write one table; of its origin CSV has no place to tell."""
+    """Write one table; CSV has no place for its origin."""
     del origin
     (table,) = tables
     with path.open("w", encoding="ascii", newline="") as stream:

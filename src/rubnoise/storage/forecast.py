@@ -52,7 +52,7 @@ def _limit(name: str) -> float:
 
 
 def memory_in_use(root: Path = Path("/")) -> int:
-    """Return the bytes of memory that this process holds, or 0 where the system does not tell."""
+    """Return the bytes of memory that this process holds, or 0 where the system does not say."""
     return _pages(root)[1] * PAGESIZE
 
 
@@ -86,8 +86,8 @@ def _left_in_groups(root: Path) -> Iterator[int]:
         _, used, prefix = _NAMES[version]
         now = _number(folder / used)
         if now is not None:
-            told = _numbers(folder / "memory.stat")
-            droppable = told.get(f"{prefix}inactive_file", 0) + told.get(f"{prefix}active_file", 0)
+            counts = _numbers(folder / "memory.stat")
+            droppable = counts.get(f"{prefix}inactive_file", 0) + counts.get(f"{prefix}active_file", 0)
             yield max(most - max(now - droppable, 0), 0)
 
 
@@ -123,8 +123,8 @@ def _groups(root: Path) -> Iterator[tuple[Path, int]]:
 
 def _pages(root: Path) -> tuple[int, int]:
     """Return the pages of this process's address space, and those of them that are in memory."""
-    told = _text(root / "proc/self/statm").split()
-    return (int(told[0]), int(told[1])) if told else (0, 0)
+    pages = _text(root / "proc/self/statm").split()
+    return (int(pages[0]), int(pages[1])) if pages else (0, 0)
 
 
 def _numbers(path: Path) -> dict[str, int]:
@@ -203,7 +203,7 @@ def expected(scenario: Scenario) -> Budget:
 
 
 def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
-    """Return the budget of runs made one after the other, each told with how many there are of it.
+    """Return the budget of runs made one after the other, each with its number.
 
     Work and results add up; memory is that of the largest, and so is the copy of a result that is being compressed.
     """
@@ -294,7 +294,7 @@ def _is_compressed(scenario: Scenario) -> bool:
 
 
 def rows_at_most(model: Model, rows: Extent) -> Extent:
-    """Return how many rows there are at most where only the end of a run tells: of a two-way slider.
+    """Return how many rows there are at most where only the end of a run shows it: of a two-way slider.
 
     Rows that are known stay as they are. The slider comes to the end at T = (distance + x_T - x_0)/V. While w >= 0
     friction adds nothing to m x'^2/2 + (k x - F)^2/2k, F the largest force on the way, and x' <= V; so x <= F/k +

@@ -1,6 +1,6 @@
 """The structure of a part file compared, name by name, with the structure that its own description gives.
 
-A part found on the disk may be damaged, or made by anybody, in what no row and no hash tells: units, names, meanings,
+A part found on the disk may be damaged, or made by anybody, in what no row and no hash covers: units, names, meanings,
 links between columns, a group too many. Called in a child process, as `survey` is.
 """
 
@@ -92,10 +92,10 @@ def _made(found: Mapping[str, Any]) -> Overlay:
     """Return the file that is made of what a file says of itself, without its rows; raises RunFileRefused."""
     about, origin, summary = (_value(found[name]) for name in ("attributes", "provenance", "summary"))
     rows = {name: next(iter(columns.values()))["rows"] for name, columns in found["columns"].items()}
-    told = description(str(about["title"]), origin, stored_extent(rows), frozenset(found["features"]))
+    described = description(str(about["title"]), origin, stored_extent(rows), frozenset(found["features"]))
     image = Overlay()
     with h5py.File(image, "w", libver=LIBRARY_VERSIONS) as file:
-        compose(file, told, compressed=_is_compressed(found))
+        compose(file, described, compressed=_is_compressed(found))
         if finished := str(origin["finished"]):
             digests = {
                 (group, name): _value(place["digest"])

@@ -25,7 +25,7 @@ from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.layout import DTYPES, Name, Place, RunDescription
 
 Kind = Literal["run", "rows", "end"]
-"""What a record tells: which run this is; how far its rows are; what is yet to be written for the file to be whole."""
+"""What a record holds: which run this is; how far its rows are; what is yet to be written for the file to be whole."""
 
 RECORD_BYTES: Final = 1 << 30
 """No record is longer: the largest holds the junctions that are alive, a million of them at most."""
@@ -147,8 +147,8 @@ class Ending:
         head = _ENDING_HEAD.pack(self.size, len(self.pieces))
         places = b"".join(_PIECE.pack(offset, len(data)) for offset, data in self.pieces)
         grown = [[*name, place.offset, place.rows] for name, place in self.grown]
-        told = json.dumps(grown).encode() if grown else b""
-        return head + places + b"".join(data for _, data in self.pieces) + told
+        text = json.dumps(grown).encode() if grown else b""
+        return head + places + b"".join(data for _, data in self.pieces) + text
 
     @classmethod
     def unpacked(cls, content: bytes) -> Self:
@@ -159,10 +159,10 @@ class Ending:
         for offset, length in _PIECE.iter_unpack(content[_ENDING_HEAD.size : begin]):
             pieces.append((offset, content[begin : begin + length]))
             begin += length
-        told = json.loads(content[begin:]) if content[begin:] else []
+        grown = json.loads(content[begin:]) if content[begin:] else []
         grown = tuple(
             ((group, name), Place(offset=int(offset), rows=int(rows), dtype=DTYPES[group, name]))
-            for group, name, offset, rows in told
+            for group, name, offset, rows in grown
         )
         return cls(tuple(pieces), size, grown)
 
@@ -217,7 +217,7 @@ class Commit:
 
 @dataclass(slots=True, kw_only=True)
 class History:
-    """All that a journal tells. ``run`` is None where there is no journal, or none that tells of a run."""
+    """All that a journal holds. ``run`` is None where there is no journal, or none of a run."""
 
     run: str | None = None
     columns: tuple[Name, ...] = ()
@@ -227,7 +227,7 @@ class History:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Return what a journal tells, as far as it is whole.
+        """Return what a journal holds, as far as it is whole.
 
         ``begun`` is where its first record ends. Raises RunFileRefused for one of another version, OSError where the
         disk fails.
@@ -242,10 +242,10 @@ class History:
 
     def _take(self, frame: Frame, path: Path) -> None:
         if frame.kind == "run":
-            told = json.loads(frame.content)
-            if told["version"] != VERSION:
-                raise RunFileRefused(f"{path}: has version {told['version']}; this rubnoise resumes version {VERSION}")
-            self.run, self.columns, self.begun = told["run"], tuple(map(tuple, told["columns"])), frame.end
+            head = json.loads(frame.content)
+            if head["version"] != VERSION:
+                raise RunFileRefused(f"{path}: has version {head['version']}; this rubnoise resumes version {VERSION}")
+            self.run, self.columns, self.begun = head["run"], tuple(map(tuple, head["columns"])), frame.end
         elif frame.kind == "rows":
             self.commits.append(_unpacked(frame, self.columns))
             if len(self.commits) > MOST_COMMITS:
@@ -263,23 +263,23 @@ def state_at(path: Path, commit: Commit) -> State:
 
 
 def identity(description: RunDescription) -> str:
-    """Return what tells a run from any other: its scenario, seed and streams, its rows, and when it was started."""
+    """Return what identifies a run: its scenario, seed and streams, its rows, and when it was started."""
     origin, extent = description.provenance, description.extent
     rows = (extent.junctions, extent.ticks, extent.blocks)
-    told = [description.scenario_resolved, origin.seed, origin.stream_version, origin.started, rows]
-    return xxhash.xxh3_128_hexdigest(json.dumps(told, sort_keys=True).encode())
+    parts = [description.scenario_resolved, origin.seed, origin.stream_version, origin.started, rows]
+    return xxhash.xxh3_128_hexdigest(json.dumps(parts, sort_keys=True).encode())
 
 
 def packed_run(description: RunDescription, columns: Sequence[Name]) -> bytes:
     """Return the content of a journal's first record."""
-    told = {"version": VERSION, "run": identity(description), "columns": columns}
-    return json.dumps(told).encode()
+    head = {"version": VERSION, "run": identity(description), "columns": columns}
+    return json.dumps(head).encode()
 
 
 def packed_commit(marks: Sequence[Mark], state: State) -> bytes:
     """Return the content of a commit's record; the marks stand in the order of the columns in the first one."""
-    told = b"".join(_MARK.pack(mark.rows, mark.digest) for mark in marks)
-    return _COMMIT_HEAD.pack(time(), len(marks)) + told + state.pack()
+    packed = b"".join(_MARK.pack(mark.rows, mark.digest) for mark in marks)
+    return _COMMIT_HEAD.pack(time(), len(marks)) + packed + state.pack()
 
 
 @contextmanager
@@ -295,11 +295,11 @@ def _unpacked(frame: Frame, columns: Sequence[Name]) -> Commit:
     moment, count = _COMMIT_HEAD.unpack_from(frame.content)
     if not 0.0 <= moment < LATEST:
         raise ValueError(f"a commit at {moment} s since 1970")
-    told = _COMMIT_HEAD.size + count * _MARK.size
+    end = _COMMIT_HEAD.size + count * _MARK.size
     marks = [
-        Mark(rows=rows, digest=digest) for rows, digest in _MARK.iter_unpack(frame.content[_COMMIT_HEAD.size : told])
+        Mark(rows=rows, digest=digest) for rows, digest in _MARK.iter_unpack(frame.content[_COMMIT_HEAD.size : end])
     ]
-    length = len(frame.content) - told
+    length = len(frame.content) - end
     return Commit(
         moment=moment,
         marks=dict(zip(columns, marks, strict=True)),

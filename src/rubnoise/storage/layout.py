@@ -61,12 +61,12 @@ def row_count(group: Group, extent: Extent) -> int:
 
 
 def grows(group: Group, extent: Extent) -> bool:
-    """Whether only the end of a run tells how many rows a group has."""
+    """Whether the number of rows of a group is known only at the end of a run."""
     return group.grows and extent.rows(group.name) is None
 
 
 def stored_extent(rows: Mapping[str, int]) -> Extent:
-    """Return what the rows of a file tell by group; one that may grow has none before its run has ended."""
+    """Return how many rows the groups of a file have; one that may grow has none before its run has ended."""
     growing = {group.name for group in GROUPS if group.grows and rows.get(group.name) == 0}
     return Extent(
         junctions=rows["junctions"],

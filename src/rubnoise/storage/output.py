@@ -46,7 +46,7 @@ class OutputPaths:
         )
 
     def remove_beside(self) -> None:
-        """Remove what lies beside a part as long as it is not whole; without a journal growing rows tell nothing."""
+        """Remove what lies beside a part as long as it is not whole; without a journal growing rows are of no use."""
         disk.remove(self.growing)
         disk.remove(self.journal)
 

@@ -69,9 +69,9 @@ def _version(file: h5py.File) -> int:
 
 
 def _features(file: h5py.File) -> frozenset[Feature]:
-    """Return what the run has beyond the bare contact, told by the columns that only exist with it."""
+    """Return what the run has beyond the bare contact, seen by the columns that only exist with it."""
     junctions = sound_group(file, "junctions")
-    told: dict[Feature, bool] = {
+    present: dict[Feature, bool] = {
         "strength": has_hard_link(junctions, "shear_strength"),
         "speed": has_hard_link(junctions, "birth_time"),
         "slider": has_hard_link(file, "slider"),
@@ -79,11 +79,11 @@ def _features(file: h5py.File) -> frozenset[Feature]:
     }
     needed: tuple[tuple[Feature, str], ...] = (("speed", "birth_time"), ("strength", "shear_strength"))
     for feature, column in needed:
-        if told["slider"] and not told[feature]:
+        if present["slider"] and not present[feature]:
             raise RunFileRefused(f"has a slider without a {feature}: /junctions/{column} is missing")
-    if told["two-way"] and not told["slider"]:
+    if present["two-way"] and not present["slider"]:
         raise RunFileRefused("has /landmarks without /slider")
-    return frozenset(feature for feature, present in told.items() if present)
+    return frozenset(feature for feature, there in present.items() if there)
 
 
 def _columns(file: h5py.File, features: frozenset[Feature], size: int) -> dict[str, dict[str, Any]]:
@@ -164,8 +164,10 @@ def _index_column(owner: h5py.Group, name: str, size: int) -> dict[str, Any]:
     offset = dataset.id.get_offset() or 0
     if dataset.size and not dataset.id.get_storage_size() == dataset.nbytes <= size - offset:
         raise RunFileRefused(f"{path} has rows that are not in the file")
-    told = {about: read_attribute(dataset, about) for about in ("units", "long_name", HASH) if about in dataset.attrs}
-    return {"offset": offset, "shape": list(dataset.shape), "dtype": kind.str} | told
+    attributes = {
+        about: read_attribute(dataset, about) for about in ("units", "long_name", HASH) if about in dataset.attrs
+    }
+    return {"offset": offset, "shape": list(dataset.shape), "dtype": kind.str} | attributes
 
 
 def _is_plain(kind: Any) -> bool:

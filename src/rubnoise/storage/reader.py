@@ -36,7 +36,7 @@ SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
 
 Watch = Callable[[str, int, int], None]
-"""Told of each read: the path of the column, the row up to which is read, and how many rows there are."""
+"""Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
 
 
 class TooNew(RunFileRefused):
@@ -185,7 +185,7 @@ class RunFile:
 def open_run(path: str | os.PathLike[str], own: "Written | None" = None, *, strict: bool = False) -> RunFile:
     """Open a run file for reading, also one from elsewhere.
 
-    ``own`` tells which file this process has written a moment ago: one that needs no caution. With ``strict`` its
+    ``own`` is the file that this process has just written: it needs no caution. With ``strict`` its
     whole structure is read, and has to be what the program makes of what the file says of itself (see inspection).
     Raises RunFileRefused, with the reason in one sentence, for a path that is missing or no regular file, a file that
     is not HDF5, not a run, cut short or damaged; TooNew for one of a later format.

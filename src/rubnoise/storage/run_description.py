@@ -27,7 +27,7 @@ def description_of(run: RunFile) -> RunDescription:
 def description(
     title: str, origin: Mapping[str, Scalar], extent: Extent, features: frozenset[Feature]
 ) -> RunDescription:
-    """Return the description that attributes of a file tell; raises RunFileRefused where one is none of ours."""
+    """Return the description that attributes of a file hold; raises RunFileRefused where one is none of ours."""
     scenario = _table(origin, "scenario_resolved")
     pulse_of(scenario)
     return RunDescription(
@@ -61,12 +61,12 @@ def _compression(scenario: Mapping[str, Any]) -> Literal["none", "gzip"]:
 def _table(origin: Mapping[str, Scalar], name: str) -> dict[str, Any]:
     """Return what a text says by name, in JSON."""
     try:
-        told = json.loads(str(origin[name]))
+        parsed = json.loads(str(origin[name]))
     except (ValueError, RecursionError) as problem:
         raise RunFileRefused(f"/provenance {name} is no JSON that can be read") from problem
-    if not isinstance(told, dict):
-        raise RunFileRefused(f"/provenance {name} is {_shown(told)}, not a table of values by name")
-    return told
+    if not isinstance(parsed, dict):
+        raise RunFileRefused(f"/provenance {name} is {_shown(parsed)}, not a table of values by name")
+    return parsed
 
 
 def _whole(origin: Mapping[str, Scalar], name: str) -> int:

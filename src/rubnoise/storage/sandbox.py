@@ -108,7 +108,7 @@ def _be_small() -> None:
     _limit(resource.RLIMIT_CPU, CPU_SECONDS, spare=1)  # at the hard limit it would be killed without a reason
     _limit(resource.RLIMIT_FSIZE, 0)
     _limit(resource.RLIMIT_CORE, 0)
-    with suppress(OSError):  # only Linux tells how much there is, and only there does the limit hold
+    with suppress(OSError):  # only Linux says how much there is, and only there does the limit hold
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
         _limit(resource.RLIMIT_AS, pages * resource.getpagesize() + MEMORY_BYTES)
     _limit(resource.RLIMIT_NOFILE, 0)

@@ -22,7 +22,7 @@ _PCM: Final = 1
 
 
 def check_length(samples: int) -> None:
-    """Raise Refused for more samples than the 32 bits of a WAV file's own length can tell."""
+    """Raise Refused for more samples than the 32 bits of a WAV file's own length can hold."""
     if samples > MOST:
         raise Refused(f"{samples:,} samples are more than the {MOST:,} that a WAV file holds; --seconds takes some")
 

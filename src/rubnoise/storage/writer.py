@@ -112,7 +112,7 @@ class RunWriter:
 
         ``between`` is called now and then while a file is compressed, and may raise to stop. Raises RubnoiseError if a
         column lacks rows, if the disk fails, or if, without ``force``, another process created the file meanwhile.
-        ``written`` then tells which file it is.
+        ``written`` is then that file.
         """
         with self._naming_file():
             if self._journal.begun and self.state is not None:

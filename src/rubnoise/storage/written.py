@@ -48,7 +48,7 @@ class Written:
 
     def is_in(self, run: RunFile) -> bool:
         """Whether a file says the same, in chunks or not."""
-        told = {
+        expected = {
             "features": sorted(run.features),
             "attributes": {"value": run.attributes},
             "summary": {"value": run.summary},
@@ -56,7 +56,7 @@ class Written:
         }
         hashes = {(group, name): run.digest(group, name) for group, names in run.columns.items() for name in names}
         found = self.found or {}
-        return told == {name: found.get(name) for name in told} and hashes == {
+        return expected == {name: found.get(name) for name in expected} and hashes == {
             (group, name): about["digest"]["value"]
             for group, columns in found.get("columns", {}).items()
             for name, about in columns.items()

@@ -57,7 +57,7 @@ def _library() -> Any:
 
 
 def _address(scheduler: str, *, encrypted: bool) -> str:
-    """Return where a scheduler listens, told by its address or by the file in which it wrote that."""
+    """Return where a scheduler listens, from its address or from the file in which it wrote that."""
     address = scheduler
     if Path(scheduler).is_file():
         try:
@@ -72,7 +72,7 @@ def _address(scheduler: str, *, encrypted: bool) -> str:
 
 
 class Cluster:
-    """The workers of a scheduler, told by its address or by the file in which it wrote that.
+    """The workers of a scheduler, found by its address or by the file in which it wrote that.
 
     Workers may come and go meanwhile. One thread for each worker process is what suits the work.
     """

@@ -136,7 +136,7 @@ def _nothing_to_find(_point: Point) -> None:
     return None
 
 
-def _nobody() -> None:
+def _watch_nothing() -> None:
     return None
 
 
@@ -150,7 +150,7 @@ class Execution(Generic[Result]):
         workers: Workers,
         *,
         recover: Callable[[Point], Result | None] = _nothing_to_find,
-        watch: Callable[[], None] = _nobody,
+        watch: Callable[[], None] = _watch_nothing,
     ) -> None:
         """Stand before the first point.
 

@@ -28,7 +28,7 @@ _FREE: Final = ("title", "run.engine")
 
 
 def identity(sweep: Sweep) -> dict[str, Any]:
-    """Return what tells a sweep from others (JSON-able): its points by name, and the whole scenario of the first."""
+    """Return what identifies a sweep (JSON-able): its points by name, and the whole scenario of the first."""
     return {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
@@ -41,13 +41,13 @@ def identity(sweep: Sweep) -> dict[str, Any]:
     }
 
 
-def manifest_text(told: Mapping[str, Any]) -> str:
+def manifest_text(manifest: Mapping[str, Any]) -> str:
     """Return the text of sweep.json."""
-    return f"{json.dumps(told)}\n"
+    return f"{json.dumps(manifest)}\n"
 
 
 def cases_of(kept: Mapping[str, Any]) -> tuple[Case | None, ...]:
-    """Return the points of a sweep from what is kept to tell it, each by its name; None for one that has another name.
+    """Return the points of a sweep from its stored description, each by its name; None for one that has another name.
 
     A tick that the file did not give follows from the other keys at each point, so the first one's is not for all.
     """
@@ -55,12 +55,12 @@ def cases_of(kept: Mapping[str, Any]) -> tuple[Case | None, ...]:
 
 
 def _case(first: Mapping[str, Any], values: Mapping[str, Any], name: str) -> Case | None:
-    told = {section: dict(table) if isinstance(table, Mapping) else table for section, table in first.items()}
+    tables = {section: dict(table) if isinstance(table, Mapping) else table for section, table in first.items()}
     for key, value in values.items():
         section, _, inner = key.partition(".")
-        told.setdefault(section, {})[inner] = value
-    without_tick = {**told, "output": {key: value for key, value in told["output"].items() if key != "tick"}}
-    for each in (told, without_tick):
+        tables.setdefault(section, {})[inner] = value
+    without_tick = {**tables, "output": {key: value for key, value in tables["output"].items() if key != "tick"}}
+    for each in (tables, without_tick):
         with suppress(ScenarioRefused):
             scenario = build(each)
             if run_id(scenario) == name:

@@ -59,7 +59,7 @@ class Entry:
     """What happened to one run: it is done, with what is left of it, or failed, with the reason; or is to be made.
 
     One that was ``begun`` had no file in its place: what is found there, torn, is its own. ``stamp`` is that of the
-    file of one that is done, by which it is known again (see SweepFolder.stamp); None where nobody took it.
+    file of one that is done, by which it is known again (see SweepFolder.stamp); None where none was taken.
     """
 
     run_id: str
@@ -152,28 +152,31 @@ def _line(entry: Entry) -> bytes:
 
 
 def _packed(entry: Entry) -> dict[str, Any]:
-    told: dict[str, Any] = {"run": entry.run_id, "state": entry.state}
+    fields: dict[str, Any] = {"run": entry.run_id, "state": entry.state}
     if entry.reason:
-        told["reason"] = entry.reason
+        fields["reason"] = entry.reason
     if entry.row is not None:
-        told |= {"file": entry.row.file, "figures": dict(entry.row.figures)}
+        fields |= {"file": entry.row.file, "figures": dict(entry.row.figures)}
         for kind, arrays in (("arrays", entry.row.arrays), ("of_point", entry.row.of_point)):
             if arrays:
-                told[kind] = {name: _as_text(values) for name, values in arrays.items()}
+                fields[kind] = {name: _as_text(values) for name, values in arrays.items()}
     if entry.stamp is not None:
-        told["stamp"] = entry.stamp
-    return told
+        fields["stamp"] = entry.stamp
+    return fields
 
 
-def _unpacked(told: Mapping[str, Any]) -> Entry:
+def _unpacked(fields: Mapping[str, Any]) -> Entry:
     row = None
-    if told["state"] == "done":
+    if fields["state"] == "done":
         arrays, of_point = (
-            {name: _as_array(*packed) for name, packed in told.get(kind, {}).items()} for kind in ("arrays", "of_point")
+            {name: _as_array(*packed) for name, packed in fields.get(kind, {}).items()}
+            for kind in ("arrays", "of_point")
         )
-        row = RunRow(run_id=told["run"], file=told["file"], figures=told["figures"], arrays=arrays, of_point=of_point)
-    stamp = tuple(told["stamp"]) if "stamp" in told else None
-    return Entry(run_id=told["run"], state=told["state"], row=row, reason=told.get("reason", ""), stamp=stamp)
+        row = RunRow(
+            run_id=fields["run"], file=fields["file"], figures=fields["figures"], arrays=arrays, of_point=of_point
+        )
+    stamp = tuple(fields["stamp"]) if "stamp" in fields else None
+    return Entry(run_id=fields["run"], state=fields["state"], row=row, reason=fields.get("reason", ""), stamp=stamp)
 
 
 def _as_text(values: NDArray[Any]) -> tuple[str, list[int], str]:

@@ -24,7 +24,7 @@ def autocovariance(model: Model, lag: ArrayLike) -> Doubles:
 
     Poisson births: R(tau) = lam E[int A(s) A(s + |tau|) ds], zero beyond the longest life; R(0) is the variance, and
     the integral of R over all tau is S(0). Regular births: less lam int E[A(s)] E[A(s + |tau|)] ds, which leaves what
-    their phase does not tell, and with what it does: 2 sum of power cos(k_n tau) over `spectral_lines`.
+    their phase does not fix, and with what it does: 2 sum of power cos(k_n tau) over `spectral_lines`.
     Source: Campbell's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x), for regular births given the phase.
     """
     return _covariance(model, lag, 1.0, 1.0)

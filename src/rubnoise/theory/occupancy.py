@@ -48,7 +48,7 @@ def length_biased_mean_diameter(model: Model) -> float:
 def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
     """Return Cov[N(s), N(s + tau)] for lags tau in um (any shape): lam E[(2d - |tau|)+] for Poisson births.
 
-    Regular births: less what the phase tells of each junction, and with what it tells of them all; see
+    Regular births: less the part of each junction that the phase fixes, and with that of them all; see
     `rubnoise.theory.regular_births`.
     """
     reach = np.abs(np.asarray(lag, dtype=np.float64))

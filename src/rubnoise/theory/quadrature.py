@@ -65,7 +65,7 @@ def size_range(law: Law) -> tuple[float, float]:
     """Return the diameters in um between which averages of d g(d) are taken, g growing no faster than d^12.
 
     It is the law's support, longer where d^13 still has weight beyond it, and cut where d is too small to have any. A
-    law too narrow to tell sizes apart is drawn together to its middle: a spread of 1e-10 of the diameter changes no
+    law too narrow to resolve sizes is drawn together to its middle: a spread of 1e-10 of the diameter changes no
     average by more than 1e-19, but its density is lost in rounding.
     """
     return _size_range(cast("Hashable", law))

@@ -231,7 +231,7 @@ _MOST_SUMMED = 4096
 def unphased_count_covariance(model: Model, lag: Doubles) -> Doubles:
     """Return lam E[(2d - tau)+] - lam int G(a) G(a + tau) da, G(a) = P(2d > a): the covariance given the phase.
 
-    Lags tau >= 0 in um of any shape; 0 for one size, whose lives the phase tells whole.
+    Lags tau >= 0 in um of any shape; 0 for one size, whose lives the phase fixes.
     """
     if _one_size(model):
         return np.zeros_like(lag)
@@ -271,7 +271,7 @@ def _from_lines(model: Model, lag: Doubles, part: Doubles) -> Doubles:
 
 
 def _fraction(lives: float) -> float:
-    """Return what a number exceeds the whole number below by, 0 where only rounding tells it from a whole one."""
+    """Return what a number exceeds the whole number below by, 0 where only rounding is above it."""
     nearest = round(lives)
     return 0.0 if abs(lives - nearest) <= _WHOLE * lives else lives - floor(lives)
 

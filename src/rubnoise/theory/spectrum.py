@@ -132,5 +132,5 @@ def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
     Equation and source are those of `rubnoise.theory.regular_births.spectral_lines`; none for births at random.
     """
     wavenumber, power = spectral_lines(model)
-    told = power > _ROUNDING * area_cumulants(model).mean ** 2
-    return wavenumber[told], power[told]
+    seen = power > _ROUNDING * area_cumulants(model).mean ** 2
+    return wavenumber[seen], power[seen]

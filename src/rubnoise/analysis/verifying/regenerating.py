@@ -164,7 +164,7 @@ def _alive_before(
 
 
 def _as_live(chunk: Chunk) -> LiveRows:
-    """Return rows of a file as those of a state in which nobody has left yet."""
+    """Return rows of a file as those of a state in which no junction has left yet."""
     birth = chunk["birth_distance"]
     return LiveRows(
         junction=np.arange(chunk.first, chunk.end),

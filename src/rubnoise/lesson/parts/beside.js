@@ -7,7 +7,7 @@
   const LOOK = 8; // columns from one look for the histogram to the next
   const BINS = 40;
   const LIVES = 4; // of the longer ones, in a picture
-  const LEAST_GAP = 2; // pixels between two births that can be told apart
+  const LEAST_GAP = 2; // pixels between two births that can be distinguished
   const beside = { pen: null, runs: [], sides: [] };
 
   /** A contact that slides along: its areas in the columns on show, its births there, and how often each area was. */

@@ -12,7 +12,7 @@
     rub.stack.forget();
     card.write();
     card.status.textContent = known ? `junction ${id}: diameter ${said(rub.run.rows[id].diameter, 6)} µm` : '';
-    rub.tell('select', known ? rub.run.rows[id] : null);
+    rub.emit('select', known ? rub.run.rows[id] : null);
   };
 
   /** Choose the next live junction after the one that is chosen, or the one before. */

@@ -101,7 +101,7 @@
   function compute(exact, top) {
     if (histogram.of !== exact) return;
     histogram.density = rub.theory.areaDensity(exact.contact, top);
-    rub.tell('density', top);
+    rub.emit('density', top);
   }
 
   histogram.begin = (canvas) => {

@@ -58,7 +58,7 @@
     state.lessons.push(fresh());
   }
 
-  /** Return what is known of a lesson that nobody has begun: no prediction, no stake, no check answered. */
+  /** Return what is known of a lesson that has not begun: no prediction, no stake, no check answered. */
   function fresh() {
     const further = { step: STEPS.asked, said: '' };
     const runs = { running: -1, pressed: [], watched: {} };

@@ -1,5 +1,5 @@
 'use strict';
-/* What happens in the lessons: predicting, running, checking, going on; and what is told about it. */
+/* What happens in the lessons: predicting, running, checking, going on; and what is said about it. */
 (() => {
   const rub = globalThis.rub;
   const { lessons } = rub;
@@ -23,7 +23,7 @@
   function draw() {
     unveil();
     root.replaceChildren(page.make('h2', { id: 'lessons-title', text: 'Lessons' }), page.contents(), page.article());
-    tell();
+    announce();
   }
 
   /** Show the numbers that give no answer away: measured ones after the prediction, exact ones at the end. */
@@ -33,7 +33,7 @@
   }
 
   /** Write what depends on the settings: law, prompts, options, what has been seen. */
-  function tell() {
+  function announce() {
     const lesson = list[state.open];
     const exact = rub.exact();
     fill('#lesson-law-text', () => lesson.law(exact, rub.world));
@@ -250,7 +250,7 @@
     root.addEventListener('submit', submitted);
     root.addEventListener('change', switched);
     rub.on('tick', ticked);
-    rub.on('settings', tell);
+    rub.on('settings', announce);
     addEventListener('hashchange', follow);
     draw();
     showPicture();

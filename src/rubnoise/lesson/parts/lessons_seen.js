@@ -131,7 +131,7 @@
     }
 
     /** Return the statistics by name. */
-    told() {
+    figures() {
       return {
         areaMean: this.area.mean,
         areaStd: Math.sqrt(Math.max(0, this.area.variance)),
@@ -160,7 +160,7 @@
     const { rows, reached } = rub.run;
     if (watched !== rows) [watch, watched] = [new Watch(exact, rub.model.pulses[rub.world.pulse]), rows];
     watch.follow(rows, reached);
-    return { ...watch.told(), ...rub.run.moments() };
+    return { ...watch.figures(), ...rub.run.moments() };
   }
 
   /** Return what a whole run of settings shows over many lives, of which the stage shows the beginning. */
@@ -171,7 +171,7 @@
     births.until(end, rows);
     const whole = new Watch(rub.theory.exact(settings), births.contact.pulse);
     whole.follow(rows, end);
-    return whole.told();
+    return whole.figures();
   }
 
   Object.assign(lessons, { seen, measured, MOST_LIVES });

@@ -31,7 +31,7 @@
   function settle({ said, stake }, world) {
     const [few, many] = sides(world)
       .map((settings) => lessons.measured(settings))
-      .map((told) => told.areaStd / told.areaMean);
+      .map((seen) => seen.areaStd / seen.areaMean);
     const shown = `Over ${lessons.MOST_LIVES} lives each, the area of the few strays by ${share(few)} of its mean, that
       of the many by ${share(many)}: <strong>${say(few / many)} to one</strong>.`;
     if (!stake) return shown;
@@ -89,7 +89,7 @@
       <p>A large junction is a large piece that comes and goes at once; many small ones come and go independently, and
         their ups and downs cancel, all but a share of 1/√<var>N</var>. This is the paper's conclusion, as a law. On the
         stage now: ${share(f.areaStd / f.areaMean)} of ${um2(f.areaMean)}.</p>
-      <p>The slider tells them apart too: exactly ${say(ratioOf('displacementStd', world))} to one in the standard
+      <p>The slider feels the difference too: exactly ${say(ratioOf('displacementStd', world))} to one in the standard
         deviation of its displacement. Smaller junctions also live shorter lives, which spreads the noise over higher
         frequencies: <var>S</var>(0) = λ(∫ <var>A</var> d<var>s</var>)² = (2/9) <var>N</var> <var>d</var>⁵ falls as
         <var>N</var><sup>−3/2</sup>, by ${say((MANY / FEW) ** 1.5)} from ${FEW} to ${MANY}. So the spectrum does depend

@@ -5,7 +5,7 @@
   const find = (id) => document.getElementById(id);
   let dirty = true;
   let last = 0;
-  let told = 0;
+  let shownAt = 0;
 
   /** Show pictures below the stage by name, with a space between (none: the side view), and fold the others away. */
   rub.show = (names) => {
@@ -50,13 +50,13 @@
     rub.beside.draw();
     rub.shifted.draw(seen);
     rub.card.draw();
-    if (!rub.run.playing || now - told > 200) tell(now, seen);
+    if (!rub.run.playing || now - shownAt > 200) showSeen(now, seen);
     dirty = false;
   }
 
   /* Text changes five times a second: often enough to follow, seldom enough to read. */
-  function tell(now, seen) {
-    told = now;
+  function showSeen(now, seen) {
+    shownAt = now;
     rub.readout.seen(seen);
     rub.transport.where();
     rub.card.refresh();
@@ -140,7 +140,7 @@
     fitAll();
     new ResizeObserver(fitAll).observe(find('pictures'));
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', fitAll);
-    rub.tell('ready', rub.lesson);
+    rub.emit('ready', rub.lesson);
     rub.isReady = true;
     if (!calm.matches) rub.run.play();
     requestAnimationFrame((now) => {

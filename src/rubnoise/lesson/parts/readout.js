@@ -46,7 +46,7 @@
     document.getElementById('numbers-hint').hidden = readout.isOpen('all');
     readout.exact();
     readout.seen(rub.run.moments());
-    rub.tell('veil', readout.level);
+    rub.emit('veil', readout.level);
   }
 
   /** Make the table. */

@@ -35,7 +35,7 @@
       if (keep && this.trace) this.trace.reslide({ ...world }, startOf(world, contact));
       else this.begin(world, contact);
       this.couple(startOf(world, contact));
-      if (!keep) rub.tell('reset', world);
+      if (!keep) rub.emit('reset', world);
     },
 
     /* Another slider on the same contact begins where the last one did, and comes to where that was. */
@@ -102,12 +102,12 @@
     play() {
       if (this.isOver) this.goTo(0);
       this.playing = true;
-      rub.tell('playing', true);
+      rub.emit('playing', true);
     },
 
     pause() {
       this.playing = false;
-      rub.tell('playing', false);
+      rub.emit('playing', false);
     },
 
     get isOver() {
@@ -127,7 +127,7 @@
       this.chase(this.goal, FRAME_WORK);
       this.prepare(this.distance);
       this.liveAt(this.distance, this.living);
-      rub.tell('tick', this.distance);
+      rub.emit('tick', this.distance);
     },
 
     /** Let a slider that pushes back go on for seconds of its own time; what is too much for a frame is left out. */
@@ -139,7 +139,7 @@
       this.passed(from);
     },
 
-    /** Slide forward to a distance, and tell of every birth and death on the way. */
+    /** Slide forward to a distance, and emit every birth and death on the way. */
     slideTo(distance) {
       const from = this.reached;
       if (this.motion) this.chase(Math.min(distance, this.end), JUMP_WORK);
@@ -152,17 +152,17 @@
       if (rub.heard('death')) this.tellDeaths(from, this.reached);
       if (rub.heard('birth')) this.tellBirths(from, this.reached);
       this.liveAt(this.distance, this.living);
-      rub.tell('tick', this.distance);
+      rub.emit('tick', this.distance);
     },
 
-    /* Nobody is born or dies twice where the slider runs back: it is the farthest place that counts. */
+    /* No junction is born or dies twice where the slider runs back: it is the farthest place that counts. */
     tellDeaths(from, distance) {
-      for (const row of this.liveAt(from)) if (row.death <= distance) rub.tell('death', row);
+      for (const row of this.liveAt(from)) if (row.death <= distance) rub.emit('death', row);
     },
 
     tellBirths(from, distance) {
       for (let i = this.after(from); i < this.rows.length && this.rows[i].birth <= distance; i += 1) {
-        rub.tell('birth', this.rows[i]);
+        rub.emit('birth', this.rows[i]);
       }
     },
 
@@ -179,8 +179,8 @@
       else this.distance = this.reached = wanted;
       this.prepare(this.reached);
       this.liveAt(this.distance, this.living);
-      rub.tell('jump', this.distance);
-      rub.tell('tick', this.distance);
+      rub.emit('jump', this.distance);
+      rub.emit('tick', this.distance);
     },
 
     /** Go on to the next birth or death and stop there; return the kind and the row, or null at the end. */

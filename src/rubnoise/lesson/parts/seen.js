@@ -53,7 +53,7 @@
 
   /**
    * Return everything seen so far. Lists: gaps between births (um), diameters at birth, and, once every mean life,
-   * liveDiameters, ages and lives of whoever is alive (um) and the counts.
+   * liveDiameters, ages and lives of those alive (um) and the counts.
    */
   rub.run.seen = () => {
     const rows = born();

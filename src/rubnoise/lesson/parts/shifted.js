@@ -123,7 +123,7 @@
     find('lag').addEventListener('input', () => {
       shifted.lives = Number(find('lag').value);
       shifted.write();
-      rub.tell('lag', shifted.lives);
+      rub.emit('lag', shifted.lives);
     });
   };
 

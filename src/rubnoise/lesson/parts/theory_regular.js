@@ -128,7 +128,7 @@
     return found;
   }
 
-  /** Return lam int E[A(s)] E[A(s + lag)] ds in um^4: what the phase tells of single lives. */
+  /** Return lam int E[A(s)] E[A(s + lag)] ds in um^4: the part of single lives that the phase fixes. */
   function sharedCovariance(contact, mean, turns, lag) {
     const last = 2 * contact.sizes.high - lag;
     if (last <= 0) return 0;

@@ -84,7 +84,7 @@
       }
     }
 
-    /* Whoever is not born yet gets the new strength too. */
+    /* A junction that is not born yet gets the new strength too. */
     strengthen(factor) {
       if (factor === 1) return;
       this.source.strengthen(factor);

@@ -25,13 +25,13 @@
   const listeners = new Map();
   let exactNow = null;
 
-  /** Call f with what is told about "birth", "death", "tick", "select", "reset" or "settings" from now on. */
+  /** Call f at each of the events "birth", "death", "tick", "select", "reset" or "settings" from now on. */
   function on(event, f) {
     listeners.set(event, [...(listeners.get(event) ?? []), f]);
   }
 
-  /** Tell everybody who listens; whether anybody does can be asked with heard(). */
-  function tell(event, about) {
+  /** Call all listeners of an event; heard() says whether there are any. */
+  function emit(event, about) {
     for (const f of listeners.get(event) ?? []) f(about);
   }
 
@@ -60,7 +60,7 @@
   }
 
   /**
-   * Change settings and make a new run of them; return false, and tell "refused", where they cannot be. With
+   * Change settings and make a new run of them; return false, and emit "refused", where they cannot be. With
    * {restart: false} the run goes on from the distance where it was.
    */
   function set(values, { restart = true } = {}) {
@@ -68,7 +68,7 @@
     const wrong = Object.entries(values).map(([key, value]) => problemWith(key, value));
     const problem = wrong.find((each) => each) ?? problemOf(wanted);
     if (problem) {
-      tell('refused', problem);
+      emit('refused', problem);
       return false;
     }
     const rows = CONTACT.some((key) => rub.world[key] !== wanted[key]);
@@ -76,7 +76,7 @@
     Object.assign(rub.world, wanted);
     exactNow = null;
     rub.run.renew({ keep: !restart && !rows });
-    tell('settings', values);
+    emit('settings', values);
     return true;
   }
 
@@ -86,7 +86,7 @@
     exactNow = null;
     rub.replaying = Boolean(rub.lesson.record);
     rub.run.renew({ keep: false });
-    tell('settings', rub.given);
+    emit('settings', rub.given);
   }
 
   /** Return what is exact about the settings; see theory.js. */
@@ -103,5 +103,5 @@
     exactNow = null;
   }
 
-  Object.assign(rub, { on, tell, heard, ready, set, reset, exact, begin, problemWith });
+  Object.assign(rub, { on, emit, heard, ready, set, reset, exact, begin, problemWith });
 })();

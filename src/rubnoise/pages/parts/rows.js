@@ -16,9 +16,9 @@ const view = { data: JSON.parse(document.getElementById("data").textContent) };
   };
 
   /** A group: its columns as arrays, with units and meanings beside them. */
-  view.columns = (told) => {
+  view.columns = (packed) => {
     const found = { units: {}, means: {} };
-    for (const [name, column] of Object.entries(told)) {
+    for (const [name, column] of Object.entries(packed)) {
       found[name] = view.unpacked(column);
       found.units[name] = column.units;
       found.means[name] = column.means;

@@ -4,7 +4,7 @@
   const { data } = view;
   const $ = (id) => document.getElementById(id);
   const shortest = Math.max(data.tick, 1e-9 * data.distance);
-  /* A few lives at first, which can be told apart. */
+  /* A few lives at first, which can be distinguished. */
   const LIVES = 8;
   view.window = { from: data.start, to: Math.min(data.stop, data.start + LIVES * data.meanLife) };
 
@@ -25,7 +25,7 @@
 
   view.choose = (row) => {
     view.chosen = row;
-    tell(row);
+    announce(row);
     render();
   };
 
@@ -59,7 +59,7 @@
 
   const MOST_NAMED = 60;
   let curve = null;
-  const tell = (row) => {
+  const announce = (row) => {
     const life = view.life(row);
     $("life-title").textContent = `Junction ${life.junction}: ${view.stateNames(life.state).join(", ").replaceAll("_", " ")}`;
     $("life-figures").replaceChildren(...figures(life));

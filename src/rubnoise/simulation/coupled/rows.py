@@ -157,7 +157,7 @@ def meet_in_cells(motion: Motion, met: Met, first: int, width: float, powers: Do
 def write_cells(
     motion: Motion, met: Met, out: Doubles, step: Step, first: int, after: float, workspace: Workspace
 ) -> None:
-    """Tell the rows inside uniform cells that have just been worked out, from the state before them."""
+    """Write the rows inside uniform cells that have just been worked out, from the state before them."""
     whole, numbers, constants = motion
     way, width, duration, powers = step.way, step.size, step.duration, workspace.powers
     lives, shape = met[0], met[1]
@@ -256,7 +256,7 @@ def meet_in_part(motion: Motion, met: Met, cell: int, offset: float, step: Step)
 
 @compiled_within
 def write_part(motion: Motion, out: Doubles, cell: int, offset: float, step: Step, part: Part, work: Doubles) -> None:
-    """Tell the rows of an event cell, or of a step in time, from the state before it."""
+    """Write the rows of an event cell, or of a step in time, from the state before it."""
     whole, numbers, constants = motion
     way, size, duration, clock, kind = step
     row_time, over, u = constants[ROW_TIME], numbers[OVER], abs(numbers[RELATIVE])

@@ -102,7 +102,7 @@ def _add_piece(
     moments: Doubles,
     cell: int,
 ) -> None:
-    """Add the part of a cell between two places in one half of a life, told from the place that is nearer to its end.
+    """Add the part of a cell between two places in one half of a life, from the place nearer to its end.
 
     ``origin`` and ``far`` are the edges of the cell; for a falling half all runs backwards, and u with it.
     """
