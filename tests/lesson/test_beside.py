@@ -8,13 +8,14 @@ import pytest
 
 import rubnoise
 from rubnoise.contact.overlap import junction_area
-from tests.lesson.opened import CALM, UNHURRIED, opened
+from tests.lesson.opened import CALM, UNHURRIED, opened, until
 from tests.lesson.walk import Walk
 from tests.lesson.worlds import scenario_of
 
 COLUMNS = 480
 PAIRS = {"2. Births": (0, 1), "5. The sum": (0, 2), "8. Many small": (0, 1)}
 SIDES = """(() => {
+  rub.fitAll();
   rub.beside.draw();
   return rub.beside.sides.map((side) => side && {
     areas: Array.from({ length: 400 }, (_, i) => side.area(side.next - 400 + i)),
@@ -135,17 +136,17 @@ def test_the_trace_lies_over_itself_once_it_has_been_predicted(walk: Walk) -> No
     assert walk.page.locator("#shifted").is_hidden()
     walk.predict()
     walk.run()
-    walk.page.evaluate("rub.run.pause(), rub.run.goTo(500)")
-    walk.page.wait_for_timeout(300)
-    picture = "document.getElementById('shifted').toDataURL()"
+    walk.page.evaluate("rub.run.pause(), rub.run.goTo(500), rub.fitAll()")
+    picture = "rub.shifted.draw(rub.run.moments()), document.getElementById('shifted').toDataURL()"
+    said = "document.getElementById('lag-said').textContent.includes"
     before = walk.page.evaluate(picture)
+    assert walk.page.evaluate(picture) == before
     assert walk.page.locator("#shifted").is_visible()
-    assert "0.25 lives, 2.71 µm: correlation 0.6" in walk.page.locator("#lag-said").inner_text()
+    until(walk.page, f"{said}('0.25 lives, 2.71 µm: correlation 0.6')")
     walk.page.locator("#lag").focus()
     walk.page.keyboard.press("End")
-    walk.page.wait_for_timeout(300)
+    until(walk.page, f"{said}('1.25 lives')")
     assert walk.page.evaluate(picture) != before
-    assert "1.25 lives" in walk.page.locator("#lag-said").inner_text()
 
 
 def test_thirty_swings_are_on_show(walk: Walk) -> None:
@@ -167,12 +168,10 @@ def test_thirty_swings_are_on_show(walk: Walk) -> None:
 @pytest.mark.parametrize("count", [20, 400])
 def test_a_jump_leaves_no_stripe(walk: Walk, count: int) -> None:
     """Layers are kept in a ring; what is drawn in strides after a jump ends at the ring's edge."""
-    walk.page.evaluate(f"rub.set({{ meanCount: {count} }}), rub.show('area')")
-    walk.page.wait_for_timeout(300)
+    walk.page.evaluate(f"rub.set({{ meanCount: {count} }}), rub.show('area'), rub.fitAll()")
     for place in (400, 500.3, 502, 607.7, 700.1, 800.6):
-        walk.page.evaluate(EMPTY)
-        walk.page.evaluate(f"rub.run.goTo({place})")
+        walk.page.evaluate(f"rub.run.goTo({place}), {EMPTY}")
         assert walk.page.evaluate(BARE) == 0, place
-    walk.page.evaluate(EMPTY)
     walk.page.evaluate("rub.stack.until = () => {}")
+    walk.page.evaluate(EMPTY)
     assert walk.page.evaluate(BARE) > 100, "layers that are missing would be noticed"

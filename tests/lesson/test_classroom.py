@@ -36,7 +36,7 @@ def test_a_projector_shows_larger_type_and_lines(browser: Any, lesson_file: str,
         walk.open("5. The sum")
         walk.predict()
         walk.run()
-        page.evaluate("rub.run.pause(), rub.show('area')")
+        page.evaluate("rub.run.pause(), rub.show('area'), rub.fitAll()")
         before = page.evaluate(SIZES)
         page.keyboard.press("b")
         assert page.locator("#projector").get_attribute("aria-pressed") == "true"
@@ -51,6 +51,7 @@ def test_a_projector_shows_larger_type_and_lines(browser: Any, lesson_file: str,
         assert page.evaluate("rub.run.selected") == row["id"]
         page.evaluate("rub.run.goTo(0), rub.set(rub.lessons.list[4].experiment.runs[0].set), rub.show('area')")
         page.locator("#projector").click()
+        page.evaluate("rub.fitAll()")
         assert page.evaluate(SIZES) == before
 
 
