@@ -2,8 +2,11 @@
 
     .venv/bin/python tools/infer_study.py run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
     .venv/bin/python tools/infer_study.py table FOLDER
+    .venv/bin/python tools/infer_study.py docs FOLDER
 
-`run` may be stopped at any time; the same command goes on where it was. Each finished fit is a line in FOLDER.
+`run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints every
+cell, `docs` writes the tables of docs/inference.md. Parts of names for --only: a law, clean, long, drift, auto, unknown,
+wrong, round trip.
 """
 
 from __future__ import annotations
@@ -13,8 +16,9 @@ import json
 import os
 import sys
 import time
+import tomllib
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +26,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
+from rubnoise.api.inferring import found_scenario
+from rubnoise.api.scenarios import build
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.inference.inference import infer_signal
@@ -34,7 +40,18 @@ PER_LIFE = 64
 DIAMETER = 5.5
 COUNTS = (5, 20, 100)
 POPULATIONS = {"normal": 0.2, "lognormal": 0.5, "exponential": 1.0, "gamma": 0.4, "fixed": 0.0}
-WRONG = ("stick-slip", "lorentzian", "exponential pulses", "sine", "white", "regular")
+WRONG = {
+    "stick-slip": "the spring force of a slider that sticks and slips (two-way coupling)",
+    "lorentzian": "Gaussian noise with a Lorentzian spectrum",
+    "exponential pulses": "pulses that decay exponentially",
+    "sine": "a sine with noise",
+    "white": "white noise",
+    "regular": "junctions born at regular distances",
+}
+DRIFT = 0.02
+"""Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
+
+PAGE = Path(__file__).parents[1] / "docs" / "inference.md"
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
 
@@ -49,18 +66,32 @@ class Cell:
     noise: float = 0.05
     fitted: str = ""
     zero: str = "known"
+    kind: str = "right"
+    drift: float = 0.0
 
 
 def cells() -> list[Cell]:
     """Return every cell of the study."""
     found = [Cell(name=f"{law} {n}", law=law, count=n, fitted=law) for law in POPULATIONS for n in COUNTS]
+    found += [Cell(name=f"clean {law}", law=law, noise=0.0, fitted=law, kind="clean") for law in POPULATIONS]
+    found += [Cell(name="long normal", law="normal", lives=5000, fitted="normal", kind="long")]
     found += [
-        Cell(name=f"clean {law}", law=law, noise=0.0, fitted=law) for law in ("normal", "lognormal", "exponential")
+        Cell(name=f"drift {law}", law=law, fitted=law, drift=DRIFT, zero="unknown", kind="drift")
+        for law in ("normal", "lognormal")
     ]
-    found += [Cell(name=f"long {law}", law=law, lives=5000, fitted=law) for law in ("normal",)]
-    found += [Cell(name=f"auto {law}", law=law, fitted="auto") for law in POPULATIONS]
-    found += [Cell(name=f"unknown {law}", law=law, fitted="auto", zero="unknown") for law in POPULATIONS]
-    found += [Cell(name=f"wrong {kind}", law=kind, fitted="auto", zero=zero) for kind in WRONG for zero in ("unknown",)]
+    found += [Cell(name=f"auto {law}", law=law, fitted="auto", kind="auto") for law in POPULATIONS]
+    found += [
+        Cell(name=f"unknown {law}", law=law, fitted="auto", zero="unknown", kind="unknown") for law in POPULATIONS
+    ]
+    found += [
+        Cell(name=f"wrong {law}, zero {zero}", law=law, fitted="auto", zero=zero, kind="wrong")
+        for law in WRONG
+        for zero in ("unknown", "known")
+    ]
+    found += [
+        Cell(name=f"round trip {law}", law=law, fitted="auto", kind="round trip")
+        for law in ("normal", "lognormal", "exponential")
+    ]
     return found
 
 
@@ -106,14 +137,16 @@ def right(cell: Cell, seed: int) -> Signal:
     kept = Column("trace", "friction_force")
     simulate(contact, seed, kept, engine="batch")
     values = np.concatenate(kept.parts)
-    values += cell.noise * values.std() * np.random.default_rng([seed, 1]).standard_normal(values.size)
+    spread = values.std()
+    values += cell.noise * spread * np.random.default_rng([seed, 1]).standard_normal(values.size)
+    if cell.drift:
+        steps = np.random.default_rng([seed, 3]).standard_normal(values.size)
+        values += cell.drift * spread * np.cumsum(steps)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
 
 
 def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     """Return a trace of something else, with noise of 5 % of its spread."""
-    from dataclasses import replace
-
     from scipy.signal import lfilter
 
     rng = np.random.default_rng([seed, 2])
@@ -142,17 +175,32 @@ def wrong(kind: str, cell: Cell, seed: int) -> Signal:
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
 
 
+def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
+    """Return a run of the scenario that was found in a trace, and the numbers found."""
+    found = infer_signal(signal, zero="known", tests=False)
+    contact = build(tomllib.loads(found_scenario(found, speed=1000.0))).model()
+    kept = Column("trace", "friction_force")
+    simulate(contact, seed + 1_000_000, kept, engine="batch")
+    values = {name: each.value for name, each in found.estimates.items()}
+    return Signal(values=np.concatenate(kept.parts), tick=contact.tick, unit="uN", scale=1.0), values
+
+
 def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     """Make one trace and fit it; return what was found beside what is true."""
     cell, seed = job
-    signal = right(cell, seed) if cell.law in POPULATIONS else wrong(cell.law, cell, seed)
+    signal = wrong(cell.law, cell, seed) if cell.kind == "wrong" else right(cell, seed)
+    true = truth(cell) if cell.kind != "wrong" else {}
+    if cell.kind == "round trip":
+        signal, true = again(signal, seed)
     begun = time.process_time()
-    found = infer_signal(signal, zero="known" if cell.zero == "known" else "unknown", law=cell.fitted)
+    zero = "known" if cell.zero == "known" else "unknown"
+    found = infer_signal(signal, zero=zero, law=cell.fitted, drift=cell.drift > 0.0)
     answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
     answer["refused"] = found.refused_because
     answer["flags"] = [test.name for test in found.tests if test.flagged]
     answer["p"] = {test.name: float(f"{test.p:.3g}") for test in found.tests}
     answer["law"] = found.law
+    answer["true"] = true
     answer["estimates"] = {
         name: [each.value, each.standard_error, *each.interval] for name, each in found.estimates.items()
     }
@@ -198,43 +246,129 @@ def run(folder: Path, traces: int, jobs: int, only: str) -> None:
                 print(f"\r{number} of {len(wanted)}", end="", file=sys.stderr)
 
 
+def scores(rows: list[dict[str, Any]], name: str) -> tuple[int, int, float] | None:
+    """Return how many intervals of a quantity hold the truth, of how many, and the median error; None without any."""
+    told = [(*row["estimates"][name], row["true"].get(name)) for row in rows if name in row["estimates"]]
+    told = [each for each in told if each[-1]]
+    if not told:
+        return None
+    value, _, low, high, true = np.array(told, dtype=np.float64).T
+    return int(np.sum((low <= true) & (true <= high))), true.size, float(np.median(np.abs(value / true - 1.0)))
+
+
+def stopped(rows: list[dict[str, Any]]) -> int:
+    """Return how many traces were flagged or refused."""
+    return sum(bool(row["flags"] or row["refused"]) for row in rows)
+
+
 def table(folder: Path) -> None:
     """Print coverage and median errors of each cell, and how many traces were flagged or refused."""
-    found, pooled = read(folder), {name: [0, 0] for name in QUANTITIES}
-    heads = "".join(f"{name.split('_')[-1]:>22}" for name in QUANTITIES)
-    print(f"{'cell':26}{'fits':>6}{'cpu ms':>7}{'flag %':>7}{heads}")
+    found = read(folder)
+    heads = "".join(f"{name.split('_')[-1]:>20}" for name in QUANTITIES)
+    print(f"{'cell':36}{'fits':>6}{'cpu ms':>7}{'flagged':>8}{heads}")
     for cell in cells():
         rows = found.get(cell.name, [])
         if not rows:
             continue
-        stopped = 100.0 * np.mean([bool(row["flags"] or row["refused"]) for row in rows])
-        text = f"{cell.name:26}{len(rows):6}{1e3 * np.median([row['cpu'] for row in rows]):7.0f}{stopped:7.1f}"
-        for name in QUANTITIES if cell.law in POPULATIONS else ():
-            true = truth(cell)[name]
-            told = [row["estimates"][name] for row in rows if name in row["estimates"]]
-            if not told or not true:
-                text += f"{'':>22}"
-                continue
-            values = np.array(told)
-            inside = (values[:, 2] <= true) & (true <= values[:, 3])
-            error = np.abs(values[:, 0] / true - 1.0)
-            text += f"{100 * inside.mean():9.1f} %{100 * np.median(error):8.2f} %{'':1}"
-            if cell.fitted == cell.law and cell.lives == 450 and cell.noise:
-                pooled[name][0] += int(inside.sum())
-                pooled[name][1] += inside.size
+        text = f"{cell.name:36}{len(rows):6}{1e3 * np.median([row['cpu'] for row in rows]):7.0f}{stopped(rows):8}"
+        for name in QUANTITIES:
+            score = scores(rows, name)
+            text += f"{'':>20}" if score is None else f"{100 * score[0] / score[1]:9.1f} %{100 * score[2]:7.2f} %"
         print(text)
-    print("pooled over laws:", ", ".join(f"{n} {100 * a / max(b, 1):.1f} % of {b}" for n, (a, b) in pooled.items()))
+    for kind in ("right", "clean", "drift", "auto", "unknown", "round trip"):
+        print(f"{kind}: {pooled(found, kind)}")
     flags: dict[str, int] = {}
-    for row in (row for cell in cells() if cell.law in POPULATIONS for row in found.get(cell.name, [])):
+    for row in (row for cell in cells() if cell.kind != "wrong" for row in found.get(cell.name, [])):
         for flag in row["flags"]:
             flags[flag] = flags.get(flag, 0) + 1
     print("flags of right traces:", flags)
 
 
+def pooled(found: dict[str, list[dict[str, Any]]], kind: str) -> str:
+    """Return the coverage of each quantity over all cells of a kind, and how many were flagged."""
+    rows = [row for cell in cells() if cell.kind == kind for row in found.get(cell.name, [])]
+    parts = []
+    for name in QUANTITIES:
+        score = scores(rows, name)
+        if score is not None:
+            parts.append(f"{name} {100 * score[0] / score[1]:.1f} % of {score[1]}")
+    return ", ".join([*parts, f"flagged or refused {stopped(rows)} of {len(rows)}"])
+
+
+LABELS = {"normal": "normal, 20 %", "lognormal": "lognormal, 50 %", "gamma": "gamma, 40 %"}
+OTHERS = {
+    "clean": "without noise",
+    "long": "5000 lives",
+    "drift": "`--drift`",
+    "auto": "`--law auto`",
+    "unknown": "`--law auto`, zero unknown",
+    "round trip": "found.toml simulated",
+}
+
+
+def document(folder: Path) -> None:
+    """Write the tables of the study into docs/inference.md."""
+    text, found = PAGE.read_text(encoding="utf-8"), read(folder)
+    for name, lines in (("coverage", _coverage(found)), ("others", _others(found)), ("wrong", _wrong(found))):
+        begin, end = f"<!-- study: {name} -->\n", "<!-- end -->"
+        before, _, rest = text.partition(begin)
+        text = before + begin + "\n".join(lines) + "\n" + end + rest.partition(end)[2]
+    PAGE.write_text(text, encoding="utf-8")
+
+
+def _cell_scores(rows: list[dict[str, Any]]) -> str:
+    shown = []
+    for name in QUANTITIES:
+        score = scores(rows, name)
+        shown.append("" if score is None else f"{100 * score[0] / score[1]:.1f} %, {100 * score[2]:.1f} %")
+    return " | ".join(shown)
+
+
+def _row(*cells_of_row: str) -> str:
+    return f"| {' | '.join(cells_of_row)} |".replace("|  |", "| |").replace("|  |", "| |")
+
+
+def _coverage(found: dict[str, list[dict[str, Any]]]) -> list[str]:
+    lines = ["| law, spread | junctions | traces | N | diameter | spread | strength |", "|---|---|---|---|---|---|---|"]
+    whole: list[dict[str, Any]] = []
+    for cell in cells():
+        rows = found.get(cell.name, [])
+        if cell.kind != "right" or not rows:
+            continue
+        whole += rows
+        label = LABELS.get(cell.law, cell.law) if cell.count == COUNTS[0] else ""
+        lines.append(_row(label, str(cell.count), str(len(rows)), _cell_scores(rows)))
+    return [*lines, _row("all", "", str(len(whole)), _cell_scores(whole)), "", _flagged("right", whole)]
+
+
+def _others(found: dict[str, list[dict[str, Any]]]) -> list[str]:
+    heads = ["trace", "law", "traces", "N", "diameter", "spread", "strength", "flagged or refused"]
+    lines = [_row(*heads), "|---" * len(heads) + "|"]
+    for cell in cells():
+        rows = found.get(cell.name, [])
+        if cell.kind in OTHERS and rows:
+            lines.append(_row(OTHERS[cell.kind], cell.law, str(len(rows)), _cell_scores(rows), str(stopped(rows))))
+    return lines
+
+
+def _flagged(kind: str, rows: list[dict[str, Any]]) -> str:
+    share = 100.0 * stopped(rows) / max(len(rows), 1)
+    return f"Of these {len(rows)} {kind} traces, {stopped(rows)} were flagged or refused, which is {share:.1f} %."
+
+
+def _wrong(found: dict[str, list[dict[str, Any]]]) -> list[str]:
+    lines = ["| trace of | zero unknown | zero known |", "|---|---|---|"]
+    for law, words in WRONG.items():
+        both = [found.get(f"wrong {law}, zero {zero}", []) for zero in ("unknown", "known")]
+        if any(both):
+            lines.append(_row(words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
+    return lines
+
+
 def main() -> None:
     """Read the command and do it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("run", "table"))
+    parser.add_argument("what", choices=("run", "table", "docs"))
     parser.add_argument("folder", type=Path)
     parser.add_argument("--traces", type=int, default=300)
     parser.add_argument("--jobs", type=int, default=2)
@@ -242,6 +376,8 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.what == "run":
         run(asked.folder, asked.traces, asked.jobs, asked.only)
+    elif asked.what == "docs":
+        document(asked.folder)
     else:
         table(asked.folder)
 

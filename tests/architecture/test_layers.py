@@ -31,6 +31,7 @@ def test_breaches_are_seen(tmp_path: Path) -> None:
     for module, statement in {
         "contact/upwards": "from rubnoise.simulation import run",
         "theory/sideways": "def late():\n    from rubnoise.simulation import run",
+        "inference/downwards": "from rubnoise.simulation import run",
         "unlisted": "",
     }.items():
         (package / f"{module}.py").write_text(f"{statement}\n", encoding="utf-8")
@@ -41,6 +42,7 @@ def test_breaches_are_seen(tmp_path: Path) -> None:
         "rubnoise.contact.upwards -> rubnoise.simulation.run (l.1)",
         "rubnoise.theory.sideways -> rubnoise.simulation.run (l.2)",
         "rubnoise.streams -> rubnoise.errors (l.1)",
+        "rubnoise.inference.downwards -> rubnoise.simulation.run (l.1)",
         "The following modules are not listed as layers:\n\n- rubnoise.unlisted\n",
     ):
         assert breach in report

@@ -155,6 +155,7 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     coupled = load(full, ["slider.coupling=two-way"])
     with make_part(OutputPaths.of("coupled.h5"), describe(coupled, "coupled.h5", ["rubnoise", "run", full])):
         pass
+    call("run", "bare.toml", "-o", "traced.h5", "--set", "sliding.distance=4 mm")
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
@@ -199,6 +200,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("junction", ("junction", "bare.h5", "3", "--json")),
         ("junctions", ("junctions", "full.h5", "--json")),
         ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
+        ("infer", ("infer", "traced.h5", "--zero", "known", "--json")),
+        ("infer", ("infer", "traced.h5", "--law", "fixed", "--strength", "250 MPa", "--bootstrap", "2", "--json")),
+        ("infer", ("infer", "short.h5", "--json")),
     ]
     told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]
     put(here / "long.h5", "trace/junction_count", 17, 4)

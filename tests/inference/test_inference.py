@@ -1,5 +1,6 @@
 """From a trace back to its junctions: expectations against theory, intervals against the truth, and what is refused."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from rubnoise.inference.fitting import Place, Problem, whittle
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table
-from rubnoise.inference.signal import Signal
+from rubnoise.inference.signal import Signal, strokes
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.pulse_energy import mean_energy
 from tests.inference.traces import contact, signal
@@ -231,18 +232,33 @@ def test_a_trace_backwards_in_a_mirror_is_the_same_trace(normal: Signal, found: 
     [
         (np.ones(1000), "constant"),
         (np.arange(10.0), "10 samples"),
-        (np.minimum(np.sin(0.01 * np.arange(5000.0)), 0.5), "clipped"),
         (
             np.sign(np.sin(0.01 * np.arange(5000.0))) + 0.1 * np.random.default_rng(1).standard_normal(5000),
             "several strokes",
         ),
-        (-50.0 - np.random.default_rng(1).standard_normal(5000), "negative"),
+        (-50.0 - np.random.default_rng(1).standard_normal(5000), "not positive"),
     ],
 )
 def test_what_is_no_trace_of_one_stroke_is_refused(values: np.ndarray, reason: str) -> None:
     got = infer_signal(Signal(values=values, tick=0.1, unit="uN", scale=1.0), zero="known", law="normal")
     assert reason in str(got.refused_because)
     assert got.estimates == {}
+
+
+def test_strokes_are_seen_without_a_zero_too(normal: Signal) -> None:
+    turned = np.where(np.arange(normal.values.size) // 6000 % 2 == 0, 1.0, -1.0) * normal.values + 3e5
+    got = infer_signal(replace(normal, values=turned), law="normal")
+    assert "several strokes in one trace: the force leaps between two levels 4 times" in str(got.refused_because)
+    assert "first at samples 6,001, 12,001" in str(got.refused_because)
+    assert infer_signal(normal, law="normal", tests=False).refused_because is None
+
+
+@pytest.mark.parametrize(("law", "count"), [("fixed", 0.1), ("normal", 0.5), ("exponential", 2.0)])
+def test_a_contact_that_comes_and_goes_has_one_stroke(law: str, count: float) -> None:
+    """Where junctions are few, the trace leaves zero and comes back; it is not between strokes."""
+    sparse = signal(contact(law, SHAPES[law], count, 450), 3)
+    for zero in ("known", "unknown"):
+        assert strokes(sparse.values, zero) == ""
 
 
 def test_too_short_and_too_coarse_records_name_what_is_needed(normal: Signal) -> None:
@@ -255,7 +271,13 @@ def test_too_short_and_too_coarse_records_name_what_is_needed(normal: Signal) ->
 def test_a_contact_that_runs_in_is_named(normal: Signal) -> None:
     fading = 1.0 + 0.5 * np.exp(-np.arange(normal.values.size) / 6000.0)
     got = infer_signal(replace(normal, values=normal.values * fading), zero="known", law="normal")
-    assert any("steadiness" in words for words in got.flags)
+    named = next(words for words in got.flags if "steadiness" in words)
+    cut = int(re.findall("after a run-in of ([0-9,]+) samples", named)[0].replace(",", ""))
+    rest = infer_signal(replace(normal, values=(normal.values * fading)[cut:]), zero="known", law="normal")
+    assert not any("steadiness" in words for words in rest.flags)
+    wearing = normal.values * np.linspace(1.5, 0.5, normal.values.size)
+    worn = infer_signal(replace(normal, values=wearing), zero="known", law="normal")
+    assert any("no part of it after a run-in is steady" in words for words in worn.flags)
 
 
 @pytest.mark.torture

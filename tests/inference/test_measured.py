@@ -13,8 +13,9 @@ from scipy.io import savemat, wavfile
 import rubnoise
 from rubnoise.api.inferring import found_scenario, infer
 from rubnoise.errors import Refused
+from rubnoise.storage import measured
 from rubnoise.storage.measured import read_measured
-from tests.cli.terminal import spawn
+from tests.cli.terminal import call, spawn
 from tests.inference.traces import contact, signal
 
 FORCE = np.round(50.0 + np.sin(np.arange(40.0)), 4)
@@ -77,6 +78,84 @@ def test_what_is_no_trace_is_refused_by_line(tmp_path: Path, text: str, problem:
         read_measured(path)
     assert problem in str(refused.value)
     assert str(refused.value).startswith(f"{path}: ")
+
+
+ROWS = [f"{0.1 * n:.1f},{50.0 + np.sin(n):.4f}" for n in range(200)]
+
+
+@pytest.mark.parametrize(
+    ("rows", "head", "options", "problem"),
+    [
+        (ROWS[:60] + ROWS[61:], "time (s),force (mN)", {}, "line 63: time grows by 0.2 s where the usual step is 0.1"),
+        ([*ROWS[:7], "0.7,nan", *ROWS[8:]], "time (s),force (mN)", {}, "line 10: force is nan; every sample needs a number"),
+        ([*ROWS[:7], "0.7,", *ROWS[8:]], "time (s),force (mN)", {}, "line 10: '' is no number"),
+        (
+            [f"{0.1 * n:.1f},{min(np.sin(0.05 * n), 0.5):.4f}" for n in range(200)],
+            "time (s),force (mN)",
+            {},
+            "line 2: force: the sensor was clipped: 63 samples are at the largest value, 42 of them in a row, first at"
+            " line 13; measure again with a wider range",
+        ),
+        ([f"{row},1" for row in ROWS], "time (s),force (mN),load (mN)", {}, "--column NAME takes one of: force, load"),
+        (ROWS, "time (s),force", {}, "line 2: force: no unit; --unit mN names it"),
+        (ROWS, "time,force", {}, 'line 2: time has no unit; write "time (s)"'),
+        (ROWS, "time (s),force (mN)", {"speed": "-1 mm/s"}, "--speed: -1 mm/s is not above 0"),
+        (
+            [f"{0.1 * n:.1f},{-50.0 + np.sin(n):.4f}" for n in range(200)],
+            "time (s),force (mN)",
+            {"zero": "known"},
+            "line 2: force: nearly all values are negative, first at line 3: with a known zero the force of friction is"
+            " positive; check the sign of the speed",
+        ),
+    ],
+)
+def test_a_bad_trace_is_refused_by_name_and_line(
+    tmp_path: Path, rows: list[str], head: str, options: dict[str, str], problem: str
+) -> None:
+    path = written(tmp_path / "bad.csv", "\n".join(["# of a tribometer", head, *rows, ""]))
+    with pytest.raises(Refused) as refused:
+        infer(path, **({"speed": "1 mm/s"} | options))  # type: ignore[arg-type]
+    assert problem in str(refused.value)
+    if "speed" not in options:
+        assert str(refused.value).startswith(f"{path}: ")
+    words = [word for name, value in ({"speed": "1 mm/s"} | options).items() for word in (f"--{name}", value)]
+    answer = call("infer", str(path), *words, "-o", str(tmp_path / "found.toml"), "--json")
+    assert (answer.code, answer.out) == (2, "")
+    assert problem in answer.err
+    assert [each.name for each in tmp_path.iterdir()] == ["bad.csv"]
+
+
+def test_a_text_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lines keep their numbers and steps are compared across pieces."""
+    monkeypatch.setattr(measured, "_PIECE_BYTES", 100)
+    head = ["# a comment", "time (s),force (mN)"]
+    rows = [*ROWS[:50], "# a pause", "", *ROWS[50:]]
+    read = read_measured(written(tmp_path / "a.csv", "\n".join([*head, *rows])))
+    assert read.values.tolist() == [float(row.split(",")[1]) for row in ROWS]
+    assert read.step == pytest.approx(0.1, rel=1e-12)
+    assert (read.place(0), read.place(49), read.place(50)) == ("line 3", "line 52", "line 55")
+    for gap in (20, 21, 22, 23, 24, 25, 26, 120):
+        kept = [*rows[:gap], *rows[gap + 1 :]]
+        with pytest.raises(Refused, match=f"line {gap + 3}: time grows by 0.2 s"):
+            read_measured(written(tmp_path / "b.csv", "\n".join([*head, *kept])))
+
+
+def test_a_dataset_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(measured, "_PIECE_VALUES", 7)
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["force"] = FORCE
+        file["time"] = 0.01 * np.arange(40.0)
+        file["time"].attrs["units"] = "s"
+        file["time"].make_scale("time")
+        file["force"].dims[0].attach_scale(file["time"])
+    read = read_measured(f"{path}:force")
+    assert read.values.tolist() == FORCE.tolist()
+    assert read.step == pytest.approx(0.01)
+    with h5py.File(path, "r+") as file:
+        file["time"][14:] += 0.01
+    with pytest.raises(Refused, match="line 15: /time grows by 0.02 s"):
+        read_measured(f"{path}:force")
 
 
 def test_a_wave_file_has_its_rate_and_channels(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ MUTANTS = (
     ),
     one(
         "clipped sensors taken for good",
-        "test_what_is_no_trace_of_one_stroke_is_refused",
+        "test_a_bad_trace_is_refused_by_name_and_line",
         "_CLIPPED: Final = 1e-3",
         "_CLIPPED: Final = 1.0",
     ),

@@ -13,7 +13,7 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused
 from rubnoise.inference.inference import Estimate, Inference, infer_signal
-from rubnoise.inference.signal import Signal
+from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
@@ -24,6 +24,7 @@ FORCE: Final = (1, 1, -2)
 _RATE: Final = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(Hz|kHz|MHz|mHz)?\s*")
 _HERTZ: Final = {"mHz": 1e-3, "Hz": 1.0, "kHz": 1e3, "MHz": 1e6, None: 1.0}
 _MASK: Final = 0.01  # of the frequency, on either side
+_WRONG_WAY: Final = 0.95
 
 
 def infer(
@@ -55,6 +56,7 @@ def infer(
     measured = _measured(trace, column)
     velocity = _quantity(speed, SPEED, "--speed")
     signal = _signal(measured, velocity, unit, _rate(rate, "--rate"))
+    _check_sensor(measured, zero)
     if strength is not None and signal.scale is None:
         raise Refused(f"--strength: the trace is in {signal.unit}, which is no force; --unit takes one, such as mN")
     if strength is not None and signal.is_area:
@@ -105,7 +107,31 @@ def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured |
             raise Refused(f"{path}: --column {name}: /trace has friction_force, with a strength, and real_contact_area")
         unit = "uN" if name == "friction_force" else "um^2"
         return Measured(
-            name=name, values=np.array(there[name][:]), unit=unit, step=run.scenario.model().tick, along="distance"
+            name=name,
+            values=np.asarray(there[name][:], dtype=np.float64),
+            unit=unit,
+            step=run.scenario.model().tick,
+            along="distance",
+            where=path,
+        )
+
+
+def _named(measured: Measured) -> str:
+    return f"{measured.where}: {measured.name}" if measured.where else measured.name
+
+
+def _check_sensor(measured: Measured, zero: str) -> None:
+    """Raise Refused for a sensor at its end, and for a force that points the wrong way."""
+    values = measured.values
+    if end := clipped(values):
+        raise Refused(
+            f"{_named(measured)}: the sensor was clipped: {end.samples:,} samples are at the largest value,"
+            f" {end.longest:,} of them in a row, first at {measured.place(end.first)}; measure again with a wider range"
+        )
+    if zero == "known" and np.count_nonzero(values < 0.0) > _WRONG_WAY * values.size:
+        raise Refused(
+            f"{_named(measured)}: nearly all values are negative, first at {measured.place(int(np.argmax(values < 0.0)))}:"
+            " with a known zero the force of friction is positive; check the sign of the speed"
         )
 
 
@@ -148,7 +174,9 @@ def _signal(measured: Measured, speed: float | None, unit: str | None, rate: flo
         raise Refused("--speed: the trace is over sliding distance, which needs no speed")
     written = unit or measured.unit
     if not written:
-        raise Refused(f"{measured.name}: no unit; --unit mN names it, --unit V one without a scale of force")
+        raise Refused(
+            f"{_named(measured)}: no unit; --unit mN names it, --unit V one without a scale of force"
+        )
     scale, is_area = _scale(written)
     return Signal(values=measured.values, tick=step, unit=written, scale=scale, is_area=is_area)
 

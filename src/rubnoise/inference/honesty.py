@@ -12,7 +12,7 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
-from rubnoise.inference.periodogram import Bands, masked_bins, tukey
+from rubnoise.inference.periodogram import Bands, masked_bins
 from rubnoise.inference.scoring import FIRST, Fit
 
 _GROUPS = 14
@@ -22,6 +22,9 @@ _BLOCKS = 40
 _LAGS = (0.25, 0.5, 1.0)  # of the mean diameter
 _NEIGHBOURS = 24
 _PARTS = 4
+_RUN_IN = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75)
+_STEADY_AGAIN = 0.05
+_PIECE = 1 << 16
 
 SPECTRUM: Final = 0.005
 REVERSAL: Final = 0.006
@@ -50,17 +53,28 @@ class HonestyTest:
         return self.p < self.level
 
 
-def honesty_tests(values: Doubles, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
-    """Return the tests of a trace (less nothing) against a fit."""
-    centred = values - values.mean()
-    diameter = fit.contact.place.diameter
+def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_known: bool) -> tuple[HonestyTest, ...]:
+    """Return the tests of a trace against a fit; ``level`` is its mean, or where it drifts its course."""
     return (
         spectrum_test(fit),
-        reversal_test(centred, diameter),
-        line_test(centred, fit),
-        third_test(centred, fit, zero_known=zero_known),
+        reversal_test(values, level, fit.contact.place.diameter),
+        line_test(fit),
+        third_test(third_cumulant(values, level), values.size, fit, zero_known=zero_known),
         steadiness_test(values, fit),
     )
+
+
+def third_cumulant(values: Doubles, level: Doubles | float) -> float:
+    """Return the mean cube of a trace about its mean or its course, piece by piece."""
+    total = 0.0
+    for begin in range(0, values.size, _PIECE):
+        piece = slice(begin, begin + _PIECE)
+        total += float(np.sum((values[piece] - _of(level, piece)) ** 3))
+    return total / values.size
+
+
+def _of(level: Doubles | float, piece: slice) -> Doubles | float:
+    return level[piece] if isinstance(level, np.ndarray) else level
 
 
 def _two_sided(z: float) -> float:
@@ -121,10 +135,11 @@ def _groups(bands: Bands) -> Doubles:
     return matrix
 
 
-def reversal_test(centred: Doubles, diameter: float) -> HonestyTest:
+def reversal_test(values: Doubles, level: Doubles | float, diameter: float) -> HonestyTest:
     """Return Student's test that E[y(s)^2 y(s + tau) - y(s) y(s + tau)^2] is zero, over blocks, at three lags.
 
-    A life is its own mirror image, so that a right trace has no direction. The largest of the three counts, thrice.
+    y is the trace about its mean or its course. A life is its own mirror image, so that a right trace has no direction.
+    The largest of the three counts, thrice.
     Source: Ramsey and Rothman (1996), doi:10.2307/2077961.
     """
     from scipy.special import stdtr
@@ -132,10 +147,13 @@ def reversal_test(centred: Doubles, diameter: float) -> HonestyTest:
     largest, most = 0.0, 0.0
     for part in _LAGS:
         lag = max(1, round(part * diameter))
-        earlier, later = centred[:-lag], centred[lag:]
-        product = earlier * later * (earlier - later)
-        length = product.size // _BLOCKS
-        blocks = product[: length * _BLOCKS].reshape(_BLOCKS, length).mean(axis=1)
+        length = (values.size - lag) // _BLOCKS
+        blocks = np.empty(_BLOCKS)
+        for number in range(_BLOCKS):
+            piece = slice(number * length, (number + 1) * length + lag)
+            centred = values[piece] - _of(level, piece)
+            earlier, later = centred[:-lag], centred[lag:]
+            blocks[number] = np.mean(earlier * later * (earlier - later))
         t = float(blocks.mean() / max(blocks.std(ddof=1) / sqrt(_BLOCKS), 1e-300))
         if abs(t) > abs(largest):
             largest, most = t, part
@@ -144,26 +162,20 @@ def reversal_test(centred: Doubles, diameter: float) -> HonestyTest:
     return HonestyTest(name="time reversal", statistic=largest, p=p, level=REVERSAL, words=words)
 
 
-def line_test(centred: Doubles, fit: Fit) -> HonestyTest:
+def line_test(fit: Fit) -> HonestyTest:
     """Return the test of the largest bin over its neighbours, in units of the fitted spectrum, against all bins.
 
     A bin over the mean of 2 m neighbours exceeds x with probability (1 + x / 2 m)^(-2 m): Fisher's test in a window.
     """
-    from scipy.fft import rfft
     from scipy.ndimage import uniform_filter1d
 
     bands = fit.problem.bands
     n = bands.samples
-    window = tukey(n)
-    power = np.zeros(n // 2 + 1)
-    for number in range(bands.segments):
-        part = rfft(centred[number * n : (number + 1) * n] * window)
-        power += np.square(part.real) + np.square(part.imag)
     first, last = int(bands.first[0]), int(bands.last[-1])
     bins = np.arange(first, last + 1)
     middle = 0.5 * (bands.first + bands.last)
     expected = np.exp(np.interp(np.log(bins), np.log(middle), np.log(fit.expected.mean)))
-    ratio = power[first : last + 1] / expected
+    ratio = bands.power[first : last + 1] / expected
     ratio[masked_bins(bands.masked, n)[first : last + 1]] = float(np.median(ratio))
     wide = 2 * _NEIGHBOURS + 3
     if ratio.size < 2 * wide:
@@ -184,29 +196,28 @@ def line_test(centred: Doubles, fit: Fit) -> HonestyTest:
     return HonestyTest(name="line", statistic=float(over[place]), p=p, level=LINE, words=words)
 
 
-def third_test(centred: Doubles, fit: Fit, *, zero_known: bool) -> HonestyTest:
+def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> HonestyTest:
     """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
 
-    Where neither mean nor strength is known, only its sign can be tested. Its error has a Gaussian part, 6 int R^3,
+    Where neither mean nor strength is known, and where the trace drifts (so that it is taken about its course and lacks
+    some of it), only its sign can be tested. Its error over ``n`` samples has a Gaussian part, 6 int R^3,
     and one of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand.
     """
     from rubnoise.inference.populations import shot_sizes
 
     contact, place = fit.contact, fit.contact.place
-    measured = float(np.mean(centred**3))
     psi = contact.strength
     expected = (
         contact.births * psi**3 * contact.inequality**3 * LENS.life_integral(3) * fit.moment(7) * place.diameter**7
     )
-    sizes, probability = shot_sizes(fit.problem.population, place.shape)
+    sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
     d = place.diameter * sizes
     variance = place.rate * LENS.life_integral(2) * fit.moment(5) * place.diameter**5
     alone = psi**3 * LENS.life_integral(3) * d**7 - 3.0 * variance * psi * FIRST * d**3
     reach = place.diameter * fit.moment(6) / fit.moment(5)
     gaussian = 6.0 * (variance**3 * reach + place.noise * (3.0 * variance**2 + place.noise**2))
-    n = centred.size
     error = sqrt(gaussian / n) + sqrt(contact.births * float(np.square(alone) @ probability) / n)
-    told = zero_known or fit.known.strength is not None
+    told = (zero_known or fit.known.strength is not None) and place.drift is None
     if told:
         powers = {
             name: {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0}.get(name, 0.0)
@@ -225,17 +236,36 @@ def third_test(centred: Doubles, fit: Fit, *, zero_known: bool) -> HonestyTest:
 
 
 def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
-    """Return the chi-square of the means of four quarters, which have the variance S(0) / length."""
+    """Return the chi-square of the means of four quarters; where it speaks, its words name a run-in that can be cut."""
+    statistic, p = _steadiness(values, fit)
+    words = f"steadiness: means of four quarters differ by chi-square {statistic:.1f} on {_PARTS - 1}"
+    if p < STEADY:
+        cuts = (int(part * values.size) for part in _RUN_IN)
+        steady = next((cut for cut in cuts if _steadiness(values[cut:], fit)[1] > _STEADY_AGAIN), None)
+        words += (
+            "; no part of it after a run-in is steady: wear, or a sensor that drifts (--drift)"
+            if steady is None
+            else f"; after a run-in of {steady:,} samples they do not: cut these off"
+        )
+    return HonestyTest(name="steadiness", statistic=statistic, p=p, level=STEADY, words=words)
+
+
+def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
+    """Return the chi-square of differences of the four means, and its probability.
+
+    A mean of L samples has the variance S(0) / L; a random walk with steps of variance q adds q L (j + 1/2) to the
+    covariance of part j with every later part, and q L (j + 1/3) to the variance of part j itself.
+    """
     from scipy.special import gammaincc
 
     place = fit.contact.place
     density = place.rate * FIRST**2 * fit.moment(6) * place.diameter**6 + place.noise
     length = values.size // _PARTS
     means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
-    variance = density / length
-    if place.drift:
-        variance += place.drift * length
-    statistic = float(np.sum(np.square(means - means.mean())) / variance)
-    p = float(gammaincc(0.5 * (_PARTS - 1), 0.5 * statistic))
-    words = f"steadiness: means of four quarters differ by chi-square {statistic:.1f} on {_PARTS - 1}"
-    return HonestyTest(name="steadiness", statistic=statistic, p=p, level=STEADY, words=words)
+    number = np.arange(_PARTS)
+    walk = np.minimum(number[:, None], number) + np.where(np.eye(_PARTS) > 0.0, 1.0 / 3.0, 0.5)
+    total = density / length * np.eye(_PARTS) + (place.drift or 0.0) * length * walk
+    between = np.diff(np.eye(_PARTS), axis=0)
+    difference = between @ means
+    statistic = float(difference @ np.linalg.solve(between @ total @ between.T, difference))
+    return statistic, float(gammaincc(0.5 * (_PARTS - 1), 0.5 * statistic))

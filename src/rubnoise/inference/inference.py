@@ -11,11 +11,11 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import Refused
 from rubnoise.inference.fitting import Place, Problem, deviance, whittle
-from rubnoise.inference.honesty import HonestyTest, honesty_tests
+from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
 from rubnoise.inference.periodogram import Bands, banded
 from rubnoise.inference.populations import POPULATIONS
 from rubnoise.inference.scoring import FIRST, Fit, Known, covariance, score
-from rubnoise.inference.signal import Signal, clipped, half_width_of, half_width_under_drift, strokes
+from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, strokes
 
 Z: Final = 1.959963984540054
 LAWS: Final = tuple(POPULATIONS)
@@ -112,13 +112,14 @@ def infer_signal(
     scale = float(values.std())
     if not scale > 1e-12 * float(np.abs(values).max()):
         return _refusal(signal, "the trace is constant; a sensor that moves is needed")
-    if reason := clipped(values) or strokes(values, zero):
+    if reason := strokes(values, zero):
         return _refusal(signal, reason)
     values = values / scale
     half_width = half_width_under_drift(values) if drift else half_width_of(values)
     bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
     known = _known(signal, values, zero, strength, scale)
-    third = float(np.mean((values - values.mean()) ** 3))
+    level = course(values, half_width) if drift else float(values.mean())
+    third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
     fits = [_fitted(bands, name, half_width, known, third, drift=drift) for name in names]
     best = min(fits, key=_criterion)
@@ -132,7 +133,7 @@ def infer_signal(
         not_identified=_not_identified(best, signal),
         law=best.problem.population.name,
         laws=laws,
-        tests=honesty_tests(values, best, zero_known=zero == "known") if tests else (),
+        tests=honesty_tests(values, level, best, zero_known=zero == "known") if tests else (),
         law_free=_law_free(best, signal),
         parameters=best.names,
         covariance=best.covariance,

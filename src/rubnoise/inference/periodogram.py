@@ -4,7 +4,7 @@ A record is cut into equal segments (one, unless it is long), each is tapered at
 energy is averaged over the segments and over the wavenumbers of a band.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil, pi
 from typing import Final
 
@@ -47,7 +47,7 @@ class Bands:
     ``first`` and ``last`` are the bins of each band; ``energy`` the mean of sum-of-squares-normalised |X|^2 over its
     ``bins`` bins and all ``segments``, in the trace's unit squared per (rad/tick), two-sided; ``variance_factor`` is by
     how much the taper raises the variance of sums over many bins; ``curvature`` turns d2S/dk2 into the leakage;
-    ``mean_part`` is the part of S(0) that leaves each band with the record's mean.
+    ``mean_part`` is the part of S(0) that leaves each band with the record's mean; ``power`` has all bins from 0 on.
     """
 
     samples: int
@@ -59,12 +59,18 @@ class Bands:
     variance_factor: float
     curvature: float
     mean_part: Doubles
+    power: Doubles = field(repr=False)
     masked: tuple[tuple[float, float], ...] = ()
 
     @property
     def wavenumber(self) -> Doubles:
         """The middle of each band, in rad per tick."""
         return pi * (self.first + self.last) / self.samples
+
+    @property
+    def log_width(self) -> Doubles:
+        """The extent of each band in ln k."""
+        return np.log((self.last + 0.5) / (self.first - 0.5))
 
     @property
     def span(self) -> int:
@@ -131,6 +137,7 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
         variance_factor=float(n * np.sum(window**4) / square**2),
         curvature=float(0.5 * np.sum(np.square(np.diff(window))) / square),
         mean_part=mean_part,
+        power=power,
         masked=masked,
     )
 

@@ -157,14 +157,48 @@ def _log_phases() -> Doubles:
 
 
 @cache
+def _single_energies() -> tuple[Doubles, Doubles]:
+    """Return all phases k d that the tables meet, at even steps of their logarithm, and a^(k d)^2 there."""
+    places = _log_phases().size + _log_diameters().size - 1
+    phases = np.exp(_LOWEST + _SMALLEST + STEP * np.arange(places))
+    return phases, life_energy(phases)
+
+
+@cache
 def _balanced_transform() -> tuple[Doubles, int]:
     """Return the Fourier transform of e^(3y) a^(e^y)^2 over all ln(k d), and its length in places."""
     from scipy.fft import next_fast_len, rfft
 
-    places = _log_phases().size + _log_diameters().size - 1
-    phases = np.exp(_LOWEST + _SMALLEST + STEP * np.arange(places))
-    length = next_fast_len(places)
-    return rfft(life_energy(phases) * phases**_BALANCE, length), length
+    phases, energies = _single_energies()
+    length = next_fast_len(phases.size)
+    return rfft(energies * phases**_BALANCE, length), length
+
+
+@cache
+def _energy_integral() -> Doubles:
+    """Return the integral of a^(e^y)^2 over y up to each phase of `_single_energies`."""
+    energies = _single_energies()[1]
+    return np.concatenate([[0.0], np.cumsum(0.5 * STEP * (energies[1:] + energies[:-1]))])
+
+
+def mean_life_energy(log_phase: Doubles, width: Doubles) -> Doubles:
+    """Return a^(z)^2 averaged over ``width`` of ln z about each ``log_phase``: without a swing that goes on within it.
+
+    Below and above the tables the end of the table stands; ``width`` is at least two of its steps.
+    """
+    integral = _energy_integral()
+    half = np.maximum(0.5 * width, STEP)
+
+    def up_to(end: Doubles) -> Doubles:
+        place = np.clip((end - (_LOWEST + _SMALLEST)) / STEP, 0.0, integral.size - 1.001)
+        whole = place.astype(np.int64)
+        below = integral[whole]
+        found: Doubles = below + (place - whole) * (integral[whole + 1] - below)
+        return found
+
+    log_phase = np.clip(log_phase, _LOWEST + _SMALLEST + half, _HIGHEST + _LARGEST - half - 2.0 * STEP)
+    mean: Doubles = (up_to(log_phase + half) - up_to(log_phase - half)) / (2.0 * half)
+    return mean
 
 
 def life_energy(phase: Doubles) -> Doubles:
@@ -278,13 +312,14 @@ def _slope(values: Doubles) -> Doubles:
     return slope
 
 
-def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles]:
-    """Return sizes of unit mean and their probabilities, for the covariance that single junctions bring.
+def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles, float]:
+    """Return sizes of unit mean, their probabilities and their step in ln x, for what single junctions bring.
 
-    It averages up to x^12, so that its sizes reach further than those that most traces hold.
+    It averages up to x^12, so that its sizes reach further than those that most traces hold. They lie too far apart for
+    the swing of an energy at large k d: `mean_life_energy` over a step leaves it out.
     """
     if population.name == "fixed":
-        return np.ones(1), np.ones(1)
+        return np.ones(1), np.ones(1), 0.0
     y = _log_diameters()
     weight = _weights(population, shape)
     ends = []
@@ -295,4 +330,4 @@ def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles]:
     places = np.linspace(y[ends[0][0]], y[ends[1][1]], _SHOT_NODES)
     x = np.exp(places)
     probability = np.exp(np.maximum(population.log_density(x, shape), -700.0)) * x
-    return x, probability / probability.sum()
+    return x, probability / probability.sum(), float(places[1] - places[0])

@@ -13,7 +13,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
 from rubnoise.inference.fitting import Expected, Place, Problem
-from rubnoise.inference.populations import life_energy, moment_slope, shot_sizes
+from rubnoise.inference.populations import mean_life_energy, moment_slope, shot_sizes
 
 _STEPS = 25
 _CLOSE = 1e-6
@@ -114,9 +114,10 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
     Source: Brillinger, Time Series: Data Analysis and Theory (1981), theorem 5.10.1.
     """
     periodogram, place = problem.bands, contact.place
-    sizes, probability = shot_sizes(problem.population, place.shape)
+    sizes, probability, step = shot_sizes(problem.population, place.shape)
     diameters = place.diameter * sizes
-    energies = life_energy(periodogram.wavenumber[:, None] * diameters) * diameters**6
+    widths = step + periodogram.log_width
+    energies = mean_life_energy(np.log(np.outer(periodogram.wavenumber, diameters)), widths[:, None]) * diameters**6
     # Scaled to the bands' own expectation, which knows of aliases and of the widths of bands.
     expected = problem.expectation.population(problem.table(place), place.diameter)[0]
     energies *= (expected / (energies @ probability))[:, None]
@@ -127,6 +128,8 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
     total[0, 1:] *= w**3
     total[1:, 0] *= w**3
     total[0, 0] = total[0, 0] * w + place.noise / periodogram.span
+    # A walk from a trusted zero has the mean square q n / 3 on average over the record.
+    total[0, 0] += (place.drift or 0.0) * periodogram.span / 3.0
     rows = np.arange(1, bands.size + 1)
     total[rows, rows] += np.square(bands) / periodogram.weight
     return total

@@ -10,6 +10,9 @@ from rubnoise.arrays import Doubles
 _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
 _HALF_OVER_FASTEST: Final = 1.3
+_BETWEEN: Final = 0.05
+_COURSE: Final = 60.0
+_SEEN: Final = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,39 +30,72 @@ class Signal:
     is_area: bool = False
 
 
-def clipped(values: Doubles) -> str:
-    """Return what shows that a sensor was at its end; nothing where it was not.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clipped:
+    """A sensor at its end: how many samples are at the largest value, how many in a row, and the ``first`` of them."""
 
-    A maximum that lasts: a trace of junctions has a kink at each of its maxima, and never a plateau there.
+    samples: int
+    longest: int
+    first: int
+
+
+def clipped(values: Doubles) -> Clipped | None:
+    """Return what shows that a sensor was at its end; None where it was not.
+
+    A maximum that lasts: a trace of junctions has a kink at each of its maxima, and never a plateau there. A trace of
+    one value was not clipped: it is constant.
     """
-    at_top = values == values.max()
-    runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], at_top.view(np.int8), [0]]))))[::2]
-    if int(at_top.sum()) > max(10, _CLIPPED * values.size) and int(runs.max()) >= _PLATEAU:
-        first = int(np.argmax(at_top)) + 1
-        return (
-            f"the sensor was clipped: {int(at_top.sum())} samples are at the largest value, {int(runs.max())} of them"
-            f" in a row, first at sample {first}; measure again with a wider range"
-        )
-    return ""
+    top = float(values.max())
+    if top == float(values.min()):
+        return None
+    at_top = np.flatnonzero(values == top)
+    if at_top.size <= max(10, _CLIPPED * values.size):
+        return None
+    ends = np.flatnonzero(np.diff(at_top) > 1)
+    runs = np.diff(np.concatenate([[-1], ends, [at_top.size - 1]]))
+    if int(runs.max()) < _PLATEAU:
+        return None
+    return Clipped(samples=at_top.size, longest=int(runs.max()), first=int(at_top[0]))
 
 
 def strokes(values: Doubles, zero: str) -> str:
-    """Return what shows that a trace with a trusted zero has strokes both ways; nothing where it has not."""
-    if zero != "known":
-        return ""
-    level = float(np.median(np.abs(values)))
-    side = np.sign(np.where(np.abs(values) > 0.3 * level, values, 0.0))
-    sides = side[side != 0.0]
-    turns = int(np.count_nonzero(np.diff(sides)))
-    if min(np.mean(sides > 0.0), np.mean(sides < 0.0)) > 0.02 and turns * 50 < sides.size:
-        where = np.flatnonzero(side != 0.0)[np.flatnonzero(np.diff(sides))[:5] + 1]
+    """Return what shows that a trace has strokes both ways; nothing where it has not.
+
+    With a trusted zero the force changes its sign. Without one it leaps between two levels, and is hardly ever between
+    them: a trace of junctions has no such gap.
+    """
+    if zero == "known":
+        middle, half_gap = 0.0, 0.3 * float(np.median(np.abs(values[:: values.size // _SEEN + 1])))
+    else:
+        middle = 0.5 * float(values.max() + values.min())
+        half_gap = (float(values.max()) - middle) / 3.0
+    # Of each sample whether it is beyond the gap, and on which side.
+    side = (values > middle + half_gap).astype(np.int8) - (values < middle - half_gap).astype(np.int8)
+    beyond = np.flatnonzero(side)
+    sides = side[beyond]
+    turns = np.flatnonzero(np.diff(sides))
+    above = float(np.mean(sides > 0)) if sides.size else 1.0
+    rarer = min(above, 1.0 - above)
+    between = 1.0 - sides.size / values.size
+    if rarer > 0.02 and turns.size * 50 < sides.size and (zero == "known" or between < _BETWEEN * rarer):
+        where = ", ".join(f"{sample + 1:,}" for sample in beyond[turns[:5] + 1].tolist())
+        what = "changes its sign" if zero == "known" else "leaps between two levels"
         return (
-            f"several strokes in one trace: the force changes its sign {turns} times, first at samples"
-            f" {', '.join(map(str, where.tolist()))}; give one stroke at a time"
+            f"several strokes in one trace: the force {what} {turns.size} times, first at samples {where};"
+            " give one stroke at a time"
         )
-    if np.mean(values < 0.0) > 0.5:
-        return "the mean is negative: with a known zero the force of friction is positive; check the sign of the speed"
+    if zero == "known" and float(values.mean()) <= 0.0:
+        return "the mean is not positive, as the force of friction is with a known zero"
     return ""
+
+
+def course(values: Doubles, half_width: float) -> Doubles:
+    """Return the running mean of a trace that drifts, over as many half widths as hold its junctions' lives."""
+    from scipy.ndimage import uniform_filter1d
+
+    length = min(int(_COURSE * half_width) + 1, values.size)
+    found: Doubles = uniform_filter1d(values, length, mode="nearest")
+    return found
 
 
 def half_width_of(values: Doubles) -> float:
