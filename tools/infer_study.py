@@ -21,13 +21,14 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
 from rubnoise.api.inferring import found_scenario
-from rubnoise.api.scenarios import build
+from rubnoise.scenario import build
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.inference.inference import infer_signal
@@ -135,12 +136,14 @@ def right(cell: Cell, seed: int) -> Signal:
     """Return a trace of the model, with white noise."""
     contact = model(cell.law, cell.count, cell.lives)
     kept = Column("trace", "friction_force")
-    simulate(contact, seed, kept, engine="batch")
+    # Cells of one seed share no junctions, so that they can be pooled.
+    own = crc32(f"{cell.name} {seed}".encode())
+    simulate(contact, own, kept, engine="batch")
     values = np.concatenate(kept.parts)
     spread = values.std()
-    values += cell.noise * spread * np.random.default_rng([seed, 1]).standard_normal(values.size)
+    values += cell.noise * spread * np.random.default_rng([own, 1]).standard_normal(values.size)
     if cell.drift:
-        steps = np.random.default_rng([seed, 3]).standard_normal(values.size)
+        steps = np.random.default_rng([own, 3]).standard_normal(values.size)
         values += cell.drift * spread * np.cumsum(steps)
     return Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
 

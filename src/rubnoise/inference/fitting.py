@@ -6,6 +6,7 @@ with weights that know of this.
 """
 
 from dataclasses import dataclass
+from math import inf
 from typing import Final
 
 import numpy as np
@@ -18,9 +19,10 @@ FLOOR: Final = 1e-13
 """Noise below this part of the largest band counts as none."""
 
 _MOST_STEPS = 60
-_CLOSE = 1e-9
+_CLOSE = 1e-6  # in the deviance: a thousandth of a standard error
 _STIFFEST = 1e12
 _STARTS_REFINED = 2
+_REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the deviance at each of its periods
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,32 +102,40 @@ class Problem:
         return Place(**values)
 
 
-def deviance(bands: Bands, mean: Doubles) -> float:
-    """Return twice the Whittle log likelihood ratio of the bands themselves to their expected means."""
+def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> float:
+    """Return twice the Whittle log likelihood ratio of the bands themselves to their expected means.
+
+    ``weight`` stands in for that of the bands, where some are left out.
+    """
     ratio = bands.energy / np.maximum(mean, 1e-300)
-    return float(2.0 * np.sum(bands.weight * (ratio - 1.0 - np.log(np.maximum(ratio, 1e-300)))))
+    worth = bands.weight if weight is None else weight
+    return float(2.0 * np.sum(worth * (ratio - 1.0 - np.log(np.maximum(ratio, 1e-300)))))
 
 
-def climb(problem: Problem, start: Place) -> tuple[Place, float]:
+def climb(problem: Problem, start: Place, reach: float = inf) -> tuple[Place, float]:
     """Return the place of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
 
+    Bands beyond ``reach`` of k d are left out; those below say nothing of the noise, which then stays as it is.
     Source: Whittle (1953); Levenberg (1944); Marquardt (1963), doi:10.1137/0111030.
     """
     bands, place = problem.bands, start
+    within = _within(problem, start, reach)
     found = problem.expected(place)
-    best = deviance(bands, found.mean)
+    best = deviance(bands, found.mean, within)
     damping = 1e-2
     for _ in range(_MOST_STEPS):
-        weights = bands.weight / np.square(found.mean)
-        score = found.by.T @ (weights * (bands.energy - found.mean))
-        information = (found.by.T * weights) @ found.by
+        moving = [number for number, name in enumerate(found.names) if name != "noise" or reach == inf]
+        by = found.by[:, moving]
+        weights = within / np.square(found.mean)
+        score = by.T @ (weights * (bands.energy - found.mean))
+        information = (by.T * weights) @ by
         accepted = False
         while damping < _STIFFEST:
             diagonal = np.diag(information.diagonal() * damping + 1e-12 * information.diagonal().max())
             step: Doubles = np.asarray(np.linalg.solve(information + diagonal, score), dtype=np.float64)
-            trial = problem.moved(place, found.names, step)
+            trial = problem.moved(place, tuple(found.names[number] for number in moving), step)
             there = problem.expected(trial)
-            worth = deviance(bands, there.mean)
+            worth = deviance(bands, there.mean, within)
             if worth <= best:
                 accepted = True
                 break
@@ -137,6 +147,14 @@ def climb(problem: Problem, start: Place) -> tuple[Place, float]:
         if gain < _CLOSE * max(1.0, best):
             break
     return place, best
+
+
+def _within(problem: Problem, place: Place, reach: float) -> Doubles:
+    """Return the worth of the bands up to a reach of k d, and of a tenth of all bands at least."""
+    bands = problem.bands
+    kept = bands.wavenumber * place.diameter <= reach
+    kept[: max(8, bands.energy.size // 10)] = True
+    return np.where(kept, bands.weight, 0.0)
 
 
 def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
@@ -162,10 +180,19 @@ def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
 
 
 def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, float]:
-    """Return the best place of several starts, and its deviance."""
+    """Return the best place of several starts, and its deviance.
+
+    Each climbs by the low bands first and takes the rest in as it comes closer: far from the right diameter the swing
+    of the high bands leads to one of its other periods.
+    """
     begun = [
-        (deviance(problem.bands, problem.expected(place).mean), place) for place in starts(problem, diameter, noise)
+        (deviance(problem.bands, problem.expected(place).mean, _within(problem, place, _REACHES[0])), place)
+        for place in starts(problem, diameter, noise)
     ]
     begun.sort(key=lambda each: each[0])
-    climbed = [climb(problem, place) for _, place in begun[:_STARTS_REFINED]]
+    climbed = []
+    for _, place in begun[:_STARTS_REFINED]:
+        for reach in _REACHES:
+            place, _ = climb(problem, place, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
+        climbed.append(climb(problem, place))
     return min(climbed, key=lambda each: each[1])

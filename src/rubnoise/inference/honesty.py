@@ -69,7 +69,8 @@ def third_cumulant(values: Doubles, level: Doubles | float) -> float:
     total = 0.0
     for begin in range(0, values.size, _PIECE):
         piece = slice(begin, begin + _PIECE)
-        total += float(np.sum((values[piece] - _of(level, piece)) ** 3))
+        centred = values[piece] - _of(level, piece)
+        total += float(np.sum(centred * centred * centred))
     return total / values.size
 
 

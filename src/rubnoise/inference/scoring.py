@@ -16,7 +16,7 @@ from rubnoise.inference.fitting import Expected, Place, Problem
 from rubnoise.inference.populations import mean_life_energy, moment_slope, shot_sizes
 
 _STEPS = 25
-_CLOSE = 1e-6
+_CLOSE = 1e-6  # in the chi-square of a step: a thousandth of a standard error
 _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
 FIRST: Final = LENS.life_integral(1)
@@ -158,7 +158,7 @@ def score(problem: Problem, start: Place, known: Known, deviance: float) -> Fit:
         information = white[:, :-1].T @ white[:, :-1]
         inverse = np.linalg.pinv(information, rcond=1e-14, hermitian=True)
         step = np.clip(inverse @ (white[:, :-1].T @ white[:, -1]), -_LONGEST_STEP, _LONGEST_STEP)
-        if float(np.max(np.abs(step))) < _CLOSE:
+        if float(step @ information @ step) < _CLOSE:
             break
         contact = _moved(problem, contact, names, step)
     return Fit(
