@@ -5,8 +5,8 @@
     .venv/bin/python tools/infer_study.py docs FOLDER
 
 `run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints every
-cell, `docs` writes the tables of docs/inference.md. Parts of names for --only: a law, clean, long, drift, auto, unknown,
-wrong, round trip.
+cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a colon: right:,
+clean:, long:, drift:, auto:, unknown:, wrong:, round trip:.
 """
 
 from __future__ import annotations
@@ -239,7 +239,7 @@ def run(folder: Path, traces: int, jobs: int, only: str) -> None:
     """Make what is missing, cells in turn, so that a study stopped early has something of each."""
     folder.mkdir(parents=True, exist_ok=True)
     done = {(row["cell"], row["seed"]) for rows in read(folder).values() for row in rows}
-    chosen = [cell for cell in cells() if any(part in cell.name for part in only.split(","))]
+    chosen = [cell for cell in cells() if any(part in f"{cell.kind}: {cell.name}" for part in only.split(","))]
     wanted = [(cell, seed) for seed in range(1, traces + 1) for cell in chosen if (cell.name, seed) not in done]
     with ProcessPoolExecutor(jobs) as pool, (folder / "fits.jsonl").open("a", encoding="utf-8") as out:
         for number, row in enumerate(pool.map(fit, wanted, chunksize=4), 1):
@@ -375,7 +375,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--traces", type=int, default=300)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--only", default="", help="texts, one of which is part of a cell's name, between commas")
+    parser.add_argument("--only", default="", help="texts, one of which is part of KIND: NAME of a cell, between commas")
     asked = parser.parse_args()
     if asked.what == "run":
         run(asked.folder, asked.traces, asked.jobs, asked.only)

@@ -18,7 +18,7 @@ from rubnoise.inference.populations import EnergyTable, Population, energy_table
 FLOOR: Final = 1e-13
 """Noise below this part of the largest band counts as none."""
 
-_MOST_STEPS = 60
+_MOST_STEPS, _MOST_STEPS_BELOW = 60, 12
 _CLOSE = 1e-6  # in the deviance: a thousandth of a standard error
 _STIFFEST = 1e12
 _STARTS_REFINED = 2
@@ -123,7 +123,7 @@ def climb(problem: Problem, start: Place, reach: float = inf) -> tuple[Place, fl
     found = problem.expected(place)
     best = deviance(bands, found.mean, within)
     damping = 1e-2
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MOST_STEPS if reach == inf else _MOST_STEPS_BELOW):
         moving = [number for number, name in enumerate(found.names) if name != "noise" or reach == inf]
         by = found.by[:, moving]
         weights = within / np.square(found.mean)

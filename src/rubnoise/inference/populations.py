@@ -176,15 +176,19 @@ def _balanced_transform() -> tuple[Doubles, int]:
 
 @cache
 def _energy_integral() -> Doubles:
-    """Return the integral of a^(e^y)^2 over y up to each phase of `_single_energies`."""
-    energies = _single_energies()[1]
-    return np.concatenate([[0.0], np.cumsum(0.5 * STEP * (energies[1:] + energies[:-1]))])
+    """Return the integral of a^(z)^2 (1 + z^4) over y = ln z up to each phase of `_single_energies`.
+
+    This neither rises nor falls far out, so that differences keep their digits.
+    """
+    phases, energies = _single_energies()
+    level = energies * (1.0 + phases**4)
+    return np.concatenate([[0.0], np.cumsum(0.5 * STEP * (level[1:] + level[:-1]))])
 
 
 def mean_life_energy(log_phase: Doubles, width: Doubles) -> Doubles:
-    """Return a^(z)^2 averaged over ``width`` of ln z about each ``log_phase``: without a swing that goes on within it.
+    """Return a^(z)^2 at each ``log_phase``, its level averaged over ``width`` of ln z: without a swing within it.
 
-    Below and above the tables the end of the table stands; ``width`` is at least two of its steps.
+    Below and above the tables the level is that of their ends; ``width`` is at least two of their steps.
     """
     integral = _energy_integral()
     half = np.maximum(0.5 * width, STEP)
@@ -196,8 +200,9 @@ def mean_life_energy(log_phase: Doubles, width: Doubles) -> Doubles:
         found: Doubles = below + (place - whole) * (integral[whole + 1] - below)
         return found
 
-    log_phase = np.clip(log_phase, _LOWEST + _SMALLEST + half, _HIGHEST + _LARGEST - half - 2.0 * STEP)
-    mean: Doubles = (up_to(log_phase + half) - up_to(log_phase - half)) / (2.0 * half)
+    inside = np.clip(log_phase, _LOWEST + _SMALLEST + half, _HIGHEST + _LARGEST - half - 2.0 * STEP)
+    level = (up_to(inside + half) - up_to(inside - half)) / (2.0 * half)
+    mean: Doubles = level / (1.0 + np.exp(4.0 * log_phase))
     return mean
 
 
