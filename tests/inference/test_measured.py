@@ -93,8 +93,8 @@ ROWS = [f"{0.1 * n:.1f},{50.0 + np.sin(n):.4f}" for n in range(200)]
             [f"{0.1 * n:.1f},{min(np.sin(0.05 * n), 0.5):.4f}" for n in range(200)],
             "time (s),force (mN)",
             {},
-            "line 2: force: the sensor was clipped: 63 samples are at the largest value, 42 of them in a row, first at"
-            " line 13; measure again with a wider range",
+            "line 2: force: the sensor was clipped: 84 samples are at the largest value, 42 of them in a row, first at"
+            " line 14; measure again with a wider range",
         ),
         ([f"{row},1" for row in ROWS], "time (s),force (mN),load (mN)", {}, "--column NAME takes one of: force, load"),
         (ROWS, "time (s),force", {}, "line 2: force: no unit; --unit mN names it"),

@@ -22,7 +22,7 @@ _BLOCKS = 40
 _LAGS = (0.25, 0.5, 1.0)  # of the mean diameter
 _NEIGHBOURS = 24
 _PARTS = 4
-_RUN_IN = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75)
+_RUN_IN = (0.125, 0.25, 0.375, 0.5)
 _STEADY_AGAIN = 0.05
 _PIECE = 1 << 16
 

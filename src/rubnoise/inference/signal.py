@@ -11,6 +11,7 @@ _CLIPPED: Final = 1e-3
 _PLATEAU: Final = 4
 _HALF_OVER_FASTEST: Final = 1.3
 _BETWEEN: Final = 0.05
+_LEVEL_STEPS: Final = 4
 _COURSE: Final = 60.0
 _SEEN: Final = 1 << 20
 
@@ -67,8 +68,7 @@ def strokes(values: Doubles, zero: str) -> str:
     if zero == "known":
         middle, half_gap = 0.0, 0.3 * float(np.median(np.abs(values[:: values.size // _SEEN + 1])))
     else:
-        middle = 0.5 * float(values.max() + values.min())
-        half_gap = (float(values.max()) - middle) / 3.0
+        middle, half_gap = _two_levels(values)
     # Of each sample whether it is beyond the gap, and on which side.
     side = (values > middle + half_gap).astype(np.int8) - (values < middle - half_gap).astype(np.int8)
     beyond = np.flatnonzero(side)
@@ -87,6 +87,16 @@ def strokes(values: Doubles, zero: str) -> str:
     if zero == "known" and float(values.mean()) <= 0.0:
         return "the mean is not positive, as the force of friction is with a known zero"
     return ""
+
+
+def _two_levels(values: Doubles) -> tuple[float, float]:
+    """Return the middle between the means on both sides of it, and a sixth of their distance."""
+    seen = values[:: values.size // _SEEN + 1]
+    low, high = float(seen.min()), float(seen.max())
+    for _ in range(_LEVEL_STEPS):
+        above = seen > 0.5 * (low + high)
+        low, high = float(seen[~above].mean()), float(seen[above].mean())
+    return 0.5 * (low + high), (high - low) / 6.0
 
 
 def course(values: Doubles, half_width: float) -> Doubles:

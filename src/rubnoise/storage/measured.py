@@ -32,6 +32,7 @@ LARGEST: Final = 2 * 1024**3
 MOST_VALUES: Final = 100_000_000
 """Of a dataset of another program's HDF5 file."""
 
+_ROUNDED: Final = 0.01
 _PIECE_BYTES: Final = 4 * 1024**2  # of text
 _PIECE_VALUES: Final = 1 << 21  # of a dataset: it and its scale go down the pipe of the sandbox
 
@@ -224,8 +225,10 @@ def _named(cell: str) -> tuple[str, str]:
 def _along(name: str, unit: str) -> str:
     """Return "time" or "distance" for what places samples; empty for other columns."""
     try:
-        dimension = parse_unit(unit).dimension if unit else None
+        dimension = parse_unit(unit).dimension if name and unit else None
     except QuantityError:
+        return ""
+    if dimension is None:
         return ""
     if dimension == TIME.dimension:
         return "time"
@@ -257,7 +260,7 @@ class _EvenSteps:
     def __init__(self, head: tuple[str, str], path: Path, resolution: float) -> None:
         """Name the column, its file and the last decimal with which places are written."""
         self._head, self._path, self._resolution = head, path, resolution
-        self._usual = 0.0
+        self._usual = self._tolerance = 0.0
         self._first = self._last = 0.0
         self._count = 0
 
@@ -272,7 +275,8 @@ class _EvenSteps:
             self._usual = float(np.median(own))
             if self._usual <= 0.0:
                 raise Refused(f"{self._path}: {name} does not grow from row to row")
-        off = np.abs(own - self._usual) > UNEVEN * self._usual + 1.01 * self._resolution
+            self._tolerance = self._allowed(own)
+        off = np.abs(own - self._usual) > self._tolerance
         if off.any():
             row = int(np.argmax(off))
             raise Refused(
@@ -283,6 +287,15 @@ class _EvenSteps:
             self._first = float(places[0])
         self._last = float(places[-1])
         self._count += places.size
+
+    def _allowed(self, steps: Doubles) -> float:
+        """Return how far a step may be from the usual one: 1 %, and a digit of the places, by which they are rounded.
+
+        Where a step is a digit, and nearly all are equal, a longer one is a row that is missing and no rounding.
+        """
+        uneven = UNEVEN * self._usual
+        rounded = float(np.mean(np.abs(steps - self._usual) > uneven)) > _ROUNDED
+        return uneven if self._resolution > 0.5 * self._usual and not rounded else uneven + 1.01 * self._resolution
 
     def step(self) -> float:
         """Return the mean step in s or um."""
