@@ -4,9 +4,9 @@
     .venv/bin/python tools/infer_study.py table FOLDER
     .venv/bin/python tools/infer_study.py docs FOLDER
 
-`run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints every
-cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a colon: right:,
-clean:, long:, drift:, auto:, unknown:, wrong:, round trip:.
+`run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints
+every cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
+colon: right:, clean:, long:, drift:, auto:, unknown:, wrong:, round trip:.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import tomllib
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 from zlib import crc32
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -28,13 +28,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from rubnoise.api.inferring import found_scenario
-from rubnoise.scenario import build
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model, Slider
 from rubnoise.record.sink import Columns
+from rubnoise.scenario import build
 from rubnoise.simulation.run import simulate
 
 PER_LIFE = 64
@@ -49,6 +49,7 @@ WRONG = {
     "white": "white noise",
     "regular": "junctions born at regular distances",
 }
+ZEROS: tuple[Literal["known", "unknown"], ...] = ("known", "unknown")
 DRIFT = 0.02
 """Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
 
@@ -66,7 +67,7 @@ class Cell:
     lives: int = 450
     noise: float = 0.05
     fitted: str = ""
-    zero: str = "known"
+    zero: Literal["known", "unknown"] = "known"
     kind: str = "right"
     drift: float = 0.0
 
@@ -87,7 +88,7 @@ def cells() -> list[Cell]:
     found += [
         Cell(name=f"wrong {law}, zero {zero}", law=law, fitted="auto", zero=zero, kind="wrong")
         for law in WRONG
-        for zero in ("unknown", "known")
+        for zero in ZEROS
     ]
     found += [
         Cell(name=f"round trip {law}", law=law, fitted="auto", kind="round trip")
@@ -196,8 +197,7 @@ def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     if cell.kind == "round trip":
         signal, true = again(signal, seed)
     begun = time.process_time()
-    zero = "known" if cell.zero == "known" else "unknown"
-    found = infer_signal(signal, zero=zero, law=cell.fitted, drift=cell.drift > 0.0)
+    found = infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0)
     answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
     answer["refused"] = found.refused_because
     answer["flags"] = [test.name for test in found.tests if test.flagged]
@@ -362,7 +362,7 @@ def _flagged(kind: str, rows: list[dict[str, Any]]) -> str:
 def _wrong(found: dict[str, list[dict[str, Any]]]) -> list[str]:
     lines = ["| trace of | zero unknown | zero known |", "|---|---|---|"]
     for law, words in WRONG.items():
-        both = [found.get(f"wrong {law}, zero {zero}", []) for zero in ("unknown", "known")]
+        both = [found.get(f"wrong {law}, zero {zero}", []) for zero in reversed(ZEROS)]
         if any(both):
             lines.append(_row(words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
     return lines
@@ -375,7 +375,9 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--traces", type=int, default=300)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--only", default="", help="texts, one of which is part of KIND: NAME of a cell, between commas")
+    parser.add_argument(
+        "--only", default="", help="texts, one of which is part of KIND: NAME of a cell, between commas"
+    )
     asked = parser.parse_args()
     if asked.what == "run":
         run(asked.folder, asked.traces, asked.jobs, asked.only)

@@ -126,12 +126,13 @@ def _check_sensor(measured: Measured, zero: str) -> None:
     if end := clipped(values):
         raise Refused(
             f"{_named(measured)}: the sensor was clipped: {end.samples:,} samples are at the largest value,"
-            f" {end.longest:,} of them in a row, first at {measured.place(end.first)}; measure again with a wider range"
+            f" {end.longest:,} in a row, first at {measured.place(end.first)}; measure again with a wider range"
         )
     if zero == "known" and np.count_nonzero(values < 0.0) > _WRONG_WAY * values.size:
+        first = measured.place(int(np.argmax(values < 0.0)))
         raise Refused(
-            f"{_named(measured)}: nearly all values are negative, first at {measured.place(int(np.argmax(values < 0.0)))}:"
-            " with a known zero the force of friction is positive; check the sign of the speed"
+            f"{_named(measured)}: nearly all values are negative, first at {first}: with a known zero the force of"
+            " friction is positive; check the sign of the speed"
         )
 
 
@@ -174,9 +175,7 @@ def _signal(measured: Measured, speed: float | None, unit: str | None, rate: flo
         raise Refused("--speed: the trace is over sliding distance, which needs no speed")
     written = unit or measured.unit
     if not written:
-        raise Refused(
-            f"{_named(measured)}: no unit; --unit mN names it, --unit V one without a scale of force"
-        )
+        raise Refused(f"{_named(measured)}: no unit; --unit mN names it, --unit V one without a scale of force")
     scale, is_area = _scale(written)
     return Signal(values=measured.values, tick=step, unit=written, scale=scale, is_area=is_area)
 

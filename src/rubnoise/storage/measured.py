@@ -50,8 +50,8 @@ _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_da
 class Measured:
     """One column of values at even steps: ``step`` in s, or in um where ``along`` is "distance"; None where unknown.
 
-    ``unit`` is as written, empty where the file has none; ``where`` names the file, and the line of the names; ``lines``
-    says which line each value is from, None where values have none.
+    ``unit`` is as written, empty where the file has none; ``where`` names the file, and the line of the names;
+    ``lines`` says which line each value is from, None where values have none.
     """
 
     name: str
