@@ -1,17 +1,20 @@
 """From a trace back to its junctions: expectations against theory, intervals against the truth, and what is refused."""
 
 import re
+import tracemalloc
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
 
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import LENS
-from rubnoise.inference.fitting import Place, Problem, whittle
+from rubnoise.inference.fitting import Place, Problem, climb, starts, whittle
+from rubnoise.inference.honesty import steadiness_test
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
-from rubnoise.inference.populations import POPULATIONS, energy_table
+from rubnoise.inference.populations import POPULATIONS, energy_table, life_energy, mean_life_energy
 from rubnoise.inference.signal import Signal, strokes
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.pulse_energy import mean_energy
@@ -278,6 +281,77 @@ def test_a_contact_that_runs_in_is_named(normal: Signal) -> None:
     wearing = normal.values * np.linspace(1.5, 0.5, normal.values.size)
     worn = infer_signal(replace(normal, values=wearing), zero="known", law="normal")
     assert any("no part of it after a run-in is steady" in words for words in worn.flags)
+
+
+def test_energies_of_single_junctions_leave_out_a_swing_that_goes_on_between_sizes() -> None:
+    """An average over ln z by a dense sum; far out, where a double holds few digits of it, as well."""
+    for z, width in ((0.01, 0.05), (3.0, 0.1), (30.0, 0.05), (30.0, 0.2), (300.0, 0.1), (3e4, 0.1)):
+        inside = np.exp(np.log(z) + width * (np.linspace(-0.5, 0.5, 4001)))
+        dense = np.mean(life_energy(inside) * (1.0 + inside**4)) / (1.0 + z**4)
+        found = mean_life_energy(np.array([np.log(z)]), np.array([width]))
+        assert found[0] == pytest.approx(dense, rel=2e-3), (z, width)
+    at = np.linspace(29.0, 31.0, 50)
+    swinging = life_energy(at) * (1.0 + at**4)
+    assert np.ptp(swinging) > 0.5 * swinging.mean()
+    still = mean_life_energy(np.log(at), np.full(at.size, 0.2)) * (1.0 + at**4)
+    assert np.ptp(still) < 0.2 * still.mean()
+
+
+def test_equal_sizes_without_noise_are_found_from_a_far_start() -> None:
+    """The swing of equal sizes has a minimum of the deviance at each period; low bands lead to the right one."""
+    made = signal(contact("fixed", 0.0, 20, 450), 4, noise=0.0)
+    values = made.values / made.values.std()
+    problem = Problem(banded(values, 30.0), POPULATIONS["fixed"], drift=False)
+    noise = 0.5 * float(np.median(problem.bands.energy[-10:]))
+    for far in (0.7, 1.0, 1.4):
+        place, deviance = whittle(problem, far * 32.0, noise)
+        assert place.diameter == pytest.approx(32.0, rel=0.01), far
+        assert abs(deviance - problem.bands.energy.size) <= BOUND * np.sqrt(2.0 * problem.bands.energy.size)
+    at_once = [climb(problem, start) for start in starts(problem, 1.4 * 32.0, noise)]
+    assert any(abs(place.diameter / 32.0 - 1.0) > 0.05 for place, _ in at_once)
+    assert all(worth > 2.0 * deviance for place, worth in at_once if abs(place.diameter / 32.0 - 1.0) > 0.05)
+
+
+def test_a_walk_moves_the_means_of_quarters_as_the_test_of_steadiness_says(normal: Signal) -> None:
+    """Over 400 walks the chi-square has the mean 3 and the variance 6; without the walk in its variance it has not."""
+    got = infer_signal(normal, law="normal", tests=False)
+    assert got.fit is not None
+    place = got.fit.contact.place
+    quiet = replace(place, rate=1e-12 * place.rate, noise=0.0, drift=1.0)
+    walking = replace(got.fit, contact=replace(got.fit.contact, place=quiet))
+    steps = np.random.default_rng(8).standard_normal((400, 800))
+    found = np.array([steadiness_test(np.cumsum(each), walking).statistic for each in steps])
+    assert abs(found.mean() - 3.0) <= BOUND * np.sqrt(6.0 / 400)
+    parts = np.cumsum(steps, axis=1).reshape(400, 4, 200).mean(axis=2)
+    independent = np.sum(np.square(parts - parts.mean(axis=1, keepdims=True)), axis=1) / 200.0
+    assert abs(independent.mean() - 3.0) > BOUND * np.sqrt(6.0 / 400)
+
+
+@pytest.mark.parametrize("zero", ["known", "unknown"])
+def test_a_right_trace_that_drifts_is_not_flagged(normal: Signal, zero: Literal["known", "unknown"]) -> None:
+    steps = np.random.default_rng(4).standard_normal(normal.values.size)
+    drifting = replace(normal, values=normal.values + 0.02 * normal.values.std() * np.cumsum(steps))
+    got = infer_signal(drifting, law="normal", drift=True, zero=zero)
+    assert got.flags == []
+    assert got.refused_because is None
+    assert infer_signal(drifting, law="normal", zero=zero).flags
+    if zero == "known":
+        # The walk makes the mean less certain by far, and the intervals know.
+        assert got.estimates["junction_count"].standard_error > 5.0
+        assert abs(z(got, "junction_count", 20.0)) <= BOUND
+
+
+@pytest.mark.torture
+def test_a_long_trace_takes_a_few_bytes_a_sample(normal: Signal) -> None:
+    peaks = []
+    for copies in (100, 300):
+        long = replace(normal, values=np.tile(normal.values, copies))
+        tracemalloc.start()
+        infer_signal(long, zero="known", law="normal")
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert (peaks[1] - peaks[0]) / (200 * normal.values.size) <= 24.0
+    assert peaks[0] < 24.0 * 100 * normal.values.size + 200e6
 
 
 @pytest.mark.torture

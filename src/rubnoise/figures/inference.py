@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rubnoise.arrays import Doubles
 
 _SHOWN = 2000
+_MOST = 1 << 20  # samples of an autocorrelation
 _STYLE = (
     "body{font:16px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
     "pre{white-space:pre-wrap}svg{max-width:100%;height:auto}"
@@ -86,7 +87,7 @@ def _drawn(found: Inference) -> "Figure":
 
 
 def _autocovariance(values: "Doubles", longest: int) -> "tuple[Doubles, Doubles]":
-    centred = values - values.mean()
+    centred = values[:_MOST] - values[:_MOST].mean()
     transform = np.fft.rfft(centred, 2 * centred.size)
     covariance = np.fft.irfft(np.square(np.abs(transform)))[: max(2, min(longest, centred.size // 2))]
     return np.arange(covariance.size, dtype=np.float64), covariance / covariance[0]
