@@ -13,7 +13,7 @@ from scipy.io import savemat, wavfile
 import rubnoise
 from rubnoise.api.inferring import found_scenario, infer
 from rubnoise.errors import Refused
-from rubnoise.storage import measured
+from rubnoise.storage import measured, measured_text
 from rubnoise.storage.measured import read_measured
 from tests.cli.terminal import call, spawn
 from tests.inference.traces import contact, signal
@@ -130,7 +130,7 @@ def test_a_bad_trace_is_refused_by_name_and_line(
 
 def test_a_text_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Lines keep their numbers and steps are compared across pieces."""
-    monkeypatch.setattr(measured, "_PIECE_BYTES", 100)
+    monkeypatch.setattr(measured_text, "_PIECE_BYTES", 100)
     head = ["# a comment", "time (s),force (mN)"]
     rows = [*ROWS[:50], "# a pause", "", *ROWS[50:]]
     read = read_measured(written(tmp_path / "a.csv", "\n".join([*head, *rows])))
