@@ -20,7 +20,7 @@ FLOOR: Final = 1e-13
 
 _MOST_STEPS, _MOST_STEPS_BELOW = 60, 12
 _CLOSE = 1e-6  # in the deviance: a thousandth of a standard error
-_STIFFEST = 1e12
+_STIFFEST = 1e8
 _STARTS_REFINED = 2
 _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the deviance at each of its periods
 
@@ -133,6 +133,8 @@ def climb(problem: Problem, start: Place, reach: float = inf) -> tuple[Place, fl
         while damping < _STIFFEST:
             diagonal = np.diag(information.diagonal() * damping + 1e-12 * information.diagonal().max())
             step: Doubles = np.asarray(np.linalg.solve(information + diagonal, score), dtype=np.float64)
+            if float(step @ score) < _CLOSE * max(1.0, best):  # half of what the step promises
+                break
             trial = problem.moved(place, tuple(found.names[number] for number in moving), step)
             there = problem.expected(trial)
             worth = deviance(bands, there.mean, within)
