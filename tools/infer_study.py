@@ -86,7 +86,7 @@ def cells() -> list[Cell]:
         Cell(name=f"unknown {law}", law=law, fitted="auto", zero="unknown", kind="unknown") for law in POPULATIONS
     ]
     found += [
-        Cell(name=f"wrong {law}, zero {zero}", law=law, fitted="auto", zero=zero, kind="wrong")
+        Cell(name=f"wrong {law} (zero {zero})", law=law, fitted="auto", zero=zero, kind="wrong")
         for law in WRONG
         for zero in ZEROS
     ]
@@ -362,7 +362,7 @@ def _flagged(kind: str, rows: list[dict[str, Any]]) -> str:
 def _wrong(found: dict[str, list[dict[str, Any]]]) -> list[str]:
     lines = ["| trace of | zero unknown | zero known |", "|---|---|---|"]
     for law, words in WRONG.items():
-        both = [found.get(f"wrong {law}, zero {zero}", []) for zero in reversed(ZEROS)]
+        both = [found.get(f"wrong {law} (zero {zero})", []) for zero in reversed(ZEROS)]
         if any(both):
             lines.append(_row(words, *(f"{stopped(rows)} of {len(rows)}" for rows in both)))
     return lines

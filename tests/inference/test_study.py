@@ -36,7 +36,7 @@ def test_the_tables_of_the_page_are_written_in_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     rows = [fit_of("normal 5", 1, 21.0), fit_of("normal 5", 2, 25.0), fit_of("auto normal", 1, 20.0)]
-    rows.append(fit_of("wrong sine, zero unknown", 1, 20.0, flags=("line",)))
+    rows.append(fit_of("wrong sine (zero unknown)", 1, 20.0, flags=("line",)))
     lines = [json.dumps(row) for row in rows]
     (tmp_path / "fits.jsonl").write_text("\n".join([*lines, lines[0][:40]]), encoding="utf-8")
     page = tmp_path / "page.md"
@@ -70,7 +70,7 @@ def test_a_study_resumes_where_it_stopped(tmp_path: Path, monkeypatch: pytest.Mo
     assert sorted(made) == [("drift lognormal", 1), ("drift normal", 1), ("long normal", 1), ("long normal", 2)]
 
 
-@pytest.mark.parametrize("name", ["normal 5", "clean fixed", "drift normal", "wrong sine, zero unknown"])
+@pytest.mark.parametrize("name", ["normal 5", "clean fixed", "drift normal", "wrong sine (zero unknown)"])
 def test_a_cell_is_made_and_fitted(name: str) -> None:
     cell = next(each for each in infer_study.cells() if each.name == name)
     row = infer_study.fit((cell, 1))

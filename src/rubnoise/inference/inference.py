@@ -14,7 +14,7 @@ from rubnoise.inference.fitting import Place, Problem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
 from rubnoise.inference.periodogram import Bands, banded
 from rubnoise.inference.populations import POPULATIONS
-from rubnoise.inference.scoring import FIRST, Fit, Known, covariance, score
+from rubnoise.inference.scoring import FIRST, STEPS, Fit, Known, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, strokes
 
 Z: Final = 1.959963984540054
@@ -26,6 +26,7 @@ FEWEST_SAMPLES: Final = 3.0
 _LEAST_GAIN = 25.0
 _SHORTEST = 64
 _NOISE_BANDS = 10
+_HOPELESS = 100.0  # of the deviance: exp(-50) as likely
 _FEWEST_ALIVE, _MOST_ALIVE = 0.1, 1e5
 
 
@@ -121,7 +122,7 @@ def infer_signal(
     level = course(values, half_width) if drift else float(values.mean())
     third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
-    fits = [_fitted(bands, name, half_width, known, third, drift=drift) for name in names]
+    fits = _fitted(bands, names, half_width, known, third, drift=drift)
     best = min(fits, key=_criterion)
     if reason := _too_little(best, signal):
         return _refusal(signal, reason)
@@ -166,13 +167,22 @@ def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, s
     return Known(mean=float(values.mean()) if zero == "known" else None, strength=inside, births=0.0)
 
 
-def _fitted(bands: Bands, name: str, half_width: float, known: Known, third: float, *, drift: bool) -> Fit:
-    problem = Problem(bands, POPULATIONS[name], drift=drift)
-    noise = max(0.5 * float(np.median(bands.energy[-_NOISE_BANDS:])), 10.0 * problem.floor)
-    place, worth = whittle(problem, half_width, noise)
-    if known.free == ("strength",):
-        known = replace(known, births=_births_by_skewness(problem, place, third))
-    return score(problem, place, known, worth)
+def _fitted(
+    bands: Bands, names: tuple[str, ...], half_width: float, known: Known, third: float, *, drift: bool
+) -> list[Fit]:
+    """Return the fit of each law; one that is hopeless by its Whittle deviance stays where that is least."""
+    problems = [Problem(bands, POPULATIONS[name], drift=drift) for name in names]
+    floor = 10.0 * max(problem.floor for problem in problems)
+    noise = max(0.5 * float(np.median(bands.energy[-_NOISE_BANDS:])), floor)
+    begun = [(problem, *whittle(problem, half_width, noise)) for problem in problems]
+    least = min(worth for _, _, worth in begun)
+    fits = []
+    for problem, place, worth in begun:
+        own = known
+        if known.free == ("strength",):
+            own = replace(known, births=_births_by_skewness(problem, place, third))
+        fits.append(score(problem, place, own, worth, steps=STEPS if worth < least + _HOPELESS else 0))
+    return fits
 
 
 def _births_by_skewness(problem: Problem, place: Place, third: float) -> float:

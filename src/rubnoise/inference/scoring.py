@@ -15,7 +15,7 @@ from rubnoise.contact.pulses import LENS
 from rubnoise.inference.fitting import Expected, Place, Problem
 from rubnoise.inference.populations import mean_life_energy, moment_slope, shot_sizes
 
-_STEPS = 25
+STEPS: Final = 25
 _CLOSE = 1e-6  # in the chi-square of a step: a thousandth of a standard error
 _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
@@ -135,16 +135,16 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
     return total
 
 
-def score(problem: Problem, start: Place, known: Known, deviance: float) -> Fit:
+def score(problem: Problem, start: Place, known: Known, deviance: float, *, steps: int = STEPS) -> Fit:
     """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
 
     z are the bands, and the mean where it is known; D the derivatives of E[z], Sigma its covariance at the place
-    itself, so that the estimate has the covariance (D' Sigma^-1 D)^-1. Source: Godambe and Heyde (1987),
-    doi:10.2307/1403403; a sandwich (Huber 1967) whose two slices are equal.
+    itself, so that the estimate has the covariance (D' Sigma^-1 D)^-1. Without ``steps`` the contact stays as begun.
+    Source: Godambe and Heyde (1987), doi:10.2307/1403403; a sandwich (Huber 1967) whose two slices are equal.
     """
     contact = _begun(problem, start, known)
     first = 0 if known.mean is not None else 1
-    for _ in range(_STEPS):
+    for left in range(steps, -1, -1):
         expected = problem.expected(contact.place)
         names, by = _derivatives(problem, contact, expected, known)
         mean = expected_mean(problem, contact)
@@ -158,7 +158,7 @@ def score(problem: Problem, start: Place, known: Known, deviance: float) -> Fit:
         information = white[:, :-1].T @ white[:, :-1]
         inverse = np.linalg.pinv(information, rcond=1e-14, hermitian=True)
         step = np.clip(inverse @ (white[:, :-1].T @ white[:, -1]), -_LONGEST_STEP, _LONGEST_STEP)
-        if float(step @ information @ step) < _CLOSE:
+        if left == 0 or float(step @ information @ step) < _CLOSE:
             break
         contact = _moved(problem, contact, names, step)
     return Fit(
