@@ -17,7 +17,8 @@ from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
-from rubnoise.storage.measured import Measured, read_measured
+from rubnoise.storage.measured import read_measured
+from rubnoise.storage.samples import Measured
 from rubnoise.units import AREA, SPEED, STRESS, QuantityError, parse_unit, read_quantity
 
 FORCE: Final = (1, 1, -2)
