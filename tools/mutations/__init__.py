@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from mutations import (
     analysis,
+    api,
     contact,
     inference,
     lesson,
@@ -29,7 +30,7 @@ ROOMS = {
     "storage": storage.MUTANTS,
     "analysis": analysis.MUTANTS,
     "sweep": sweep.MUTANTS,
-    "api": outside.API,
+    "api": api.MUTANTS,
     "cli": outside.CLI,
     "figures": outside.FIGURES,
     "claims": outside.CLAIMS,

@@ -1,35 +1,8 @@
-"""Faults of what people meet: the Python interface, the command line, the figures, the pages, the paper's claims."""
+"""Faults of what people meet: the command line, the figures, the pages, the paper's claims."""
 
 from __future__ import annotations
 
 from mutations.mutant import one
-
-API = (
-    one(
-        "backward slices forwards",
-        "test_slices_are_those_of_an_array",
-        "self._sliced(rows[-1], rows[0] + 1, -step)[::-1] if rows",
-        "self._sliced(rows[-1], rows[0] + 1, -step) if rows",
-    ),
-    one(
-        "an ended junction still there",
-        "test_a_junction_that_was_ended_early_is_gone_from_then_on",
-        "(s < self.death_distance)",
-        "(s <= self.death_distance)",
-    ),
-    one(
-        "a seed too large to be kept",
-        "test_a_seed_that_is_none_is_refused",
-        "if not 0 <= number < SEED_LIMIT:",
-        "if not 0 <= number <= SEED_LIMIT:",
-    ),
-    one(
-        "other random numbers gone on with",
-        "test_other_random_numbers_are_refused",
-        "if origin.stream_version != STREAM_VERSION: yield",
-        "if False:\n    yield",
-    ),
-)
 
 CLI = (
     one(
