@@ -6,6 +6,9 @@ import tomllib
 from functools import cache
 from typing import Any
 
+import pytest
+
+from rubnoise.cli.app import COMMANDS
 from tests.architecture.sources import ROOT
 from tools.package_page import repository, with_links
 
@@ -89,6 +92,30 @@ def test_the_recipe_asks_for_what_the_package_needs() -> None:
     ]
     assert [line.removeprefix("    - ") for line in run.splitlines()] == wanted
     assert f'version: "{project()["version"]}"' in recipe
+
+
+def test_the_recipe_builds_and_tests_what_pip_would() -> None:
+    """By the schema of rattler-build, version 1; no builder is needed to see it."""
+    yaml = pytest.importorskip("yaml")
+    recipe = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
+    assert set(recipe) == {"schema_version", "package", "source", "build", "requirements", "tests", "about"}
+    assert (recipe["schema_version"], recipe["package"]["name"]) == (1, project()["name"])
+    assert (ROOT / "packaging" / "conda" / recipe["source"]["path"] / "pyproject.toml").is_file()
+    build = recipe["build"]
+    assert (build["noarch"], build["number"]) == ("python", 0)
+    assert "--no-deps" in build["script"]
+    assert "--no-build-isolation" in build["script"]
+    commands = dict(each.split(" = ") for each in build["python"]["entry_points"])
+    assert commands == project()["scripts"]
+    system = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]
+    host = {each.replace(" ", "") for each in recipe["requirements"]["host"]}
+    assert host == {f"python{project()['requires-python']}", "pip", *system["requires"]}
+    words = [line.split() for each in recipe["tests"] for line in each.get("script", ())]
+    assert {word[0] for word in words} == set(project()["scripts"])
+    assert {word[1] for word in words} <= {"--version", *COMMANDS}
+    assert recipe["about"]["license"] == project()["license"]
+    assert recipe["about"]["summary"] == project()["description"]
+    assert (ROOT / recipe["about"]["license_file"]).is_file()
 
 
 def test_references_are_the_bibliography() -> None:
