@@ -20,8 +20,8 @@ MUTANTS = (
     one(
         "far rows read with all between them",
         "test_chosen_rows_are_read_panel_by_panel",
-        "np.flatnonzero(np.diff(chosen // PANEL_ROWS)) + 1)",
-        "np.flatnonzero(np.diff(chosen // PANEL_ROWS)))",
+        "np.flatnonzero(np.diff(chosen // ROWS_AT_ONCE)) + 1)",
+        "np.flatnonzero(np.diff(chosen // ROWS_AT_ONCE)))",
     ),
     one(
         "a measured column left in its own unit",
