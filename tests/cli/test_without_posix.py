@@ -97,6 +97,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "slider.toml").write_text(WITH_SLIDER)
     (folder / "sweep.toml").write_text(WITH_SLIDER + "\n[sweep]\nreplicates = 2\n")
     rubnoise.run(folder / "slider.toml", folder / "slider.h5").close()
+    (folder / ".lesson.html.lock").touch()  # as a copied folder may have one
     (folder / "cut.h5").write_bytes((folder / "slider.h5").read_bytes()[:5000])
     return folder
 

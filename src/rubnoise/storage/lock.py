@@ -74,7 +74,7 @@ def share(descriptor: int) -> bool:
 
 def remove_stale(path: Path) -> None:
     """Remove the file of a lock that no process holds, as a kill leaves one."""
-    descriptor = _found(path)
+    descriptor = _found(path) if AVAILABLE else None
     if descriptor is not None:
         _let_go(descriptor, path)
 
