@@ -99,7 +99,7 @@ CONTACT: Final = Room(
         of_run(
             "Spectrum of the area",
             "psd",
-            "The estimate follows what theory expects of it. Their ratio, below, stays within its errors over twelve"
+            "The estimate follows what theory expects of it. Their ratio, below, stays within its errors over eight"
             " powers of ten.",
         ),
         Shown(
@@ -122,7 +122,10 @@ CONTACT: Final = Room(
 SLIDER: Final = Room(
     title="The slider",
     begins="The same run, and one in which the slider pushes back, on the same junctions.",
-    elsewhere=("rubnoise run scenarios/paper/fig5_two_way.toml -o two_way.h5",),
+    elsewhere=(
+        "rubnoise run scenarios/paper/fig5.toml -o one-way.h5",
+        "rubnoise run scenarios/paper/fig5_two_way.toml -o two-way.h5",
+    ),
     pictures=(
         of_run("Force and vibration", "slider", "The force, the displacement, and its spectrum with a line at 39 Hz."),
         of_run("Phase plane", "phase", "Where the slider is how often, with the ellipse of the exact spreads."),
@@ -136,25 +139,25 @@ SLIDER: Final = Room(
         of_run("Spectrum of the force", "psd --of force", "In Hz, with the ratio.", name="psd_force"),
         Shown(
             title="Both couplings",
-            command="rubnoise plot fig5.h5 slider --with two_way.h5 -o motion.png",
+            command="rubnoise plot one-way.h5 slider --with two-way.h5 -o motion.png",
             says="The slider that pushes back sticks (shaded) and slips.",
             kept="two-way/motion.png",
         ),
         Shown(
             title="Both couplings in the phase plane",
-            command="rubnoise plot fig5.h5 phase --with two_way.h5 -o phase.png",
+            command="rubnoise plot one-way.h5 phase --with two-way.h5 -o phase.png",
             says="A stick is a line at the speed of the drive.",
             kept="two-way/phase.png",
         ),
         Shown(
             title="Slips and sticks",
-            command="rubnoise plot two_way.h5 landmarks",
+            command="rubnoise plot two-way.h5 landmarks -o landmarks.png",
             says="How far the slider slips, and how long it sticks.",
             kept="two-way/landmarks.png",
         ),
         Shown(
             title="Both couplings over frequency",
-            command="rubnoise plot fig5.h5 psd --of velocity --with two_way.h5 -o spectrum.png",
+            command="rubnoise plot one-way.h5 psd --of velocity --with two-way.h5 -o spectrum.png",
             says="Pushing back takes the line at the natural frequency away.",
             kept="two-way/spectrum.png",
         ),
