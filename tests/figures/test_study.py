@@ -21,7 +21,7 @@ from tests.verification.seeds import seed_of
 STD = "real_contact_area_std"
 COUNT, AREA, SHAPE = "interface.mean_junction_count", "interface.mean_real_contact_area", "pulse.shape"
 SPEED, DISTANCE, SPREAD = "sliding.speed", "sliding.distance", "diameter.spread"
-UNITS = {COUNT: "1", AREA: "um^2", SHAPE: "", SPEED: "um/s", DISTANCE: "um", SPREAD: "%"}
+UNITS = {COUNT: "1", AREA: "um^2", SHAPE: "", SPEED: "um/s", DISTANCE: "um", SPREAD: "%", "slider.coupling": ""}
 
 
 def _scenario(values: dict[str, Any]) -> Scenario:
@@ -220,6 +220,14 @@ def test_the_axis_has_the_unit_in_which_values_are_written() -> None:
     assert (mixed.unit, mixed.scale) == ("um/s", 1.0)
     shares = _study({SPREAD: ["4 %", "8 %"]})
     assert (shares.unit, shares.scale) == ("%", pytest.approx(100.0))
+
+
+def test_the_law_of_weak_coupling_is_not_called_exact() -> None:
+    speeds = {SPEED: ["60 mm/s", "100 mm/s"], "slider.coupling": ["one-way", "two-way"]}
+    assert {"exact", "law of weak coupling"} <= _texts(_study(speeds, "displacement_std"))
+    area = _texts(_study(speeds))
+    assert "exact" in area
+    assert "law of weak coupling" not in area
 
 
 def test_a_picture_says_what_it_shows() -> None:

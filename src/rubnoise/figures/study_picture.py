@@ -51,7 +51,7 @@ def draw_study(study: Study) -> "Figure":
         shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
         at = partial(_place, study.scale, shift)
         _draw_points(axes, line, {"color": colour, "fmt": marker, **LOOK}, at, named=number < MOST_LABELS)
-        _draw_exact(axes, line, at)
+        _draw_exact(axes, line, at, _dashes(line, study.quantity))
     _label(axes, study)
     _legend(axes, study)
     _add_title(figure, study)
@@ -81,11 +81,11 @@ def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, n
     axes.plot([at(spot.place) for spot in bare], [spot.seen.value for spot in bare], **hollow)
 
 
-def _draw_exact(axes: "Axes", line: Line, at: Place) -> None:
+def _draw_exact(axes: "Axes", line: Line, at: Place, dashes: Any) -> None:
     """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
-    look: dict[str, Any] = {"color": VERMILION, "lw": 1.2, "zorder": 2}
     if not _has_exact(line):
         return
+    look: dict[str, Any] = {"color": VERMILION, "lw": 1.2, "zorder": 2, "ls": dashes}
     if line.curve is not None:
         across, exact = line.curve
         axes.plot([at(place) for place in across.tolist()], exact, **look)
@@ -97,6 +97,12 @@ def _draw_exact(axes: "Axes", line: Line, at: Place) -> None:
 def _has_exact(line: Line) -> bool:
     """Whether theory knows the quantity anywhere on a line: of a two-way slider's motion it knows nothing."""
     return any(isfinite(spot.exact) for spot in line.spots)
+
+
+def _dashes(line: Line, quantity: str) -> Any:
+    """Return how the curve of a line is dashed: of a two-way motion it is the law of weak coupling, not exact."""
+    moving = quantity.startswith(("displacement", "velocity"))
+    return (0, (4, 2)) if moving and line.spots[0].scenario.model().is_two_way else "-"
 
 
 def _label(axes: "Axes", study: Study) -> None:
@@ -125,7 +131,6 @@ def _scale(axes: "Axes", study: Study) -> None:
 
 def _legend(axes: "Axes", study: Study) -> None:
     """Distinguish lines by the values of the other keys; below them stands the exact curve."""
-    (exact,) = axes.plot([], [], color=VERMILION, lw=1.2)
     points: Any = axes.errorbar([], [], [], **LOOK, color=SERIES[0][0], fmt=SERIES[0][1])
     handles, labels = axes.get_legend_handles_labels()
     title = None
@@ -133,12 +138,15 @@ def _legend(axes: "Axes", study: Study) -> None:
         title = f"simulated, 95 % interval,\n{one_line(', '.join(map(key_words, study.others)))}:"
     else:
         handles, labels = [points], ["simulated, 95 % interval"]
-    if any(map(_has_exact, study.lines)):
-        handles, labels = [*handles, exact], [*labels, "exact"]
+    known = {_dashes(line, study.quantity) for line in study.lines if _has_exact(line)}
+    for dashes in sorted(known, key=str, reverse=True):
+        handles += axes.plot([], [], color=VERMILION, lw=1.2, ls=dashes)
+        labels.append("exact" if dashes == "-" else "law of weak coupling")
     axes.legend(handles, labels, loc="best", title=title, alignment="left")
 
 
 def _add_title(figure: "Figure", study: Study) -> None:
     name = shortened(one_line(study.title))
     shown = f"{quantity_words(study.quantity)} over {key_words(study.key)}"
-    figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], name))), x=0.01, ha="left", fontsize=10.0)
+    whose = f"sweep {name}" if name else ""
+    figure.suptitle("\n".join(filter(None, (shown[0].upper() + shown[1:], whose))), x=0.01, ha="left", fontsize=10.0)
