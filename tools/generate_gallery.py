@@ -66,7 +66,7 @@ CONTACT: Final = Room(
     begins="A run of the paper's Figure 5: twenty junctions on average, 20 mm of sliding at 1 mm/s.",
     before=("rubnoise run scenarios/paper/fig5.toml",),
     pictures=(
-        of_run("Real contact area", "trace", "The area fluctuates about its exact mean, within its exact spread."),
+        of_run("Real contact area", "trace", "The area fluctuates about its exact mean. The band is its exact spread."),
         of_run(
             "Junctions and their sum",
             "lives",
