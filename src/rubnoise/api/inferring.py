@@ -227,14 +227,14 @@ def _bootstrapped(
     drift: bool,
 ) -> dict[str, Estimate]:
     """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
-    told: dict[str, list[float]] = {}
+    samples: dict[str, list[float]] = {}
     for seed in range(1, count + 1):
         again = replace(found.signal, values=_simulated(found, seed))
         refit = infer_signal(
             again, zero=zero, strength=strength, law=found.law, masked=masked, drift=drift, tests=False
         )
         for name, each in refit.estimates.items():
-            told.setdefault(name, []).append(each.value)
+            samples.setdefault(name, []).append(each.value)
     return {
         name: Estimate(
             value=float(np.mean(values)),
@@ -242,7 +242,7 @@ def _bootstrapped(
             interval=(float(np.quantile(values, 0.025)), float(np.quantile(values, 0.975))),
             unit=found.estimates[name].unit,
         )
-        for name, values in told.items()
+        for name, values in samples.items()
         if name in found.estimates
     }
 
@@ -285,7 +285,7 @@ def found_scenario(found: Inference, *, speed: float | str | None = None, streng
         raise Refused(f"there is nothing to write: {found.refused_because}")
     for name in ("junction_count", "mean_real_contact_area"):
         if name not in found.estimates:
-            raise Refused(f"-o: {name} is not told, and a scenario needs it: {found.not_identified[name]}")
+            raise Refused(f"-o: {name} is not identified, and a scenario needs it: {found.not_identified[name]}")
     velocity, psi = _quantity(speed, SPEED, "--speed"), _quantity(strength, STRESS, "--strength")
     if psi is None and "shear_strength" in found.estimates:
         psi = found.estimates["shear_strength"].value

@@ -218,8 +218,8 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
     reach = place.diameter * fit.moment(6) / fit.moment(5)
     gaussian = 6.0 * (variance**3 * reach + place.noise * (3.0 * variance**2 + place.noise**2))
     error = sqrt(gaussian / n) + sqrt(contact.births * float(np.square(alone) @ probability) / n)
-    told = (zero_known or fit.known.strength is not None) and place.drift is None
-    if told:
+    predicted = (zero_known or fit.known.strength is not None) and place.drift is None
+    if predicted:
         powers = {
             name: {"births": 1.0, "strength": 3.0, "inequality": 3.0, "diameter": 7.0}.get(name, 0.0)
             for name in fit.names

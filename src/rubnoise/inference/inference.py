@@ -303,10 +303,10 @@ def _strength_spread(inequality: float, error: float) -> Estimate:
 
 
 def _not_identified(fit: Fit, signal: Signal) -> dict[str, str]:
-    """Return what cannot be told, each with what would tell it."""
+    """Return what is not identified, each with what would identify it."""
     free, reasons = fit.known.free, {}
     if free == ("strength",):
-        either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would tell it'
+        either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would identify it'
         reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
         reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
     if not fit.problem.population.spread:
@@ -346,7 +346,7 @@ def _beside(fit: Fit, best: Fit, signal: Signal, scale: float) -> LawFit:
 
 
 def _widened(name: str, estimate: Estimate, laws: list[LawFit]) -> Estimate:
-    """Return an estimate whose interval holds those of all laws that are not told apart."""
+    """Return an estimate whose interval holds those of all laws that are not distinguished."""
     others = [each.estimates[name].interval for each in laws if name in each.estimates]
     ends = [estimate.interval, *others]
     return Estimate(

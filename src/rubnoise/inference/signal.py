@@ -21,7 +21,7 @@ class Signal:
     """A trace ready for inference: values every ``tick`` um of sliding.
 
     ``scale`` turns its values into uN (for an area in um^2, whose junctions have the strength 1, ``is_area`` is true);
-    None where the unit is of something else, such as V: then strengths cannot be told. ``unit`` is the written one.
+    None where the unit is of something else, such as V: then strengths are not identified. ``unit`` is the written one.
     """
 
     values: Doubles = field(repr=False)
