@@ -29,6 +29,8 @@ class Stream(IntEnum):
     PAST_GAPS = 8
     PAST_DIAMETERS = 9
     PAST_STRENGTHS = 10
+    OFFSETS = 11
+    START_OFFSETS = 12
 
 
 def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:

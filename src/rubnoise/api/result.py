@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.columns import Column, Columns
+from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.errors import RunFileRefused, ScenarioRefused, needing
 from rubnoise.record.reader import Reader, Rows
@@ -64,17 +65,19 @@ class Junction:
     shear_strength: float | None = None
     birth_time: float | None = None
     death_time: float | None = None
+    lateral_offset: float | None = None
     pulse: Pulse = field(default=LENS, repr=False)
 
     def area(self, distance: ArrayLike) -> NDArray[np.float64]:
         """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
 
         With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
-        triangle (pi/4) d (d - x): whichever the run has.
+        triangle (pi/4) d (d - x): whichever the run has. A pass that misses the centre line by b = lateral_offset has
+        d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and x = s - birth_distance - sqrt(d^2 - b^2).
         """
         s = np.asarray(in_unit(distance, "um"), dtype=np.float64)
         alive = (self.birth_distance <= s) & (s < self.death_distance)
-        return np.where(alive, self.pulse.area(s - self.birth_distance, self.diameter), 0.0)
+        return np.where(alive, area_of(self.pulse, s - self.birth_distance, self.diameter, self.lateral_offset), 0.0)
 
     def _repr_html_(self) -> str:
         units = {column.name: column.units for column in schema.JUNCTIONS.columns}

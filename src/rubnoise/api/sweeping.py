@@ -24,7 +24,7 @@ from rubnoise.model import Model
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.sweep import Sweep
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.extent import Engine, check_pulse
+from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.forecast import check_sweep_space, expected, together
 from rubnoise.storage.output import OutputInUse, check_locks
@@ -120,8 +120,6 @@ def carry_out(
     ``command`` is what its results say was called, ``watch`` is called with the progress, and may raise RunStopped.
     """
     check_locks(folder)
-    for case in sweep.cases:
-        check_pulse(case.scenario.model())
     place = SweepFolder(Path(folder).absolute())
     part = None if shard is None else Shard.of(shard)
     workers = _workers(jobs, cluster, security)

@@ -57,11 +57,8 @@ def _checked(file: Path, changes: Sequence[str], *, quiet: bool) -> tuple[str, d
     found = scenario_or_sweep(file, changes, quiet=quiet)
     if isinstance(found, Scenario):
         answer = derivation.derivation_as_json(found)
-        if reason := derivation.no_runs(found):
-            answer["notes"].append(reason)
-        else:
-            answer |= {"cost": derivation.cost_as_json(found)}
-            answer["notes"] += derivation.missing_resources(found, file)
+        answer |= {"cost": derivation.cost_as_json(found)}
+        answer["notes"] += derivation.missing_resources(found, file)
         return "scenarios", answer, derivation.format_derivation(found, answer)
     answer = sweep_table_as_json(found)
     return "sweeps", answer, format_sweep_table(answer)

@@ -21,7 +21,6 @@ from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
 from rubnoise.simulation.cells import cells_per_tick
-from rubnoise.simulation.extent import check_pulse
 from rubnoise.storage.forecast import Budget, check_disk_space, counted, expected
 from rubnoise.theory.exact import Exact, exact
 
@@ -64,15 +63,6 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
         answer["slider"] |= {} if model.is_two_way else {"cells_per_tick": cells_per_tick(model)}
         answer["slider"] |= {} if missing is None else {"needed_distance": missing.needed}
     return answer
-
-
-def no_runs(scenario: Scenario) -> str | None:
-    """Return why no run can be made of a scenario whose theory is known, or None."""
-    try:
-        check_pulse(scenario.model())
-    except Refused as refusal:
-        return str(refusal)
-    return None
 
 
 def cost_as_json(scenario: Scenario) -> dict[str, float]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LensPulse, Offset
+from rubnoise.contact.pulses import LensPulse, Offset, Pulse
 
 _NODES = 48
 
@@ -79,6 +79,23 @@ class OffCentreLens(LensPulse):
         import mpmath
 
         return mpmath.pi / 16
+
+
+def half_life(diameter: Doubles, offset: Doubles | None) -> Doubles:
+    """Return how far junctions slide from birth to mid-life, sqrt(d^2 - b^2) in um; d where there are no offsets."""
+    return diameter if offset is None else np.sqrt((diameter - offset) * (diameter + offset))
+
+
+def area_of(pulse: Pulse, age: ArrayLike, diameter: ArrayLike, offset: ArrayLike | None) -> Doubles:
+    """Return areas of junctions in um^2 at sliding distances s after birth, in um; 0 outside of lives.
+
+    d^2 L(sqrt(x^2 + b^2)/d) with x = s - sqrt(d^2 - b^2); those of the pulse itself where there are no offsets b.
+    """
+    if offset is None:
+        return pulse.area(age, diameter)
+    d, b = np.asarray(diameter, dtype=np.float64), np.asarray(offset, dtype=np.float64)
+    x = np.asarray(age, dtype=np.float64) - half_life(d, b)
+    return np.asarray(d * d * overlap(np.hypot(x, b) / d), dtype=np.float64)
 
 
 def overlap(apart: ArrayLike) -> Doubles:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import half_life
 from rubnoise.contact.overlap import max_area
 
 
@@ -41,9 +42,9 @@ class LandmarkKind(IntEnum):
     FORWARD = 3
 
 
-def natural_death(birth: Doubles, diameter: Doubles) -> Doubles:
-    """Return the distance in um at which a life of 2d ends (paper Eq. 5)."""
-    return birth + 2.0 * diameter
+def natural_death(birth: Doubles, diameter: Doubles, offset: Doubles | None = None) -> Doubles:
+    """Return the distance in um at which a life of 2d ends (paper Eq. 5), or one of 2 sqrt(d^2 - b^2)."""
+    return birth + 2.0 * half_life(diameter, offset)
 
 
 def junction_states(
@@ -75,13 +76,16 @@ def junction_columns(
     departure: Doubles,
     state: NDArray[np.uint8],
     speed: float | None,
+    offset: Doubles | None = None,
+    peak: Doubles | None = None,
 ) -> dict[str, NDArray[Any]]:
     """Return the columns of /junctions for rows in order of birth (um, um^2, MPa, s), of their natural deaths.
 
     A row ended early has the death and life that it had; every other has death = birth + 2d, also beyond the run.
+    offset and peak (um, um^2): of passes off the centre line, by how much they miss it and the area at mid-life.
     """
     early = departure < natural
-    death, life = natural, 2.0 * diameter
+    death, life = natural, 2.0 * half_life(diameter, offset)
     if early.any():
         death = np.where(early, departure, natural)
         life = np.where(early, death - birth, life)
@@ -91,8 +95,10 @@ def junction_columns(
         "death_distance": death,
         "life_distance": life,
         "diameter": diameter,
-        "max_area": max_area(diameter),
     }
+    if offset is not None:
+        columns["lateral_offset"] = offset
+    columns["max_area"] = max_area(diameter) if peak is None else peak
     if strength is not None:
         columns["shear_strength"] = strength
     if speed is not None:

@@ -10,7 +10,7 @@ from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.scenario import default_tick, diameter_of, model_of, spread_of
+from rubnoise.scenario.scenario import default_tick, diameter_of, model_of, pulse_of, spread_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
@@ -103,9 +103,10 @@ def _not_the_lens(layers: Layers, error: PaperMeansLens) -> Problem:
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:
     distance = document.sliding.distance
-    if tick > 2.0 * diameter:
-        message = f"longer than the mean life of a junction ({2.0 * diameter:.6g} um); a trace would miss whole lives"
-        hint = f'about "{2.0 * diameter / 200.0:.2g} um" resolves a life well'
+    life = pulse_of(document.pulse).mean_life * diameter
+    if tick > life:
+        message = f"longer than the mean life of a junction ({life:.6g} um); a trace would miss whole lives"
+        hint = f'about "{life / 200.0:.2g} um" resolves a life well'
         yield Problem(path=_TICK, message=message, place=layers.value_place(_TICK), hint=hint)
     if tick.exact > distance.exact:
         path = _TICK if document.output.tick else _DISTANCE

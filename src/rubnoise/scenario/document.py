@@ -100,7 +100,7 @@ class Pulse(Section):
         Choice(("none", "uniform")),
         About(
             description="none: junctions pass through both centres; uniform: they miss the centre line by up to the "
-            "diameter (lens, Poisson births; exact theory only, no runs yet)."
+            "diameter (lens, Poisson births, one-way coupling)."
         ),
     ] = "none"
 

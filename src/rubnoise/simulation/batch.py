@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from rubnoise.record.rows import natural_death
 from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.state import LiveRows, State
@@ -29,7 +28,7 @@ def play_at_once(
     """Fill the tick ranges of one block; return its rows, carried ones first, and that it took no events."""
     del births_of_block, run_end
     rows = state.live.then(born)
-    rows = replace(rows, departure=np.minimum(rows.departure, natural_death(rows.birth, rows.diameter)))
+    rows = replace(rows, departure=np.minimum(rows.departure, rows.natural_death))
     for tick_range in tick_ranges:
         # The ticks of a range may end before many of the block's births: those would only be looked at.
         seen = rows.part(0, int(np.searchsorted(rows.birth, tick_range.last_distance, side="right")))

@@ -15,12 +15,12 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
-from rubnoise.record.rows import junction_columns, junction_states, natural_death
+from rubnoise.record.rows import junction_columns, junction_states
 from rubnoise.record.sink import Appender, Sink
 from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
-from rubnoise.simulation.kernels import Scratch
+from rubnoise.simulation.kernels import Scratch, peak_areas
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.slider import Propagator, SliderMotion
 from rubnoise.simulation.state import LiveRows, State
@@ -94,7 +94,7 @@ def next_state(run: RunSetup, state: State) -> State:
         sample=lambda tick_range, rows: _write_trace(run, tick_range, rows),
         move=_moving(motion, two_way, slider, starts),
     )
-    natural = natural_death(rows.birth, rows.diameter)
+    natural = rows.natural_death
     if two_way is None:
         _write_junctions(run, state, rows, natural)
     else:
@@ -123,6 +123,7 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
         diameter=births.diameter,
         strength=births.strength,
         departure=np.full(len(births), np.inf),
+        offset=births.offset,
     )
 
 
@@ -188,6 +189,8 @@ def _write_rows(run: RunSetup, first: int, rows: LiveRows, natural: Doubles) -> 
         departure=rows.departure,
         state=junction_states(natural, rows.departure, at_start, run.model.distance),
         speed=run.model.sliding_speed,
+        offset=rows.offset,
+        peak=None if rows.offset is None else peak_areas(rows.diameter, rows.offset),
     )
     run.sink.write("junctions", first, columns)
 

@@ -101,9 +101,11 @@ SECONDS: Final[Mapping[str, float]] = {
     "crowd": 4.2e-8,
     "tick": 1.3e-8,
     "overlap": 2.2e-10,
+    "off-centre overlap": 4.4e-10,
     "cell": 1.2e-8,
     "push": 1.3e-9,
     "fine push": 8.0e-10,
+    "off-centre push": 4.5e-9,
     "growing": 1.2e-2,
     "met": 6.0e-7,
     "written row": 1.3e-7,
@@ -138,7 +140,9 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
     alive, events = _alive(model), 2 * junctions if engine == "events" else 0
     summed = 1 if model.strengths is None or isinstance(model.strengths, Fixed) else 2
     cells = cells_per_tick(model) if model.slider is not None and not model.is_two_way else 0
-    pushes = "fine push" if narrow(model, cells) else "push"
+    centred = model.pulse.offset == "none"
+    overlaps = "overlap" if centred else "off-centre overlap"
+    pushes = ("fine push" if narrow(model, cells) else "push") if centred else "off-centre push"
     return {
         "run": 1.0,
         "draw": ceil(max(junctions - alive, 1.0) / births_per_block(model)) * births_per_block(model),
@@ -146,7 +150,7 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
         "event": events,
         "crowd": events * alive**CROWDING,
         "tick": ticks,
-        "overlap": ticks * alive * summed,
+        overlaps: ticks * alive * summed,
         "cell": ticks * cells,
         pushes: ticks * cells * alive,
     } | _two_way_work(model, junctions, ticks)
@@ -185,4 +189,4 @@ def seconds(amounts: Mapping[str, float], machine_speed: MachineSpeed) -> float:
 
 
 def _alive(model: Model) -> float:
-    return model.birth_rate * 2.0 * model.sizes.moment(1)
+    return model.birth_rate * model.pulse.mean_life * model.sizes.moment(1)

@@ -11,6 +11,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.deviates import exponential
 from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
@@ -52,6 +53,9 @@ class CountedBirths:
         return births.pop(place, None) if run == (model, seed) else None
 
 
+_PAIRS = 1024
+"""Points of a square that are drawn at a time."""
+
 _LOOKED_AT_ONCE = 65_536
 """Births before the start that are looked at in one go."""
 
@@ -66,7 +70,8 @@ class BlockBirths:
     """The births of some blocks within the run: distances (um), diameters (um), strengths (MPa; ones without a law).
 
     gaps (um) lead from each birth to the next; first (um) are the births that open each of the blocks, and next_birth
-    (um) the one that opens the next; they may lie beyond the run.
+    (um) the one that opens the next; they may lie beyond the run. offset: by how much each misses the centre line (um);
+    None where all pass through both centres.
     """
 
     birth: Doubles
@@ -75,6 +80,7 @@ class BlockBirths:
     strength: Doubles
     first: Doubles
     next_birth: float
+    offset: Doubles | None = None
 
     @property
     def blocks(self) -> int:
@@ -147,6 +153,8 @@ def _drawn_at_once(model: Model, seed: int, stream: Stream, block: int, blocks: 
 def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) -> Doubles:
     """Return a stream's uniforms for all births of blocks; zeros where one value is drawn whatever they are."""
     births = births_per_block(model)
+    if stream is Stream.OFFSETS:
+        return uniforms(seed, stream, block, births, blocks)
     law = {Stream.DIAMETERS: model.sizes, Stream.STRENGTHS: model.strengths}.get(stream, model.births)
     if law is None or isinstance(law, Fixed):
         return np.zeros(blocks * births)
@@ -154,7 +162,9 @@ def _uniforms(model: Model, seed: int, stream: Stream, block: int, blocks: int) 
 
 
 def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
-    """Return the gaps in um, diameters in um or strengths in MPa that uniforms stand for, each by itself."""
+    """Return the gaps and diameters in um, strengths in MPa or offsets over d that uniforms stand for, one by one."""
+    if stream is Stream.OFFSETS:
+        return _both_ways(uniform)
     if stream is Stream.GAPS:
         return model.births.gaps(uniform)
     return model.sizes.draw(uniform) if stream is Stream.DIAMETERS else _strengths(model, uniform)
@@ -175,7 +185,21 @@ def draw_blocks(model: Model, seed: int, block: int, begin: float, blocks: int =
         strength=_drawn(model, seed, Stream.STRENGTHS, block, blocks)[:count],
         first=first[:blocks],
         next_birth=float(birth[count]),
+        offset=_offsets(model, seed, block, blocks, count),
     )
+
+
+def _offsets(model: Model, seed: int, block: int, blocks: int, count: int) -> Doubles | None:
+    """Return lateral offsets in um of the first births of blocks, uniform on (-d, d)."""
+    if model.pulse.offset == "none":
+        return None
+    diameter = _drawn(model, seed, Stream.DIAMETERS, block, blocks)
+    return (diameter * _drawn(model, seed, Stream.OFFSETS, block, blocks))[:count]
+
+
+def _both_ways(uniform: Doubles) -> Doubles:
+    """Return numbers uniform on (-1, 1) from uniform ones: odd multiples of 2^-53, never 0, -1 or 1."""
+    return (2.0 * uniform - 1.0) + 2.0**-53
 
 
 def births_by_block(model: Model, seed: int) -> Iterator[int]:
@@ -213,10 +237,13 @@ def start(model: Model, seed: int) -> State:
 
 
 def _stationary_rows(model: Model, seed: int) -> LiveRows:
-    births = model.births
-    birth, diameter = (
-        _alive_of_regular(model, births, seed) if isinstance(births, RegularBirths) else _alive_of_poisson(model, seed)
-    )
+    births, offset = model.births, None
+    if isinstance(births, RegularBirths):
+        birth, diameter = _alive_of_regular(model, births, seed)
+    elif model.pulse.offset == "none":
+        birth, diameter = _alive_of_poisson(model, seed)
+    else:
+        birth, diameter, offset = _alive_off_centre(model, seed)
     return LiveRows(
         junction=np.arange(birth.size, dtype=np.int64),
         birth=birth,
@@ -224,7 +251,33 @@ def _stationary_rows(model: Model, seed: int) -> LiveRows:
         # Block -1 cannot be: the start has the strengths of the highest block number instead.
         strength=_strengths(model, uniforms(seed, Stream.STRENGTHS, 2**63, birth.size)),
         departure=np.full(birth.size, np.inf),
+        offset=offset,
     )
+
+
+def _alive_off_centre(model: Model, seed: int) -> tuple[Doubles, Doubles, Doubles]:
+    """Return births, diameters and offsets in um of those alive at the start that miss the centre line.
+
+    They are Poisson(lam E[life]) in number, their diameters of density proportional to d f(d). One centre is anywhere
+    in the disc of radius d about the other: its place across the motion is the offset, so that long lives are found
+    more often, and the age is uniform over the life.
+    """
+    count = _poisson(seed, model.birth_rate * model.pulse.mean_life * model.sizes.moment(1))
+    diameter = model.sizes.draw_length_biased(generator(seed, Stream.START_DIAMETERS), count)
+    offset = diameter * _across_a_disc(seed, count)
+    birth = -(2.0 * half_life(diameter, offset)) * uniforms(seed, Stream.START_AGES, 0, count)
+    order = np.argsort(birth, kind="stable")
+    return birth[order], diameter[order], offset[order]
+
+
+def _across_a_disc(seed: int, count: int) -> Doubles:
+    """Return one coordinate of points uniform in the unit disc: those points of a square that lie within it."""
+    source, found, size = generator(seed, Stream.START_OFFSETS), [np.empty(0)], 0
+    while size < count:
+        x, y = _both_ways(source.random((2, _PAIRS)))
+        found.append(x[x * x + y * y < 1.0])
+        size += found[-1].size
+    return np.concatenate(found)[:count]
 
 
 def _alive_of_poisson(model: Model, seed: int) -> tuple[Doubles, Doubles]:

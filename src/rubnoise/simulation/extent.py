@@ -2,7 +2,6 @@
 
 from typing import Final, Literal
 
-from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.draws import births_by_block, start
@@ -15,21 +14,8 @@ WORTH_COMPILING: Final = 1e7
 """Births beyond which loading the compiler takes less time than counting them without it."""
 
 
-def check_pulse(model: Model) -> None:
-    """Raise Refused for passes off the centre line, which no kernel sums yet."""
-    if model.pulse.offset != "none":
-        raise Refused(
-            "pulse.offset: junctions that miss the centre line have exact theory and no runs yet; "
-            '`rubnoise theory` answers, and offset = "none" runs'
-        )
-
-
 def extent(model: Model, seed: int) -> Extent:
-    """Return how many rows a run will have: its births are counted from the gaps alone, without any event.
-
-    Raises Refused as `check_pulse` does.
-    """
-    check_pulse(model)
+    """Return how many rows a run will have: its births are counted from the gaps alone, without any event."""
     if model.birth_rate * model.distance > WORTH_COMPILING:
         import numba  # noqa: F401  (with which deviates are compiled)
     born = list(births_by_block(model, seed))

@@ -8,6 +8,7 @@ import numpy as np
 from simpy import Environment
 from simpy.events import ProcessGenerator
 
+from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
 from rubnoise.simulation.live_set import LiveSet
@@ -58,8 +59,8 @@ class LiveJunctions:
 
     def __iter__(self) -> Iterator[LiveJunction]:
         rows = self._live.alive()
-        age = np.clip(self._env.now - rows.birth, 0.0, 2.0 * rows.diameter)  # the clock, which adds gaps, rounds
-        areas = self._pulse.area(age, rows.diameter)
+        age = np.clip(self._env.now - rows.birth, 0.0, 2.0 * rows.half_life)  # the clock, which adds gaps, rounds
+        areas = area_of(self._pulse, age, rows.diameter, rows.offset)
         columns = (rows.junction.tolist(), rows.birth.tolist(), rows.diameter.tolist(), areas.tolist())
         found = [
             LiveJunction(number=number, birth_distance=birth, diameter=diameter, area=area)

@@ -11,6 +11,7 @@ from math import inf
 from simpy import Environment, Interrupt, Process
 from simpy.events import Event, ProcessGenerator
 
+from rubnoise.contact.off_centre import half_life
 from rubnoise.simulation.area import Sample
 from rubnoise.simulation.draws import BlockBirths
 from rubnoise.simulation.intervention import Intervening
@@ -35,19 +36,19 @@ def junction(env: Environment, live: LiveSet, row: int, death: float, rest: floa
 
 def ended(env: Environment, live: LiveSet, row: int, death: float) -> float:
     """Return where a life ends that is ended now: within itself, though the clock, which adds gaps, rounds."""
-    return min(max(env.now, live.birth_and_diameter(row)[0]), death)
+    return min(max(env.now, live.birth_and_half_life(row)[0]), death)
 
 
 def observed_junction(
     env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
 ) -> ProcessGenerator:
     """Live as a junction does, and report mid-life and death to the observer."""
-    number, (birth, diameter) = live.numbers[row], live.birth_and_diameter(row)
+    number, (birth, rise_distance) = live.numbers[row], live.birth_and_half_life(row)
     try:
-        rise = birth + diameter - env.now
+        rise = birth + rise_distance - env.now
         if notifier.is_rising(number) and rise > 0.0:
             yield Wait(env, rise)
-            notifier.mid_life(number, birth + diameter)
+            notifier.mid_life(number, birth + rise_distance)
             rest = max(rest - rise, 0.0)
         yield Wait(env, rest)
     except Interrupt:
@@ -61,7 +62,7 @@ def observed_newborn(
     env: Environment, live: LiveSet, row: int, death: float, rest: float, notifier: Notifier
 ) -> ProcessGenerator:
     """Report a birth to the observer, then the life after it."""
-    notifier.birth(live.numbers[row], live.birth_and_diameter(row)[0])
+    notifier.birth(live.numbers[row], live.birth_and_half_life(row)[0])
     yield from observed_junction(env, live, row, death, rest, notifier)
 
 
@@ -70,7 +71,7 @@ def births(
 ) -> ProcessGenerator:
     """Wait for a gap, start a junction, and so on to the birth that opens the next block, or to the end of the run."""
     wait = state.next_birth - env.now
-    life_distances = 2.0 * block.diameter
+    life_distances = 2.0 * half_life(block.diameter, block.offset)
     deaths = block.birth + life_distances
     lives = zip(deaths.tolist(), life_distances.tolist(), block.gaps.tolist(), strict=True)
     processes, numbers = live.processes, live.numbers

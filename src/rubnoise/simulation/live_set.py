@@ -18,6 +18,7 @@ class LiveSet:
     def __init__(self, carried: LiveRows, born: LiveRows, begin: float) -> None:
         """Hold the rows of a block that begins at a distance (um); none has a process yet."""
         self._rows = carried.then(born)
+        self._half_life = self._rows.half_life
         self.joined = len(carried)
         self.processes: dict[int, Process] = {}
         self.numbers: list[int] = self._rows.junction.tolist()
@@ -25,9 +26,9 @@ class LiveSet:
         for row in np.flatnonzero(carried.death <= begin).tolist():
             self.departure[row] = float(carried.death[row])
 
-    def birth_and_diameter(self, row: int) -> tuple[float, float]:
-        """Return a junction's birth and diameter (um)."""
-        return float(self._rows.birth[row]), float(self._rows.diameter[row])
+    def birth_and_half_life(self, row: int) -> tuple[float, float]:
+        """Return a junction's birth and how far it slides to its mid-life (um)."""
+        return float(self._rows.birth[row]), float(self._half_life[row])
 
     def rows(self) -> LiveRows:
         """Return the junctions that have joined so far, with the departures of those that have left."""

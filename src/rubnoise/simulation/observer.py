@@ -169,5 +169,5 @@ class Notifier:
 
 def _middle(rows: LiveRows) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Where each life has its greatest area, in um; nowhere for a life that ends before."""
-    middle = rows.birth + rows.diameter
+    middle = rows.birth + rows.half_life
     return np.where(middle < rows.death, middle, np.inf)

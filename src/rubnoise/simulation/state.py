@@ -2,15 +2,20 @@
 
 import json
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import half_life
 
 _HEADER = struct.Struct("<I")
+
+CENTRED: Final = ("junction", "birth", "diameter", "strength", "departure")
+"""What every row has; of passes off the centre line there is the offset, too."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,7 +23,8 @@ class LiveRows:
     """Junctions whose death lies beyond the last finished tick, in order of birth.
 
     junction: row numbers; birth, diameter, departure (um); strength (MPa). departure is infinite for a junction that is
-    alive, and the distance of its end for one that was ended early.
+    alive, and the distance of its end for one that was ended early. offset: by how much each misses the centre line
+    (um); None where all pass through both centres.
     """
 
     junction: NDArray[np.int64]
@@ -26,6 +32,7 @@ class LiveRows:
     diameter: Doubles
     strength: Doubles
     departure: Doubles
+    offset: Doubles | None = None
 
     @classmethod
     def none(cls) -> "LiveRows":
@@ -38,23 +45,41 @@ class LiveRows:
         return self.birth.size
 
     @property
+    def half_life(self) -> Doubles:
+        """Half of each whole life, in um: how far it slides from birth to mid-life."""
+        return half_life(self.diameter, self.offset)
+
+    @property
+    def natural_death(self) -> Doubles:
+        """Where each life ends that nothing ends early, in um."""
+        return self.birth + 2.0 * self.half_life
+
+    @property
     def death(self) -> Doubles:
-        """Where each life ends, in um: its departure where it was ended early, else birth + 2d."""
-        return np.minimum(self.departure, self.birth + 2.0 * self.diameter)
+        """Where each life ends, in um: its departure where it was ended early, else where it ends by itself."""
+        return np.minimum(self.departure, self.natural_death)
 
     def at(self, rows: NDArray[np.int64]) -> "LiveRows":
         """Return some of the rows."""
-        return LiveRows(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
+        return LiveRows(**{name: values[rows] for name, values in self.columns()})
 
     def part(self, first: int, end: int) -> "LiveRows":
         """Return the rows from ``first`` to ``end`` - 1, without a copy."""
-        return LiveRows(**{f.name: getattr(self, f.name)[first:end] for f in fields(self)})
+        return LiveRows(**{name: values[first:end] for name, values in self.columns()})
 
     def then(self, other: "LiveRows") -> "LiveRows":
-        """Return these rows followed by others that were born later."""
-        return LiveRows(
-            **{f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)}
-        )
+        """Return these rows followed by others that were born later, of which all or none have offsets."""
+        if not (len(self) and len(other)):
+            return self if len(self) else other
+        mine = dict(self.columns())
+        return LiveRows(**{name: np.concatenate([mine[name], values]) for name, values in other.columns()})
+
+    def columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
+        """Yield every column that is there, by its name."""
+        for f in fields(self):
+            values = getattr(self, f.name)
+            if values is not None:
+                yield f.name, values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,8 +107,10 @@ class State:
     def pack(self) -> bytes:
         """Return the state as bytes from which ``unpack`` makes the same bits again."""
         numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "two_way"}}
-        header = json.dumps(numbers | {"rows": len(self.live)}, allow_nan=False).encode()
-        rows = [getattr(self.live, f.name).astype(f"<{_kind(f.name)}8").tobytes() for f in fields(LiveRows)]
+        columns = dict(self.live.columns())
+        told = {"rows": len(self.live)} | ({"offsets": True} if "offset" in columns else {})
+        header = json.dumps(numbers | told, allow_nan=False).encode()
+        rows = [values.astype(f"<{_kind(name)}8").tobytes() for name, values in columns.items()]
         return _HEADER.pack(len(header)) + header + b"".join(rows) + self.two_way
 
     @classmethod
@@ -92,11 +119,11 @@ class State:
         (length,) = _HEADER.unpack_from(data)
         begin = _HEADER.size + length
         numbers: dict[str, Any] = json.loads(data[_HEADER.size : begin])
-        count = numbers.pop("rows")
+        count, offsets = numbers.pop("rows"), numbers.pop("offsets", False)
         rows = {}
-        for n, f in enumerate(fields(LiveRows)):
-            column = np.frombuffer(data, dtype=f"<{_kind(f.name)}8", count=count, offset=begin + 8 * count * n)
-            rows[f.name] = column.astype(column.dtype.newbyteorder("="))
+        for n, name in enumerate((*CENTRED, "offset") if offsets else CENTRED):
+            column = np.frombuffer(data, dtype=f"<{_kind(name)}8", count=count, offset=begin + 8 * count * n)
+            rows[name] = column.astype(column.dtype.newbyteorder("="))
         return cls(live=LiveRows(**rows), two_way=data[begin + 8 * count * len(rows) :], **numbers)
 
 

@@ -6,7 +6,7 @@ that come after it wait, too. Those that wait are carried from block to block.
 
 import struct
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from math import inf
 from typing import Final
@@ -25,7 +25,7 @@ from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.observer import Notifier
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import CENTRED, LiveRows, State
 
 _HEADER: Final = struct.Struct("<qqq5d")
 
@@ -83,7 +83,7 @@ class TwoWayMotion:
 
     def pack(self) -> bytes:
         """Return as bytes what the next block goes on from."""
-        columns = [getattr(self._waiting, f.name) for f in fields(LiveRows) if f.name != "junction"]
+        columns = [getattr(self._waiting, name) for name in CENTRED if name != "junction"]
         waiting = np.array([*columns, *self._times]).astype("<f8").tobytes()
         header = _HEADER.pack(self._landmarks.rows, self._written, len(self._waiting), *self._last)
         return header + waiting + self._motion.state.pack()
@@ -154,7 +154,7 @@ def _unpacked(data: bytes) -> tuple[int, int, tuple[float, ...], LiveRows, Doubl
     if not data:
         return 0, 0, (0.0,) * len(TWO_WAY), LiveRows.none(), np.empty((2, 0)), None
     landmarks, written, count, *last = _HEADER.unpack_from(data)
-    names = [f.name for f in fields(LiveRows) if f.name != "junction"]
+    names = [name for name in CENTRED if name != "junction"]
     size = (len(names) + 2) * count
     numbers: Doubles = np.frombuffer(data, "<f8", size, _HEADER.size).reshape(len(names) + 2, count).astype(float)
     columns = dict(zip(names, numbers, strict=False))

@@ -191,7 +191,7 @@ def expected(scenario: Scenario) -> Budget:
     """Return the budget of a run with as many rows as are expected of any seed; nothing is drawn."""
     model = scenario.model()
     births = model.birth_rate * model.distance
-    alive = model.birth_rate * 2.0 * model.sizes.moment(1) if model.start == "stationary" else 0.0
+    alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
     rows = Extent(
         junctions=round(births + alive),
         ticks=model.tick_count + 1,

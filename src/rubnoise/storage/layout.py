@@ -10,7 +10,7 @@ import xxhash
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
-from rubnoise.storage.life_curve import CURVE_ROWS
+from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
 from rubnoise.storage.provenance import Provenance
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
@@ -41,13 +41,16 @@ def features_of(model: Model) -> frozenset[Feature]:
         "strength": model.strengths,
         "slider": model.slider,
         "two-way": model.is_two_way or None,
+        "offset": None if model.pulse.offset == "none" else model.pulse.offset,
     }
     return frozenset(feature for feature, value in given.items() if value is not None)
 
 
 def stored_groups(features: frozenset[Feature]) -> tuple[Group, ...]:
     """Return the groups of columns that a run with these features has."""
-    return tuple(group for group in GROUPS if group.needs is None or group.needs in features)
+    return tuple(
+        group for group in GROUPS if (group.needs is None or group.needs in features) and group.lacks not in features
+    )
 
 
 def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, ...]:
@@ -57,7 +60,8 @@ def stored_columns(group: Group, features: frozenset[Feature]) -> tuple[Column, 
 
 def row_count(group: Group, extent: Extent) -> int:
     """Return the number of rows in a group that are there before a run: none where they grow."""
-    return CURVE_ROWS if group.length == "curve" else extent.rows(group.name) or 0
+    fixed = {"curve": CURVE_ROWS, "table": TABLE_ROWS}
+    return fixed[group.length] if group.length in fixed else extent.rows(group.name) or 0
 
 
 def grows(group: Group, extent: Extent) -> bool:

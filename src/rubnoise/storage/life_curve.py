@@ -3,23 +3,30 @@
 import json
 from collections.abc import Mapping
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS, PULSES, Pulse, Shape
 from rubnoise.errors import RunFileRefused
 
 
 def pulse_of(scenario: Mapping[str, object]) -> Pulse:
-    """Return the pulse of a resolved scenario; one that names none is of the lens.
+    """Return the pulse of a resolved scenario; one that names none is of the lens, through both centres.
 
-    Raises RunFileRefused for a shape that is not known.
+    Raises RunFileRefused for a shape or an offset that is not known.
     """
     section = scenario.get("pulse", {})
     shape = section.get("shape", LENS.shape) if isinstance(section, Mapping) else section
     if not isinstance(shape, str) or shape not in PULSES:
         raise RunFileRefused(f"the scenario in the file has the pulse shape {str(shape)[:40]!r}, which is not known")
+    offset = section.get("offset", "none") if isinstance(section, Mapping) else "none"
+    if offset == OFF_CENTRE_LENS.offset and shape == OFF_CENTRE_LENS.shape:
+        return OFF_CENTRE_LENS
+    if offset != "none":
+        raise RunFileRefused(f"the scenario in the file has the pulse offset {str(offset)[:40]!r}, which is not known")
     return PULSES[shape]
 
 
@@ -36,6 +43,45 @@ def stored_pulse(scenario_resolved: object) -> Pulse:
 
 HALF_POINTS = 512
 CURVE_ROWS = 2 * HALF_POINTS + 1
+TABLE_STEPS = 32
+TABLE_ROWS = (2 * TABLE_STEPS + 1) * (TABLE_STEPS + 1)
+
+LIFE_TABLES = ("life_curve", "life_table")
+"""Names of the groups that a file has of its pulse alone, before its first row."""
+
+
+def life_tables(pulse: Pulse) -> dict[str, dict[str, NDArray[np.float64]]]:
+    """Return the group of columns that tells the area of any life of a pulse, by its name."""
+    return {"life_curve": life_curve(pulse.shape)} if pulse.offset == "none" else {"life_table": life_table()}
+
+
+@cache
+def life_table() -> dict[str, NDArray[np.float64]]:
+    """Return ``u``, ``offset_fraction`` and ``area_fraction`` so that A(s) = d^2 interp(u, |b|/d), within 1e-3 d^2.
+
+    u is the distance since birth over half of the life, h = sqrt(d^2 - b^2), in [0, 2]; every value of |b|/d in [0, 1]
+    follows for each u. Both go by t^2 (3 - 2t), so that points are close where the area is a power 3/2 and where it has
+    its tip, at u = 1 and b = 0.
+    """
+    import mpmath
+
+    steps = [t * t * (3 * TABLE_STEPS - 2 * t) / TABLE_STEPS**3 for t in range(TABLE_STEPS + 1)]
+    with mpmath.workdps(40):
+        rising = [[float(_off_centre_fraction(mpmath.mpf(u), mpmath.mpf(b))) for b in steps] for u in steps]
+    u = [*steps, *(2.0 - each for each in reversed(steps[:-1]))]
+    return {
+        "u": np.repeat(u, len(steps)),
+        "offset_fraction": np.tile(steps, len(u)),
+        "area_fraction": np.array([*rising, *rising[-2::-1]]).ravel(),
+    }
+
+
+def _off_centre_fraction(u: Any, offset: Any) -> Any:
+    """Return L(r), r^2 = b^2 + (1 - b^2) (1 - u)^2 for unit diameter, an mpmath number at its working precision."""
+    import mpmath
+
+    r = mpmath.sqrt(offset**2 + (1 - offset**2) * (1 - u) ** 2)
+    return (mpmath.acos(r) - r * mpmath.sqrt((1 - r) * (1 + r))) / 2
 
 
 @cache

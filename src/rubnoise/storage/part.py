@@ -22,11 +22,11 @@ from rubnoise.storage.columns import ColumnFile, Mark
 from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.journal import Commit, Ending
 from rubnoise.storage.layout import Name, Place, RunDescription, between, digest_of, grows, stored_groups
-from rubnoise.storage.life_curve import life_curve, pulse_of, stored_pulse
+from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
 from rubnoise.storage.output import OutputPaths, is_file, reserve
 from rubnoise.storage.pages import Overlay, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
-from rubnoise.storage.schema import CHUNK_ROWS, LIFE_CURVE, Feature, Scalar
+from rubnoise.storage.schema import CHUNK_ROWS, Feature, Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, enlarge
 from rubnoise.storage.written import Written
 
@@ -147,7 +147,8 @@ class Part:
                 if growing is not None and group in growing.groups
                 else ColumnFile(descriptor, place, hashed=hashed)
             )
-        self.write(LIFE_CURVE.name, 0, life_curve(pulse.shape))
+        for group, lives in life_tables(pulse).items():
+            self.write(group, 0, lives)
 
     def __enter__(self) -> Self:
         return self
@@ -255,7 +256,7 @@ class Part:
         return {key: column.digest() for key, column in self.columns()} if self._hashed else {}
 
     def _filled(self) -> Iterator[tuple[Name, ColumnFile]]:
-        return ((name, column) for name, column in self.columns() if name[0] != LIFE_CURVE.name)
+        return ((name, column) for name, column in self.columns() if name[0] not in LIFE_TABLES)
 
 
 @contextmanager

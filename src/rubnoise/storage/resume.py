@@ -20,6 +20,7 @@ from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingFile
 from rubnoise.storage.journal import Ending, History, identity, state_at
 from rubnoise.storage.layout import RunDescription, grows, stored_groups
+from rubnoise.storage.life_curve import LIFE_TABLES
 from rubnoise.storage.output import OutputPaths, give_final_name, is_being_written, reserve, sole_writer
 from rubnoise.storage.part import Part, open_part
 from rubnoise.storage.provenance import TIME
@@ -99,7 +100,7 @@ class CommittedRun:
         """Stand for the first rows of an open part file."""
         self._run = run
         self._rows = {"junctions": found.junctions, "trace": found.ticks, "slider": found.ticks}
-        self._left_out = frozenset(found.grown) | (set(run.columns) - {*self._rows, "life_curve"})
+        self._left_out = frozenset(found.grown) | (set(run.columns) - {*self._rows, *LIFE_TABLES})
         self.path, self.extent = run.path, run.extent
         self.attributes, self.provenance = run.attributes, run.provenance
         self.summary: Attributes = {}

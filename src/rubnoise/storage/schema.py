@@ -4,11 +4,13 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Literal
 
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import PULSES
 from rubnoise.record.rows import LandmarkKind, Phase
 
-Feature = Literal["speed", "strength", "slider", "two-way"]
-"""What a scenario may add to the bare contact: times, forces, the motion of a slider, and that it pushes back."""
+Feature = Literal["speed", "strength", "slider", "two-way", "offset"]
+"""What a scenario may add to the bare contact: times, forces, the motion of a slider, that it pushes back, and passes
+off the centre line."""
 
 Scalar = float | int | str
 """What an attribute holds."""
@@ -23,8 +25,15 @@ HASH_DIGITS: Final = 32
 _WHERE: Final = (
     " with d = diameter, x = |d - (s - birth_distance)|, for birth_distance <= s < death_distance, and 0 elsewhere"
 )
-JUNCTION_AREA_FORMULAS: Final = {shape: f"A(s) = {pulse.formula}{_WHERE}" for shape, pulse in PULSES.items()}
-"""The area of a junction in words, by the shape of its pulse."""
+_WHERE_OFF_CENTRE: Final = (
+    " with d = diameter, b = lateral_offset, x = s - birth_distance - sqrt(d^2 - b^2), r = sqrt(x^2 + b^2), for"
+    " birth_distance <= s < death_distance, and 0 elsewhere"
+)
+JUNCTION_AREA_FORMULAS: Final = {
+    **{name: f"A(s) = {pulse.formula}{_WHERE}" for name, pulse in PULSES.items()},
+    OFF_CENTRE_LENS.name: f"A(s) = {OFF_CENTRE_LENS.formula}{_WHERE_OFF_CENTRE}",
+}
+"""The area of a junction in words, by the name of its pulse."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,17 +63,19 @@ class Group:
     """Columns of equal length; the first is their dimension scale, ``plotted`` the one that viewers draw against it.
 
     ``grows``: the number of its rows may be known only at the end of a run (see growing); all others are known before.
-    ``added``: files of the same format version that were written earlier do not have it.
+    ``added``: files of the same format version that were written earlier do not have it. ``lacks`` names the feature
+    with which it is absent.
     """
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "slider", "landmarks", "balance", "blocks", "curve"]
+    length: Literal["junctions", "ticks", "slider", "landmarks", "balance", "blocks", "curve", "table"]
     columns: tuple[Column, ...]
     plotted: str
     needs: Feature | None = None
     grows: bool = False
     added: bool = False
+    lacks: Feature | None = None
 
 
 def _values(numbers: type[IntEnum]) -> tuple[tuple[int, str], ...]:
@@ -82,6 +93,13 @@ JUNCTIONS: Final = Group(
         Column(name="death_distance", units="um", symbol="s_death", long_name="sliding distance at separation"),
         Column(name="life_distance", units="um", symbol="L_j", long_name="sliding distance from birth to death"),
         Column(name="diameter", units="um", symbol="d", long_name="diameter of the two circles in contact"),
+        Column(
+            name="lateral_offset",
+            units="um",
+            symbol="b",
+            long_name="distance of one circle's centre from the line of the other's, across the motion",
+            needs="offset",
+        ),
         Column(name="max_area", units="um^2", symbol="A_jmax", long_name="area at full overlap"),
         Column(
             name="shear_strength",
@@ -264,6 +282,7 @@ LIFE_CURVE: Final = Group(
     name="life_curve",
     long_name="area of any junction: diameter^2 * interp(u), u = (s - birth_distance)/diameter",
     length="curve",
+    lacks="offset",
     plotted="area_fraction",
     columns=(
         Column(name="u", units="1", symbol="u", long_name="sliding distance since birth over diameter"),
@@ -271,4 +290,24 @@ LIFE_CURVE: Final = Group(
     ),
 )
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE)
+LIFE_TABLE: Final = Group(
+    name="life_table",
+    long_name="area of any junction: diameter^2 times what lies between the four rows around its u and offset_fraction",
+    length="table",
+    needs="offset",
+    plotted="area_fraction",
+    columns=(
+        Column(
+            name="u", units="1", symbol="u", long_name="sliding distance since birth over half of the life, from 0 to 2"
+        ),
+        Column(
+            name="offset_fraction",
+            units="1",
+            symbol="b/d",
+            long_name="size of the lateral offset over diameter, from 0 to 1 for each u",
+        ),
+        Column(name="area_fraction", units="1", symbol="a", long_name="area of the junction over diameter squared"),
+    ),
+)
+
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE, LIFE_TABLE)

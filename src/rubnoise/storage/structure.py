@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import Shape
+from rubnoise.contact.pulses import Pulse
 from rubnoise.storage.layout import Name, Place, RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.life_curve import pulse_of
 from rubnoise.storage.provenance import Provenance, package_version
@@ -39,7 +39,7 @@ def compose(file: h5py.File, description: RunDescription, *, compressed: bool) -
 
     Columns are contiguous, or chunks when ``compressed``, which have no place of their own.
     """
-    root = root_attributes(description.title, pulse_of(description.scenario_resolved).shape)
+    root = root_attributes(description.title, pulse_of(description.scenario_resolved))
     for name, value in (root | {"NX_class": "NXroot", "default": "trace"}).items():
         _put(file.id, name, value)
     places: dict[Name, Place] = {}
@@ -94,7 +94,7 @@ def _place(dataset: h5py.h5d.DatasetID, column: Column) -> Place:
     return Place(offset=dataset.get_offset() or 0, rows=dataset.shape[0], dtype=column.dtype)
 
 
-def root_attributes(title: str, shape: Shape) -> dict[str, Scalar]:
+def root_attributes(title: str, pulse: Pulse) -> dict[str, Scalar]:
     """Return what the root of a file says about it."""
     return {
         "Conventions": CONVENTIONS,
@@ -102,7 +102,7 @@ def root_attributes(title: str, shape: Shape) -> dict[str, Scalar]:
         "format_version": FORMAT_VERSION,
         "title": title,
         "source": f"rubnoise {package_version('rubnoise')}",
-        "junction_area_formula": JUNCTION_AREA_FORMULAS[shape],
+        "junction_area_formula": JUNCTION_AREA_FORMULAS[pulse.name],
     }
 
 

@@ -33,7 +33,7 @@ class Written:
         finished: str,
     ) -> Self:
         """Return a whole file of plain columns."""
-        root = _stored(root_attributes(description.title, pulse_of(description.scenario_resolved).shape))
+        root = _stored(root_attributes(description.title, pulse_of(description.scenario_resolved)))
         provenance = _stored(provenance_attributes(description) | {"finished": finished})
         del provenance[HASH]  # it stands apart, since it is taken of all the others
         found = {

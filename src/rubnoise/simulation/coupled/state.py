@@ -1,7 +1,7 @@
 """The state of a two-way slider between two ranges of ticks, explicit and storable."""
 
 import struct
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
@@ -29,7 +29,7 @@ from rubnoise.simulation.coupled.layout import (
     X_TIME,
     XX_TIME,
 )
-from rubnoise.simulation.state import LiveRows
+from rubnoise.simulation.state import CENTRED, LiveRows
 
 _INTEGRALS: Final = {
     "time_stuck": TIME_STUCK,
@@ -114,7 +114,7 @@ class CoupledState:
 
     def pack(self) -> bytes:
         """Return the state as bytes from which ``unpack`` makes the same bits again."""
-        columns = [getattr(self.rows, f.name) for f in fields(LiveRows)]
+        columns = [getattr(self.rows, name) for name in CENTRED]
         arrays = [self.whole, self.numbers, *columns, self.birth_time, self.death_time]
         return _HEADER.pack(len(self.rows), self.covered) + b"".join(
             array.astype("<i8" if array.dtype.kind == "i" else "<f8").tobytes() for array in arrays
@@ -124,8 +124,7 @@ class CoupledState:
     def unpack(cls, data: bytes) -> Self:
         """Return the state that ``pack`` wrote down."""
         count, covered = _HEADER.unpack_from(data)
-        names = [f.name for f in fields(LiveRows)]
-        sizes = [WHOLE, NUMBERS] + [count] * (len(names) + 2)
+        sizes = [WHOLE, NUMBERS] + [count] * (len(CENTRED) + 2)
         found, place = [], _HEADER.size
         for n, size in enumerate(sizes):
             kind = "<i8" if n in (0, 2) else "<f8"
@@ -136,7 +135,7 @@ class CoupledState:
         return cls(
             whole=whole,
             numbers=numbers,
-            rows=LiveRows(**dict(zip(names, columns, strict=True))),
+            rows=LiveRows(**dict(zip(CENTRED, columns, strict=True))),
             birth_time=birth_time,
             death_time=death_time,
             covered=covered,

@@ -29,6 +29,8 @@ lens, d < 96 h     `coarse`: polynomials of area and       area 1e-15 d^2; momen
 lens, d >= 96 h,   area by `coarse`; moments by `lens`:    moments 1e-14 d^2                     2, 100
 ended early        quadrature in sqrt(u) in each cell
 triangle           `triangle`: chords and kinks            1e-15 d^2                             1, 2 to 5
+lens off the       `off_centre`: polynomials of area;      area 1e-15 d^2; moments 1e-13,        2, 15 to 30
+centre line        moments by quadrature in every cell     2e-12, 2e-9 d^2
 =================  ======================================  ====================================  ==========
 
 A life of few positions is not worth a series: its ends would meet. Where no life is fine, the passes of that way are
@@ -60,5 +62,6 @@ What is easily got wrong
 
 from rubnoise.simulation.kernels.choice import Deposited, Scratch, deposit
 from rubnoise.simulation.kernels.grid import Grid, count_live
+from rubnoise.simulation.kernels.off_centre import peak_areas
 
-__all__ = ["Deposited", "Grid", "Scratch", "count_live", "deposit"]
+__all__ = ["Deposited", "Grid", "Scratch", "count_live", "deposit", "peak_areas"]

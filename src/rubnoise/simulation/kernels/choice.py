@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Shape
-from rubnoise.simulation.kernels import triangle
+from rubnoise.simulation.kernels import off_centre, triangle
 from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
 from rubnoise.simulation.kernels.fine import FINEST, deposit_fine_lives
 from rubnoise.simulation.kernels.grid import Grid
@@ -71,7 +71,8 @@ def deposit(
     size = grid.position.size
     total = np.empty(size if areas else 0)
     flat = _NOTHING if scratch is None else scratch.numbers(3 * size)
-    _WAYS[shape](grid, rows, weight, total, flat, scratch or Scratch(0))
+    way = _WAYS[shape] if rows.offset is None else _deposit_off_centre
+    way(grid, rows, weight, total, flat, scratch or Scratch(0))
     wanted = grid.wanted
     return Deposited(
         total=total[wanted] if areas else total, moments=flat.reshape(3, -1)[:, wanted] if scratch else flat
@@ -186,6 +187,23 @@ def _deposit_triangles(
         cells = np.zeros((3, edges.stop - edges.start))
         triangle.deposit_moments(grid.position[edges], grid.spacing, *lives, cells)
         np.divide(cells[:, 1:], grid.spacing, out=moments.reshape(3, -1)[:, grid.wanted])
+
+
+def _deposit_off_centre(
+    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
+) -> None:
+    """Passes off the centre line are summed position by position, and their moments by quadrature in each cell."""
+    del scratch
+    if rows.offset is None:
+        raise ValueError("rows have no offsets")
+    begin, end = grid.wanted.start, grid.wanted.stop
+    lives = (rows.birth, rows.diameter, rows.offset, rows.half_life, rows.departure, weight)
+    if total.size:
+        total[:] = 0.0
+        off_centre.deposit_areas(grid.position, begin, end, *lives, total)
+    if moments.size:
+        moments[:] = 0.0
+        off_centre.deposit_moments(grid.position, grid.spacing, begin, end, *lives, moments)
 
 
 def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:
