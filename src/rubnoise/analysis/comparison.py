@@ -25,7 +25,7 @@ from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.theory.response import response
 
-COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "shear_strength", "state")
+COLUMNS = ("birth_distance", "death_distance", "life_distance", "diameter", "lateral_offset", "shear_strength", "state")
 
 
 def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:

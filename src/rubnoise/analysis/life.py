@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass
-from math import ceil, isnan
+from math import ceil, isnan, sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.analysis.selection import Neighbours, check_lives, neighbours
 from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
@@ -44,6 +45,13 @@ class Life:
     slides_evenly: bool
     record_end: float
     others: Neighbours
+    lateral_offset: float | None = None
+
+    @property
+    def half_life(self) -> float:
+        """Sliding in um from birth to mid-life: d, or sqrt(d^2 - b^2) where it misses the centre line by b."""
+        d, b = self.diameter, self.lateral_offset or 0.0
+        return d if not b else sqrt((d - b) * (d + b))
 
     @property
     def pulse(self) -> Pulse:
@@ -52,14 +60,17 @@ class Life:
 
     @property
     def mid_life_distance(self) -> float | None:
-        """Sliding distance birth + d of full overlap (paper Eq. 5), or None where the life was ended before."""
-        middle = self.birth_distance + self.diameter
-        return middle if self.life_distance >= self.diameter else None
+        """Sliding distance of the largest area, birth + d (paper Eq. 5), or None where the life was ended before.
+
+        Off the centre line it is birth + sqrt(d^2 - b^2).
+        """
+        middle = self.birth_distance + self.half_life
+        return middle if self.life_distance >= self.half_life else None
 
     @property
     def peak_age(self) -> float:
-        """Sliding in um from birth to its largest area within its life and the record: d, where nothing cuts it."""
-        reached = min(self.diameter, self.life_distance)
+        """Sliding in um from birth to its largest area within its life and the record: half of a whole life."""
+        reached = min(self.half_life, self.life_distance)
         return min(max(reached, -self.birth_distance), self.record_end - self.birth_distance)
 
     @property
@@ -117,7 +128,7 @@ class Life:
 
     def area_at_age(self, age: ArrayLike) -> Doubles:
         """Return the area in um^2 at sliding distances after birth, 0 to the life distance."""
-        return self.pulse.area(age, self.diameter)
+        return area_of(self.pulse, age, self.diameter, self.lateral_offset)
 
     def force_at_age(self, age: ArrayLike) -> Doubles | None:
         """Return the friction force in uN at sliding distances after birth: strength times area (paper Eq. 1)."""
@@ -125,7 +136,7 @@ class Life:
 
     def curve(self) -> dict[str, Doubles]:
         """Return distance, time, area and force (those that the run has) from birth to death, mid-life included."""
-        age = _ages(self.diameter, self.life_distance)
+        age = _ages(self.half_life, self.life_distance)
         distance = self.birth_distance + age
         columns = {
             "distance": distance,
@@ -173,6 +184,7 @@ def life_of(file: Reader, number: int) -> Life:
         death_time=_known(row.get("death_time")),
         slides_evenly=even,
         record_end=record_end(file),
+        lateral_offset=row.get("lateral_offset"),
         others=neighbours(file, number, row["birth_distance"], row["death_distance"]),
     )
 
@@ -199,11 +211,11 @@ def _share(part: float, whole: float) -> float:
     return part / whole if whole else 0.0
 
 
-def _ages(diameter: float, life: float) -> Doubles:
-    """Return distances since birth: a hundred steps a diameter up to mid-life, and from there to death."""
-    top = min(diameter, life)
+def _ages(half_life: float, life: float) -> Doubles:
+    """Return distances since birth: a hundred steps up to mid-life, and as short ones from there to death."""
+    top = min(half_life, life)
     rising = np.linspace(0.0, top, STEPS + 1)
     if life <= top:
         return rising
-    steps = max(1, ceil(STEPS * (life - top) / diameter - 1e-9))
+    steps = max(1, ceil(STEPS * (life - top) / half_life - 1e-9))
     return np.concatenate([rising, np.linspace(top, life, steps + 1)[1:]])

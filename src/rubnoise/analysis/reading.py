@@ -60,6 +60,10 @@ class Chunk:
         """Whether the group has a column."""
         return name in self.columns
 
+    def get(self, name: str) -> NDArray[Any] | None:
+        """Return a column, or None where the group does not have it."""
+        return self.columns.get(name) if name in self.columns else None
+
 
 def chunks(rows: Rows, group: str, size: int = CHUNK_ROWS) -> Iterator[Chunk]:
     """Yield all columns of a group from its first row to its last, so many rows at a time; of no rows one chunk."""
@@ -105,12 +109,16 @@ class Ahead:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Junctions:
-    """Some junctions in order of birth: birth, diameter and death in um, strength in MPa (1 without a law)."""
+    """Some junctions in order of birth: birth, diameter and death in um, strength in MPa (1 without a law).
+
+    offset (um): by how much each misses the centre line, 0 where all pass through both centres.
+    """
 
     birth: Doubles
     diameter: Doubles
     death: Doubles
     strength: Doubles
+    offset: Doubles
 
     def where(self, keep: NDArray[np.bool_]) -> "Junctions":
         """Return the junctions to keep."""
@@ -150,9 +158,18 @@ class Window:
     def _junctions(self, first: int, end: int) -> Junctions:
         names = ("birth_distance", "diameter", "death_distance")
         birth, diameter, death = (self._rows.column("junctions", name, first, end) for name in names)
-        has_strength = "shear_strength" in self._rows.columns["junctions"]
-        strength = self._rows.column("junctions", "shear_strength", first, end) if has_strength else np.ones(birth.size)
-        return Junctions(birth=birth, diameter=diameter, death=death, strength=strength)
+        there = self._rows.columns["junctions"]
+        strength = (
+            self._rows.column("junctions", "shear_strength", first, end)
+            if "shear_strength" in there
+            else np.ones(birth.size)
+        )
+        offset = (
+            self._rows.column("junctions", "lateral_offset", first, end)
+            if "lateral_offset" in there
+            else np.zeros(birth.size)
+        )
+        return Junctions(birth=birth, diameter=diameter, death=death, strength=strength, offset=offset)
 
 
 def _together(parts: Sequence[Junctions]) -> Junctions:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.where import Node
 from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader, Rows
@@ -124,7 +125,10 @@ def _gathered(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Neighbours:
-    """Some rows of /junctions in order of birth: row numbers, um, MPa (None without strengths), the shape of all."""
+    """Some rows of /junctions in order of birth: row numbers, um, MPa (None without strengths), the shape of all.
+
+    offset (um): by how much each misses the centre line; None where all pass through both centres.
+    """
 
     rows: NDArray[np.int64]
     birth: Doubles
@@ -132,6 +136,12 @@ class Neighbours:
     diameter: Doubles
     strength: Doubles | None
     pulse: Pulse
+    offset: Doubles | None = None
+
+    @property
+    def half_life(self) -> Doubles:
+        """How far each slides from birth to mid-life, in um."""
+        return half_life(self.diameter, self.offset)
 
     def alive(self, distance: float, *, just_before: bool = False) -> Self:
         """Return those alive at a distance in um, birth <= s < death, or ``just_before`` it, birth < s <= death."""
@@ -141,17 +151,21 @@ class Neighbours:
 
     def area(self, distance: float) -> Doubles:
         """Return the area in um^2 of each at a distance in um at which all are alive."""
-        return self.pulse.area(distance - self.birth, self.diameter)
+        return area_of(self.pulse, distance - self.birth, self.diameter, self.offset)
+
+    def areas(self, distance: Doubles) -> Doubles:
+        """Return the area in um^2 of each, a row, at sliding distances in um; 0 where it is not alive."""
+        birth, death = self.birth[:, np.newaxis], self.death[:, np.newaxis]
+        aside = None if self.offset is None else self.offset[:, np.newaxis]
+        areas = area_of(self.pulse, distance - birth, self.diameter[:, np.newaxis], aside)
+        return np.where((birth <= distance) & (distance < death), areas, 0.0)
 
     def total_area(self, distance: Doubles) -> Doubles:
         """Return the sum of their areas in um^2 at sliding distances in um, some junctions at a time."""
         total = np.zeros(distance.size)
         step = max(1, CHUNK_ROWS // max(1, distance.size))
         for first in range(0, self.rows.size, step):
-            some = self._chosen(slice(first, first + step))
-            birth, death = some.birth[:, np.newaxis], some.death[:, np.newaxis]
-            areas = self.pulse.area(distance - birth, some.diameter[:, np.newaxis])
-            total += np.where((birth <= distance) & (distance < death), areas, 0.0).sum(axis=0)
+            total += self._chosen(slice(first, first + step)).areas(distance).sum(axis=0)
         return total
 
     def _chosen(self, which: NDArray[np.bool_] | slice) -> Self:
@@ -162,6 +176,7 @@ class Neighbours:
             diameter=self.diameter[which],
             strength=None if self.strength is None else self.strength[which],
             pulse=self.pulse,
+            offset=None if self.offset is None else self.offset[which],
         )
 
 
@@ -193,7 +208,7 @@ def check_lives(rows: NDArray[np.int64], columns: Mapping[str, Doubles]) -> None
 
 def _read(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
     names = ["birth_distance", "death_distance", "diameter"]
-    names += ["shear_strength"] if "shear_strength" in file.columns["junctions"] else []
+    names += [name for name in ("shear_strength", "lateral_offset") if name in file.columns["junctions"]]
     chunks = list(gather(file, rows, names))
     columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
     check_lives(rows, columns)
@@ -204,4 +219,5 @@ def _read(file: Reader, rows: NDArray[np.int64]) -> Neighbours:
         diameter=columns["diameter"],
         strength=columns.get("shear_strength"),
         pulse=stored_pulse(file.provenance["scenario_resolved"]),
+        offset=columns.get("lateral_offset"),
     )

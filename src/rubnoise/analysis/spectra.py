@@ -11,6 +11,7 @@ from rubnoise.analysis.records import RecordTooShort
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
+from rubnoise.theory.off_centre import offset_probabilities, pass_energies
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.spectrum import spectral_density
 
@@ -140,7 +141,8 @@ def shared_variance(ticks: int, segments: int, neighbours: int = _NEIGHBOURS) ->
 
 
 _FIRST_BIN = 3
-_SIZES = 32
+_SIZES, _SIZES_OFF_CENTRE = 32, 8
+_MOST_OF_A_BAND = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,6 +154,7 @@ class Band:
     observed: float
     expected: float
     standard_error: float
+    skewness: float
 
 
 def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, count: int) -> list[Band]:
@@ -161,16 +164,16 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
     births. Two parts add up in the variance of a band's power P over its square: that of a Gaussian record, sum over
     the bins of S_i S_j times their covariance (`shared_variance`), and (lam / T) E[(sum of |A^(k_i)|^2)^2] over
     (sum of S_i)^2, the fourth cumulant of shot noise, the same for all bins: junctions are few. The bins next to k = 0,
-    which hold the mean, and next to the last are left out.
+    which hold the mean, and next to the last are left out. The skewness is that of the second part alone.
     Source: as for `rubnoise.theory.correlation.autocovariance`, for four places at once.
     """
     shared = shared_variance(seen.ticks, seen.segments)
-    probabilities, energies = _energies(model, seen.wavenumber)
-    power = float(seen.wavenumber[1]) / pi
+    power, births = float(seen.wavenumber[1]) / pi, model.birth_rate * length
     found = []
     for part in bands_of(seen.density.size, count):
         variance = _gaussian_variance(expected[part], shared) / seen.segments
-        variance += _shot_variance(probabilities, energies[:, part].sum(axis=1)) / (model.birth_rate * length)
+        probabilities, energies = _energies(model, seen.wavenumber[part])
+        variance += _shot_variance(probabilities, energies) / births
         level = power * float(expected[part].sum())
         found.append(
             Band(
@@ -179,6 +182,7 @@ def band_powers(model: Model, seen: Spectrum, expected: Doubles, length: float, 
                 observed=power * float(seen.density[part].sum()),
                 expected=level,
                 standard_error=level * sqrt(variance),
+                skewness=_shot_skewness(probabilities, energies) / sqrt(births),
             )
         )
     return found
@@ -209,11 +213,22 @@ def _shot_variance(probabilities: Doubles, energies: Doubles) -> float:
     return float(probabilities @ np.square(energies)) / float(probabilities @ energies) ** 2
 
 
-def _energies(model: Model, wavenumber: Doubles) -> tuple[Doubles, Doubles]:
-    """Return probabilities of sizes, and |A^(k)|^2 of each but for a factor: a row a size.
+def _shot_skewness(probabilities: Doubles, energies: Doubles) -> float:
+    """Return the skewness of the same part, times the root of that number."""
+    return float(probabilities @ energies**3) / float(probabilities @ np.square(energies)) ** 1.5
 
-    The energy of one junction is the spectrum of a contact of its size alone.
+
+def _energies(model: Model, wavenumber: Doubles) -> tuple[Doubles, Doubles]:
+    """Return probabilities of lives of some sizes, and the sum of |A^(k)|^2 of each but for a factor.
+
+    The energy of one junction is the spectrum of a contact of its size alone. Off the centre line it depends on the
+    offset, too, the more the shorter the wave: of many bins some are taken for all then.
     """
-    diameters, probabilities = size_rule(model.sizes, _SIZES)
-    alike = [replace(model, sizes=Fixed(value=d)) for d in diameters.tolist()]
-    return probabilities, np.stack([spectral_density(each, wavenumber) for each in alike])
+    if model.pulse.offset == "none":
+        diameters, probabilities = size_rule(model.sizes, _SIZES)
+        alike = [replace(model, sizes=Fixed(value=d)) for d in diameters.tolist()]
+        return probabilities, np.stack([spectral_density(each, wavenumber) for each in alike]).sum(axis=1)
+    diameters, probabilities = size_rule(model.sizes, _SIZES_OFF_CENTRE)
+    some = wavenumber[:: -(-wavenumber.size // _MOST_OF_A_BAND)]
+    energies = [pass_energies(some * d).sum(axis=1) * d**6 for d in diameters.tolist()]
+    return np.multiply.outer(probabilities, offset_probabilities()).ravel(), np.concatenate(energies)

@@ -2,23 +2,28 @@
 
 from cmath import exp as complex_exp
 from cmath import sqrt as complex_sqrt
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot, inf, pi
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import force_cumulants
 from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.off_centre import offset_probabilities, pass_energies
 from rubnoise.theory.quadrature import size_rule
-from rubnoise.theory.regular_births import need_centred_passes, need_random_births, resolved_error
+from rubnoise.theory.regular_births import need_random_births, resolved_error
 from rubnoise.theory.response import Rule, mean_displacement, response, response_rules
 from rubnoise.theory.sampling import variance_of_mean_force
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
 
 _SIZES = 32
+
+Energies = Callable[[Doubles], Doubles]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,13 +80,12 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     The mean's is that of `mean_displacement_error`. The stds' are for runs of many lives and decay times:
     Var[mean of x^2] = (1/T) int Cov[x^2(0), x^2(t)] dt = (2/pi T) int_0^inf S_x^2 dw
     + (lam V/T) E[psi^4] E[(int y^2 dt)^2], y the response to one junction of unit strength; the error of the std is the
-    root of it over 2 std. Raises Refused without slider, strength or speed, and unless births are a Poisson process;
-    inf without damping.
+    root of it over 2 std. The last mean is over lives of any size and offset. Raises Refused without slider, strength
+    or speed, and unless births are a Poisson process; inf without damping.
     Source: cumulants of filtered shot noise (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x).
     """
     drive, motion = drive_of(model), response(model)
     need_random_births(model, "the standard error of the slider's motion")
-    need_centred_passes(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
     displacement, velocity = np.sqrt(_mean_square_variances(model, drive) * drive.speed / distance)
@@ -95,17 +99,24 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
 def _mean_square_variances(model: Model, drive: Drive) -> Doubles:
     """Return the integrals over all lags in s of Cov[x^2, x^2] and Cov[x'^2, x'^2]."""
     diameters, probabilities = size_rule(model.sizes, _SIZES)
-    transform, rules = transform_of(model.pulse), response_rules(model, drive)
-    squares, energies = np.zeros(2), np.zeros((2, diameters.size))
-    for rule, density, square in zip(
-        rules, (spectral_density, mean_spectral_density), (transform.square, transform.mean_square), strict=True
-    ):
+    lives, shares = _energies_of_lives(model.pulse)
+    rules = response_rules(model, drive)
+    squares, energies = np.zeros(2), np.zeros((2, shares.size, diameters.size))
+    for rule, density, square in zip(rules, (spectral_density, mean_spectral_density), lives, strict=True):
         k, weights, powers = _weighted(rule, drive)
         squares += np.square(density(model, k) * powers) @ weights
-        energies += (powers * weights) @ square(np.multiply.outer(k, diameters)) * diameters**6
+        energies += np.einsum("vk,lkd->vld", powers * weights, square(np.multiply.outer(k, diameters)) * diameters**6)
     first = drive.strengths.moment(2) ** 2 * 2.0 / (pi * drive.speed) * squares
-    fourth = np.square(energies / (pi * drive.speed)) @ probabilities
+    fourth = shares @ np.square(energies / (pi * drive.speed)) @ probabilities
     return first + model.birth_rate * drive.speed * drive.strengths.moment(4) * fourth
+
+
+def _energies_of_lives(pulse: Pulse) -> tuple[tuple[Energies, Energies], Doubles]:
+    """Return |a^(z)|^2 of each kind of life of unit diameter, itself and without its swing, and their probabilities."""
+    if pulse.offset != "none":
+        return (pass_energies, pass_energies), offset_probabilities()
+    transform = transform_of(pulse)
+    return (lambda z: transform.square(z)[None], lambda z: transform.mean_square(z)[None]), np.ones(1)
 
 
 def _weighted(rule: Rule, drive: Drive) -> tuple[Doubles, Doubles, Doubles]:

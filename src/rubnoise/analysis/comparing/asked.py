@@ -16,8 +16,11 @@ from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.quadrature import size_range
 
-LIFE_INTEGRALS: Final = {"lens": 2.0 / 3.0, "triangle": pi / 4.0}
-"""Integral of the area over a life of 2 d, in d^3. Not taken from the pulse, on purpose."""
+LIFE_INTEGRALS: Final = {"lens": 2.0 / 3.0, "triangle": pi / 4.0, "off-centre lens": pi**2 / 32.0}
+"""Mean integral of the area over a life, in d^3, by the name of the pulse. Not taken from the pulse, on purpose."""
+
+LIVES: Final = {"lens": 2.0, "triangle": 2.0, "off-centre lens": pi / 2.0}
+"""Mean life in d. Not taken from the pulse, either."""
 
 PAPER_LIFE_MEAN: Final = 0.327
 """Mean area over a life in d^2, as the paper rounds it (Eq. 6): calibration paper asks for this in place of 1/3."""
@@ -43,14 +46,15 @@ class Cubes:
 def asked_findings(model: Model, cubes: Cubes) -> list[Finding]:
     """Return the mean count and mean area that a scenario asks for, beside the exact ones and those of its rows.
 
-    N_jm junctions that live for 2 d_m are born at a rate of N_jm/(2 d_m), and with diameters d they have the mean area
-    N_jm/(2 d_m) C E[d^3], where C d^3 is the integral over a life. That has to be what `asked_area` says, with E[d^3]
-    as the law has it, and with the mean over those that were born.
+    N_jm junctions that live for L d_m, L = 2 where all pass through both centres, are born at a rate of N_jm/(L d_m),
+    and with diameters d they have the mean area N_jm/(L d_m) C E[d^3], where C d^3 is the integral over a life. That
+    has to be what `asked_area` says, with E[d^3] as the law has it, and with the mean over those that were born.
     """
-    integral = LIFE_INTEGRALS.get(model.pulse.shape)
+    integral = LIFE_INTEGRALS.get(model.pulse.name)
     if integral is None:
         return [LeftOut(name="asked", reason="no second source has the mean area of this pulse")]
-    rate, asked = model.mean_junction_count / (2.0 * model.calibrated_diameter), asked_area(model, integral)
+    life = LIVES[model.pulse.name] * model.calibrated_diameter
+    rate, asked = model.mean_junction_count / life, asked_area(model, integral)
     means = area_cumulants(model).mean, rate * integral * model.sizes.moment(3)
     found: list[Finding] = [
         _identity("asked_mean_count", (model.birth_rate / rate,), model.mean_junction_count, ""),
@@ -65,13 +69,14 @@ def asked_area(model: Model, integral: float) -> float:
     """Return the mean area in um^2 that a calibration has to lead to, for lives of the area ``integral`` times d^3.
 
     Of ``matched`` it is A_rm. ``exact`` takes all diameters for d_m, which makes it A_rm E[d^3]/d_m^3; ``paper`` does
-    so, too, with a mean area of 0.327 d^2 over a life in place of C/2.
+    so, too, with a mean area of 0.327 d^2 over a life in place of C/L.
     """
     if model.calibration == "matched":
         return model.mean_real_contact_area
     larger = model.sizes.moment(3) / model.calibrated_diameter**3
-    life_mean = PAPER_LIFE_MEAN if model.calibration == "paper" else 0.5 * integral
-    return model.mean_real_contact_area * larger * 0.5 * integral / life_mean
+    whole = integral / LIVES[model.pulse.name]
+    life_mean = PAPER_LIFE_MEAN if model.calibration == "paper" else whole
+    return model.mean_real_contact_area * larger * whole / life_mean
 
 
 def _from_rows(model: Model, cubes: Cubes, factor: float, asked: float) -> Finding:

@@ -10,6 +10,7 @@ from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.off_centre import area_of, half_life, overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
@@ -19,6 +20,7 @@ from rubnoise.theory.spectrum import spectral_density
 _ROUNDING = 2.0**-50
 _NODES = 40
 _ALIASES = 64
+_AT_ONCE = 4096
 _AREA_ROUNDING = 1e-9  # in diameters squared: what formulas of a life's area lose near its ends
 
 
@@ -36,34 +38,42 @@ class Lives:
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
         """Take in a chunk of /junctions."""
         birth, death, diameter = (columns[name] for name in ("birth_distance", "death_distance", "diameter"))
+        offset = columns.get("lateral_offset")
         if not birth.size:
             return
         self._check(columns)
-        self._add_totals(birth, death, diameter)
+        self._add_totals(birth, death, diameter, offset)
         # Sampled ticks are farther apart than any life is long: a junction is alive at one of them at most.
         tick = np.searchsorted(self._ticks, birth)
         there = np.flatnonzero(tick < self._ticks.size)
         there = there[self._ticks[tick[there]] < death[there]]
-        area = self._model.pulse.area(self._ticks[tick[there]] - birth[there], diameter[there])
+        aside = None if offset is None else offset[there]
+        area = area_of(self._model.pulse, self._ticks[tick[there]] - birth[there], diameter[there], aside)
         self.area += np.bincount(tick[there], area, self._ticks.size)
         self.count += np.bincount(tick[there], minlength=self._ticks.size)
 
     def _check(self, columns: dict[str, NDArray[Any]]) -> None:
         birth, life, diameter = (columns[name] for name in ("birth_distance", "life_distance", "diameter"))
-        self.longest_difference = max(self.longest_difference, float(np.abs(life - 2.0 * diameter).max()))
+        whole = 2.0 * half_life(diameter, columns.get("lateral_offset"))
+        self.longest_difference = max(self.longest_difference, float(np.abs(life - whole).max()))
         self.death_difference = max(
             self.death_difference, float(np.abs(columns["death_distance"] - birth - life).max())
         )
         self.largest = max(self.largest, float(diameter.max()))
 
-    def _add_totals(self, birth: Doubles, death: Doubles, diameter: Doubles) -> None:
+    def _add_totals(self, birth: Doubles, death: Doubles, diameter: Doubles, offset: Doubles | None) -> None:
         """Add what the rows have between the first and the last tick; a tick stands for half a step on either side."""
         half, end = 0.5 * self._model.tick, self._end
         first, last = np.clip(birth, 0.0, end), np.clip(death, 0.0, end)
         cut = (first > birth) | (last < death)
-        whole = self._model.pulse.life_integral(1) * diameter**3
         ages = np.clip(np.stack([first, last]) - birth, 0.0, death - birth)[:, cut]
-        before, after = life_so_far(self._model.pulse, ages, diameter[cut])
+        if offset is None:
+            whole = self._model.pulse.life_integral(1) * diameter**3
+            before, after = life_so_far(self._model.pulse, ages, diameter[cut])
+        else:
+            whole = 2.0 * from_mid_life(half_life(diameter, offset), diameter, offset)
+            from_middle = ages - half_life(diameter[cut], offset[cut])
+            before, after = from_mid_life(from_middle, diameter[cut], offset[cut])
         self.total_area += float(whole[~cut].sum() + (after - before).sum())
         lives = np.clip(death, -half, end + half) - np.clip(birth, -half, end + half)
         share = lives / self._model.tick % 1.0
@@ -84,7 +94,7 @@ def life_findings(model: Model, lives: Lives, trace: TraceSums) -> list[Finding]
         return [*found, LeftOut(name="life_mean", reason=reason)]
     if not (lives.total_area > 0.0 and lives.total_life > 0.0):
         return [*found, LeftOut(name="life_mean", reason="no junction was alive")]
-    mean = 0.5 * model.pulse.life_integral(1)
+    mean = model.pulse.life_integral(1) / model.pulse.mean_life
     area = model.tick * (trace.area_total - 0.5 * (trace.first_area + trace.last_area))
     rounding = _ROUNDING * trace.ticks**0.5
     missed = missed_by_ticks(model, trace.ticks) / lives.total_area
@@ -92,7 +102,7 @@ def life_findings(model: Model, lives: Lives, trace: TraceSums) -> list[Finding]
     return [
         *found,
         _ratio("life_mean_area", area / lives.total_area, mean, missed + rounding),
-        _ratio("life_over_diameter", life[1], 2.0, life[0] + rounding),
+        _ratio("life_over_diameter", life[1], model.pulse.mean_life, life[0] + rounding),
     ]
 
 
@@ -122,6 +132,28 @@ def life_so_far(pulse: Pulse, age: Doubles, diameter: Doubles) -> Doubles:
     y, weights = panels([0.0, 1.0], _NODES)
     rising = (pulse.area(reach * y * y, diameter[..., None]) * (2.0 * y * weights * reach)).sum(axis=-1)
     return np.where(age <= diameter, rising, pulse.life_integral(1) * diameter**3 - rising)
+
+
+def from_mid_life(x: Doubles, diameter: Doubles, offset: Doubles) -> Doubles:
+    """Return the integral of A from mid-life to x = s - h in um^3, negative for x < 0; all in um, |x| <= h.
+
+    x = |b| sinh(v) takes the turn at mid-life away, and v = V (1 - (1 - t)^2) the root at the end of a life.
+    """
+    some = range(0, diameter.size, _AT_ONCE)
+    parts = [
+        _from_mid_life(x[..., n : n + _AT_ONCE], diameter[n : n + _AT_ONCE], np.abs(offset[n : n + _AT_ONCE]))
+        for n in some
+    ]
+    return np.concatenate([np.zeros((*x.shape[:-1], 0)), *parts], axis=-1)
+
+
+def _from_mid_life(x: Doubles, diameter: Doubles, b: Doubles) -> Doubles:
+    highest = np.arcsinh(np.abs(x) / b)[..., None]
+    t, weights = panels([0.0, 1.0], _NODES)
+    v = highest * (1.0 - (1.0 - t) ** 2)
+    r = (b / diameter)[..., None] * np.cosh(v)
+    total = (overlap(r) * np.cosh(v) * (2.0 * weights * (1.0 - t) * highest)).sum(axis=-1)
+    return np.asarray(np.sign(x) * diameter * diameter * b * total, dtype=np.float64)
 
 
 def _identities(model: Model, lives: Lives, trace: TraceSums) -> list[Finding]:

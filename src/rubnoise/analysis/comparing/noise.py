@@ -20,7 +20,7 @@ from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.moments import covariance_errors, over_ticks
 from rubnoise.analysis.records import longer
-from rubnoise.analysis.spectra import band_powers, half_of, hann
+from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import Distribution, distribution
@@ -82,10 +82,18 @@ def spectrum_findings(model: Model, trace: TraceSums) -> list[Finding]:
         judged(
             f"spectrum_{band.lowest:.3g}_to_{band.highest:.3g}",
             band.observed, band.expected, band.standard_error, length=length,
-            tail=tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2],
+            tail=_band_tail(model, band, tails[6 if band.lowest * model.calibrated_diameter < np.pi else 2], length),
         )
         for band in band_powers(model, seen, expected, length, BANDS)
     ]  # fmt: skip
+
+
+def _band_tail(model: Model, band: Band, of_sizes: Tail, length: float) -> Tail:
+    """Return the tail of a band's power: off the centre line the few lives of a sharp tip hold most of short waves."""
+    if model.pulse.offset == "none" or band.skewness <= LARGEST_TAIL_SKEWNESS:
+        return of_sizes
+    needed = max(of_sizes.needed, longer(length, band.skewness, LARGEST_TAIL_SKEWNESS))
+    return Tail(skewness=max(of_sizes.skewness, band.skewness), needed=needed)
 
 
 def distribution_findings(model: Model, trace: TraceSums) -> list[Finding]:

@@ -23,6 +23,7 @@ from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figur
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Moments
@@ -84,6 +85,7 @@ class Marks:
         self.moments = {name: Moments(powers=2) for name in self._alike}
         self.deviations = dict.fromkeys(self._alike, 0.0)
         self.sizes = UniformSample()
+        self.offsets = UniformSample()
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
         """Take in a chunk of /junctions."""
@@ -96,6 +98,8 @@ class Marks:
             self.deviations[name] = max(self.deviations[name], away)
         if self._law is not None:
             self.sizes.add(self._law(columns["diameter"][born]))
+        if "lateral_offset" in columns:
+            self.offsets.add(0.5 + 0.5 * columns["lateral_offset"][born] / columns["diameter"][born])
 
 
 def mark_findings(model: Model, marks: Marks) -> list[Finding]:
@@ -113,6 +117,8 @@ def mark_findings(model: Model, marks: Marks) -> list[Finding]:
         found = _spread("diameter", marks.moments["diameter"], model.sizes, model)
         if count >= FEWEST:
             found.append(kolmogorov_figure("diameter_kolmogorov", marks.sizes.distance(), count))
+    if model.pulse.offset != "none" and count >= FEWEST:
+        found.append(kolmogorov_figure("offset_kolmogorov", marks.offsets.distance(), count))
     return found + _strength_findings(model, marks)
 
 
@@ -160,12 +166,15 @@ class Start:
     def __init__(self) -> None:
         self._births: list[Doubles] = []
         self._diameters: list[Doubles] = []
+        self._offsets: list[Doubles] = []
 
     def add(self, columns: dict[str, NDArray[Any]]) -> None:
         """Take in a chunk of /junctions."""
         there = (columns["state"] & JunctionState.ALIVE_AT_START) != 0
         self._births.append(columns["birth_distance"][there])
         self._diameters.append(columns["diameter"][there])
+        if "lateral_offset" in columns:
+            self._offsets.append(columns["lateral_offset"][there])
 
     @property
     def diameters(self) -> Doubles:
@@ -175,14 +184,19 @@ class Start:
     @property
     def ages(self) -> Doubles:
         """Their ages as a share of their lives."""
-        return -np.concatenate([np.empty(0), *self._births]) / (2.0 * self.diameters)
+        return -np.concatenate([np.empty(0), *self._births]) / (2.0 * half_life(self.diameters, self.offsets))
+
+    @property
+    def offsets(self) -> Doubles | None:
+        """By how much they miss the centre line in um; None where all pass through both centres."""
+        return np.concatenate(self._offsets) if self._offsets else None
 
 
 def start_findings(model: Model, start: Start) -> list[Finding]:
     """Return number, ages and diameters at the start beside their laws; raises Refused unless births are random.
 
-    The number is Poisson(lam E[2d]), ages are uniform over a life, diameters have a density proportional to d f(d); an
-    empty start has no junctions to compare.
+    The number is Poisson(lam E[life]), ages are uniform over a life, diameters have a density proportional to d f(d),
+    offsets one proportional to the life, (2/pi) sqrt(1 - (b/d)^2); an empty start has no junctions to compare.
     """
     if model.start != "stationary":
         return []
@@ -197,4 +211,9 @@ def start_findings(model: Model, start: Start) -> list[Finding]:
     if low < high:
         distance = sample_distance(diameters, size_distribution(model.sizes, alive=True)(diameters))
         found.append(kolmogorov_figure("start_diameter_kolmogorov", distance, diameters.size))
+    if start.offsets is not None:
+        aside = start.offsets / diameters
+        below = 0.5 + (aside * half_life(np.ones(aside.size), aside) + np.arcsin(aside)) / np.pi
+        distance = sample_distance(below, below)
+        found.append(kolmogorov_figure("start_offset_kolmogorov", distance, diameters.size))
     return found

@@ -36,7 +36,9 @@ class Rebuilt:
         first, last = (np.searchsorted(self._distance, place) for place in (junctions.birth, junctions.death))
         ticks = self._change.size
         self._change += np.bincount(first, minlength=ticks) - np.bincount(last, minlength=ticks)
-        shapes = (junctions.birth, junctions.diameter, junctions.strength)
+        shapes: tuple[Doubles, ...] = (junctions.birth, junctions.diameter, junctions.strength)
+        if self._model.pulse.offset != "none":
+            shapes = (*shapes, junctions.offset)
         add_areas(self._model.pulse, self._distance, (first, last), shapes, self.area, self.force)
         square = junctions.diameter * junctions.diameter
         self._largest = max(self._largest, float(square.max(initial=0.0)))

@@ -12,7 +12,7 @@ from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.record.tally import TALLIED, Moments, Tally
-from rubnoise.storage.life_curve import life_curve
+from rubnoise.storage.life_curve import life_tables
 
 MEASURED: Final = 1e-9
 """Relative: measured figures are sums over columns, whose order is left open."""
@@ -30,8 +30,9 @@ _CONSTANT = 2.0**-30
 def curve_check(model: Model, run: Reader) -> Check:
     """Return whether the table of a life is that of the scenario's pulse, bit for bit."""
     notes = Notes("life_curve")
-    for name, values in life_curve(model.pulse.shape).items():
-        notes.equal(f"/life_curve/{name}", 0, run.column("life_curve", name), values)
+    for group, lives in life_tables(model.pulse).items():
+        for name, values in lives.items():
+            notes.equal(f"/{group}/{name}", 0, run.column(group, name), values)
     return notes.check()
 
 

@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.reading import Chunk, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
+from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Fixed
+from rubnoise.contact.off_centre import half_life, overlap
 from rubnoise.contact.overlap import max_area
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
@@ -17,6 +19,9 @@ Mask = NDArray[np.bool_]
 
 AT_START, AT_END, EARLY = 1, 2, 4
 """Bits of a row's state, as the file's format has them."""
+
+_PEAK = 2.0**-48
+"""By how much two ways to an area over d^2 may differ."""
 
 _CLOCK = 2.0**-36
 """How far, of a distance, the clock of events may be off where an interrupt ends a life: it adds up gaps."""
@@ -31,6 +36,8 @@ def life_checks(model: Model, rows: Rows) -> list[Check]:
         "diameters": _check_diameters,
         "states": _check_states,
     }
+    if model.pulse.offset != "none":
+        checks["offsets"] = _check_offsets
     if model.strengths is not None:
         checks["strengths"] = _check_strengths
     if model.sliding_speed is not None and not model.is_two_way:
@@ -96,19 +103,19 @@ def _check_births(notes: Notes, model: Model, chunk: Chunk) -> None:
     if model.start == "empty":
         there &= ~np.signbit(birth)
     else:
-        there &= birth + 2.0 * chunk["diameter"] >= 0.0
+        there &= _natural_death(chunk) >= 0.0
     within = "within the run" if model.start == "empty" else "within the run, or so far before it that it is alive"
     notes.holds("/junctions/birth_distance", chunk.first, birth, there, within)
 
 
 def _check_lives(notes: Notes, _model: Model, chunk: Chunk) -> None:
     """Compare deaths and lives with birth and diameter, bit for bit; a life ended early has the death that it had."""
-    birth, diameter, death = (chunk[name] for name in ("birth_distance", "diameter", "death_distance"))
-    natural, early = birth + 2.0 * diameter, ended_early(chunk)
+    birth, death = (chunk[name] for name in ("birth_distance", "death_distance"))
+    natural, early = _natural_death(chunk), ended_early(chunk)
     notes.equal("/junctions/death_distance", chunk.first, death, np.where(early, death, natural))
     within = ~early | ((death < natural) & (death >= birth - _CLOCK * np.abs(birth)))
-    notes.holds("/junctions/death_distance", chunk.first, death, within, "between birth and birth + 2d")
-    life = np.where(early, death - birth, 2.0 * diameter)
+    notes.holds("/junctions/death_distance", chunk.first, death, within, "between birth and the end of a whole life")
+    life = np.where(early, death - birth, 2.0 * _half_life(chunk))
     notes.equal("/junctions/life_distance", chunk.first, chunk["life_distance"], life)
 
 
@@ -119,7 +126,28 @@ def _check_diameters(notes: Notes, model: Model, chunk: Chunk) -> None:
     else:
         right = np.isfinite(diameter) & (diameter > 0.0)
         notes.holds("/junctions/diameter", chunk.first, diameter, right, "positive and finite")
-    notes.equal("/junctions/max_area", chunk.first, chunk["max_area"], max_area(diameter))
+    if model.pulse.offset == "none":
+        notes.equal("/junctions/max_area", chunk.first, chunk["max_area"], max_area(diameter))
+
+
+def _check_offsets(notes: Notes, _model: Model, chunk: Chunk) -> None:
+    """Look whether the two circles meet at all, and compare the areas at which they are closest."""
+    diameter, offset = chunk["diameter"], chunk["lateral_offset"]
+    right = np.abs(offset) < diameter
+    notes.holds("/junctions/lateral_offset", chunk.first, offset, right, "nearer to the line than the diameter")
+    square = diameter * diameter
+    peak = square * overlap(np.abs(offset) / diameter)
+    notes.near("/junctions/max_area", chunk.first, chunk["max_area"], peak, _PEAK * square)
+
+
+def _half_life(chunk: Chunk) -> Doubles:
+    """Return how far each junction slides from birth to mid-life in um."""
+    return half_life(chunk["diameter"], chunk.get("lateral_offset"))
+
+
+def _natural_death(chunk: Chunk) -> Doubles:
+    death: Doubles = chunk["birth_distance"] + 2.0 * _half_life(chunk)
+    return death
 
 
 def _check_strengths(notes: Notes, model: Model, chunk: Chunk) -> None:
@@ -140,5 +168,5 @@ def _check_times(notes: Notes, model: Model, chunk: Chunk) -> None:
 def _check_states(notes: Notes, model: Model, chunk: Chunk) -> None:
     birth, death, state = (chunk[name] for name in ("birth_distance", "death_distance", "state"))
     right = AT_START * np.signbit(birth) + AT_END * (death > model.distance)
-    right = right + EARLY * (death < birth + 2.0 * chunk["diameter"])
+    right = right + EARLY * (death < _natural_death(chunk))
     notes.equal("/junctions/state", chunk.first, state, right.astype(np.uint8))

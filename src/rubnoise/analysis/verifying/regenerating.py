@@ -23,7 +23,15 @@ from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate, slider_constants
 from rubnoise.simulation.state import LiveRows, State
 
-UNTOUCHED: Final = ("junction", "birth_distance", "diameter", "max_area", "shear_strength", "birth_time")
+UNTOUCHED: Final = (
+    "junction",
+    "birth_distance",
+    "diameter",
+    "lateral_offset",
+    "max_area",
+    "shear_strength",
+    "birth_time",
+)
 """Columns of /junctions that an interrupt leaves as they are."""
 
 
@@ -172,6 +180,7 @@ def _as_live(chunk: Chunk) -> LiveRows:
         diameter=chunk["diameter"],
         strength=chunk["shear_strength"] if "shear_strength" in chunk else np.ones(birth.size),
         departure=np.full(birth.size, np.inf),
+        offset=chunk.get("lateral_offset"),
     )
 
 

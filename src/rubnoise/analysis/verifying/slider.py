@@ -150,7 +150,9 @@ def _moments(model: Model, rows: Rows, cells: int) -> Iterator[tuple[int, int, D
         edges = np.arange((first - 1) * cells, (end - 1) * cells + 1).astype(np.float64) * width
         moments = np.zeros((3, edges.size - 1))
         for each in window.until(float(edges[-1])):
-            shapes = (each.birth, each.diameter, each.death, each.strength)
+            shapes: tuple[Doubles, ...] = (each.birth, each.diameter, each.death, each.strength)
+            if model.pulse.offset != "none":
+                shapes = (*shapes, each.offset)
             moments += force_moments(model.pulse, edges, width, shapes)
         yield first, end, moments.reshape(3, end - first, cells)
 

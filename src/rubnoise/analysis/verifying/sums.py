@@ -10,23 +10,23 @@ import numpy as np
 
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
-from rubnoise.contact.pulses import Pulse, Shape
+from rubnoise.contact.pulses import Pulse
 
 
 def add_areas(
     pulse: Pulse,
     positions: Doubles,
     lives: tuple[Integers, Integers],
-    shapes: tuple[Doubles, Doubles, Doubles],
+    shapes: tuple[Doubles, ...],
     area: Doubles,
     force: Doubles,
 ) -> None:
     """Add what junctions have of area in um^2 and of force in uN at the positions in um at which they live.
 
     ``lives`` holds the first position of each junction and the one after its last, ``shapes`` birth, diameter (um) and
-    strength (MPa).
+    strength (MPa), and of passes off the centre line the offset (um).
     """
-    _ADDED[pulse.shape](positions, *lives, *shapes, area, force)
+    _ADDED[pulse.name](positions, *lives, *shapes, area, force)
 
 
 @compiled
@@ -79,7 +79,39 @@ def _add_triangles(
             force[tick] += psi * each
 
 
-_ADDED: dict[Shape, Callable[..., None]] = {"lens": _add_lenses, "triangle": _add_triangles}
+@compiled
+def off_centre_fraction(x: float, offset: float) -> float:
+    """Return the area of the lens over d^2 whose centres are x d along the motion and b d across it from each other."""
+    r = min(np.hypot(x, offset), 1.0)
+    return 0.5 * (np.arccos(r) - r * np.sqrt((1.0 - r) * (1.0 + r)))
+
+
+@compiled
+def _add_off_centre(
+    positions: Doubles,
+    first: Integers,
+    last: Integers,
+    birth: Doubles,
+    diameter: Doubles,
+    strength: Doubles,
+    offset: Doubles,
+    area: Doubles,
+    force: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        born, d, psi, b = birth[row], diameter[row], strength[row], offset[row] / diameter[row]
+        half = np.sqrt((d - offset[row]) * (d + offset[row]))
+        for tick in range(first[row], last[row]):
+            each = d * d * off_centre_fraction((positions[tick] - born - half) / d, b)
+            area[tick] += each
+            force[tick] += psi * each
+
+
+_ADDED: dict[str, Callable[..., None]] = {
+    "lens": _add_lenses,
+    "triangle": _add_triangles,
+    "off-centre lens": _add_off_centre,
+}
 
 
 NARROW: Final = 128.0
@@ -96,11 +128,12 @@ def force_moments(pulse: Pulse, positions: Doubles, width: float, shapes: tuple[
     """Return int F P_i(2y - 1) ds over each cell between positions for i = 0, 1, 2, in uN um, shape (3, cells).
 
     ``width`` (um) is that of every cell: positions far out are rounded, and their differences are not as wide.
-    ``shapes`` holds birth, diameter, death (um) and strength (MPa). Closed forms are differences over a cell of what is
+    ``shapes`` holds birth, diameter, death (um) and strength (MPa), and of passes off the centre line the offset (um).
+    Closed forms are differences over a cell of what is
     as large as over a life; where cells are a very small part of a diameter, quadrature takes their place.
     """
     moments = np.zeros((3, positions.size - 1))
-    _MOMENTS_ADDED[pulse.shape](positions, width, shapes, moments)
+    _MOMENTS_ADDED[pulse.name](positions, width, shapes, moments)
     return moments
 
 
@@ -114,7 +147,15 @@ def _add_all_lenses(positions: Doubles, width: float, shapes: tuple[Doubles, ...
     _add(_add_fine_lenses, positions, width, tuple(each[fine] for each in shapes), moments)
 
 
-_MOMENTS_ADDED: dict[Shape, Callable[..., None]] = {"lens": _add_all_lenses, "triangle": _add_all_triangles}
+def _add_all_off_centre(positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
+    _add(_add_off_centre_moments, positions, width, shapes, moments)
+
+
+_MOMENTS_ADDED: dict[str, Callable[..., None]] = {
+    "lens": _add_all_lenses,
+    "triangle": _add_all_triangles,
+    "off-centre lens": _add_all_off_centre,
+}
 
 
 def _add(add: Any, positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
@@ -273,3 +314,61 @@ def _add_triangle_moments(
             if q >= edge:
                 cell += 1
                 edge = origin[row] + (cell - begin[row] + 1) * width
+
+
+_LONGEST_TURN = 0.5
+_SHORTEST_TURN = 1e-7
+
+
+@compiled
+def _add_off_centre_moments(
+    begin: Integers,
+    origin: Doubles,
+    width: float,
+    birth: Doubles,
+    diameter: Doubles,
+    death: Doubles,
+    strength: Doubles,
+    offset: Doubles,
+    moments: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        half = np.sqrt((diameter[row] - offset[row]) * (diameter[row] + offset[row]))
+        end = 2.0 * half if death[row] >= birth[row] + 2.0 * half else death[row] - birth[row]
+        cell = begin[row]
+        edge = origin[row] + width
+        p = max(origin[row], 0.0)
+        while cell < moments.shape[1] and p < end:
+            q = min(edge, end)
+            _add_turning(p, q, half, diameter[row], abs(offset[row]), strength[row], edge, width, cell, moments)
+            p = q
+            if q >= edge:
+                cell += 1
+                edge = origin[row] + (cell - begin[row] + 1) * width
+
+
+@compiled
+def _add_turning(
+    p: float, q: float, half: float, d: float, b: float, psi: float, edge: float, width: float, cell: int,
+    moments: Doubles,
+) -> None:  # fmt: skip
+    """Add a piece of a life between two ages by quadrature in the angle t of x = -h cos t, where its ends are smooth.
+
+    The area turns at t = pi/2, as sharply as b is small beside h: steps are half as long as it is away, at most.
+    """
+    angle = 2.0 * np.arcsin(np.sqrt(min(p / (2.0 * half), 1.0)))
+    last = 2.0 * np.arcsin(np.sqrt(min(q / (2.0 * half), 1.0)))
+    m0, m1, m2 = 0.0, 0.0, 0.0
+    while angle < last:
+        away = np.hypot(0.5 * np.pi - angle, min(b / half, 1.0))
+        step = min(last - angle, _LONGEST_TURN, max(0.5 * away, _SHORTEST_TURN))
+        for node in range(_COUNT):
+            t = angle + step * _NODES[node]
+            part = _WEIGHTS[node] * step * half * np.sin(t) * off_centre_fraction(half * np.cos(t) / d, b / d)
+            y = 2.0 * half * np.sin(0.5 * t) ** 2 - edge + 0.5 * width
+            m0 += part
+            m1 += part * y
+            m2 += part * y * y
+        angle += step
+    scale = psi * d * d
+    _add_to_cell(moments, cell, width, scale * m0, scale * m1, scale * m2)
