@@ -74,6 +74,7 @@ def life_as_json(life: "Life", file: Path) -> dict[str, Any]:
         "mid_life_time": None if middle is None else _number(life.time(middle)),
         "death_time": life.death_time,
         "diameter": life.diameter,
+        "lateral_offset": life.lateral_offset,
         "max_area": life.max_area,
         "shear_strength": life.shear_strength,
         "peak": {
@@ -155,7 +156,9 @@ def format_life(life: "Life", file: Path) -> Iterator[str]:
     yield from _event_lines(life)
     yield ""
     yield _line("diameter", life.diameter, "um")
-    yield _line("area at full overlap", life.max_area, "um^2")
+    if life.lateral_offset is not None:
+        yield _line("lateral offset", life.lateral_offset, "um")
+    yield _line("area at full overlap" if life.lateral_offset is None else "area at mid-life", life.max_area, "um^2")
     if life.shear_strength is not None:
         yield _line("shear strength", life.shear_strength, "MPa")
     yield ""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.area import COUNT
 from rubnoise.figures.motion import Motion
@@ -73,17 +74,18 @@ class Stage:
         from matplotlib.collections import PolyCollection
 
         pairs = self.junctions
-        shift = distance - pairs.birth - pairs.diameter
+        shift = distance - pairs.birth - pairs.half_life
         lead = LEAD * pairs.diameter
         near = np.flatnonzero((distance >= pairs.birth - lead) & (distance < pairs.death + lead))
         touching = np.flatnonzero((distance >= pairs.birth) & (distance < pairs.death))
-        areas = pairs.pulse.area(distance - pairs.birth[touching], pairs.diameter[touching])
+        aside = None if pairs.offset is None else pairs.offset[touching]
+        areas = area_of(pairs.pulse, distance - pairs.birth[touching], pairs.diameter[touching], aside)
         lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
         overlap = PolyCollection(lenses, array=areas, cmap=_shades(), clim=(0.0, self.largest_area), lw=0.0, zorder=2)
         drawn = [
-            axes.add_collection(self._circles(near, 0.0 * shift, facecolor=PALE, edgecolor=FAINT, zorder=1)),
+            axes.add_collection(self._circles(near, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)),
             axes.add_collection(overlap),
-            axes.add_collection(self._circles(near, shift, facecolor="none", edgecolor=INK, zorder=3)),
+            axes.add_collection(self._circles(near, shift, 0.5, facecolor="none", edgecolor=INK, zorder=3)),
         ]
         drawn += self._signs(axes, pairs.birth, BORN, distance, marker="o", mfc="white", ms=5.0)
         drawn += self._signs(axes, pairs.death, LEAD, distance, marker="x", ms=6.0)
@@ -93,27 +95,43 @@ class Stage:
         """Mark where pairs first or last touched, or were parted, from then on for some diameters."""
         pairs = self.junctions
         which = (events <= distance) & (distance < events + lasting * pairs.diameter)
-        middle = self.x + 0.5 * (events - pairs.birth - pairs.diameter)
+        middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
         return axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
 
-    def _circles(self, which: NDArray[np.int64], shift: Doubles, **look: Any) -> Any:
+    def _circles(self, which: NDArray[np.int64], shift: Doubles, aside: float, **look: Any) -> Any:
+        """Return circles ``shift`` um along the motion and a part of their offsets across it."""
         from matplotlib.collections import PolyCollection
 
         turn = np.linspace(0.0, 2.0 * pi, 2 * ARC_POINTS, endpoint=False)
         radius = 0.5 * self.junctions.diameter[which][:, np.newaxis]
         x = (self.x + shift)[which][:, np.newaxis] + radius * np.cos(turn)
-        y = self.y[which][:, np.newaxis] + radius * np.sin(turn)
+        across = 0.0 if self.junctions.offset is None else aside * self.junctions.offset[which][:, np.newaxis]
+        y = self.y[which][:, np.newaxis] + across + radius * np.sin(turn)
         return PolyCollection(list(np.stack([x, y], axis=-1)), lw=0.7, **look)
 
     def _lens(self, row: int, shift: float) -> Doubles:
-        """Return the outline of what both circles of a pair cover, their centres ``shift`` um apart."""
+        """Return the outline of what both circles of a pair cover, their centres ``shift`` um apart along it."""
         radius = 0.5 * float(self.junctions.diameter[row])
+        if self.junctions.offset is not None:
+            return self._turned_lens(row, shift, radius)
         half = np.arccos(min(abs(shift) / (2.0 * radius), 1.0))
         arc = np.linspace(-half, half, ARC_POINTS)
         # The right edge is that of the circle farther left, and the other way round.
         left, right = min(shift, 0.0), max(shift, 0.0)
         x = np.concatenate([left + radius * np.cos(arc), right - radius * np.cos(arc)])
         y = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
+        return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
+
+    def _turned_lens(self, row: int, shift: float, radius: float) -> Doubles:
+        """Return the same for a pair whose centres are apart across the motion, too."""
+        across = 0.0 if self.junctions.offset is None else float(self.junctions.offset[row])
+        apart, turn = np.hypot(shift, across), np.arctan2(across, shift)
+        half = np.arccos(min(apart / (2.0 * radius), 1.0))
+        arc = np.linspace(-half, half, ARC_POINTS)
+        along = np.concatenate([radius * np.cos(arc) - 0.5 * apart, 0.5 * apart - radius * np.cos(arc)])
+        beside = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
+        x = 0.5 * shift + along * np.cos(turn) - beside * np.sin(turn)
+        y = along * np.sin(turn) + beside * np.cos(turn)
         return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
 
 
@@ -127,8 +145,9 @@ def stage_of(junctions: Neighbours, aspect: float) -> Stage:
     if slots > MOST_AT_ONCE:
         raise Refused(f"{slots:,} junctions are there at once, of which a film shows {MOST_AT_ONCE} at most")
     cells = ceil(SPARE * max(slots, 1))
-    wide, high = CELL[0] * largest, CELL[1] * largest
-    columns = min(range(1, cells + 1), key=lambda count: _height(cells, count, aspect))
+    spread = 1.0 if junctions.offset is None else 2.0  # circles lie on either side of the line of motion
+    wide, high = CELL[0] * largest, spread * CELL[1] * largest
+    columns = min(range(1, cells + 1), key=lambda count: _height(cells, count, aspect, spread))
     rows = ceil(cells / columns)
     cell = _spread_order(columns * rows)[order]
     row, column = np.divmod(cell, columns)
@@ -146,9 +165,12 @@ def _columns_width(columns: int) -> float:
     return columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]
 
 
-def _height(cells: int, columns: int, aspect: float) -> float:
-    """Return how high, in diameters, a view of this width over height is that holds the places in so many columns."""
-    return max((ceil(cells / columns) + MARGINS[2]) * CELL[1], _columns_width(columns) * CELL[0] / aspect)
+def _height(cells: int, columns: int, aspect: float, spread: float) -> float:
+    """Return how high, in diameters, a view of this width over height is that holds the places in so many columns.
+
+    Places are ``spread`` times as high as those of centred passes.
+    """
+    return max((ceil(cells / columns) + MARGINS[2]) * spread * CELL[1], _columns_width(columns) * CELL[0] / aspect)
 
 
 def shades(count: int) -> NDArray[np.uint8]:

@@ -102,7 +102,7 @@ def lives_figure(stretch: Stretch) -> "Figure":
             " --from and --to choose a shorter one"
         )
     distance = np.linspace(shown.start, shown.stop, _sample_count(shown))
-    areas = _areas(shown, alive, distance)
+    areas = alive.areas(distance)
     figure = new_figure(7.2, 5.2)
     add_title(figure, stretch, f"{alive.rows.size} junctions and their sum")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
@@ -122,13 +122,6 @@ def default_width(stretch: Stretch) -> float:
 def _sample_count(stretch: Stretch) -> int:
     lives = (stretch.stop - stretch.start) / stretch.model.mean_life_distance
     return int(min(max(FEWEST_SAMPLES, SAMPLES_A_LIFE * lives), MOST_SAMPLES))
-
-
-def _areas(stretch: Stretch, alive: Neighbours, distance: Doubles) -> Doubles:
-    """Return the area of every junction, a row each, at sliding distances; 0 where it is not alive."""
-    birth, death = alive.birth[:, np.newaxis], alive.death[:, np.newaxis]
-    areas = stretch.model.pulse.area(distance - birth, alive.diameter[:, np.newaxis])
-    return np.where((birth <= distance) & (distance < death), areas, 0.0)
 
 
 def _draw_sum(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles) -> None:

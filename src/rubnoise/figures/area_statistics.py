@@ -147,8 +147,10 @@ def acf_figure(stretch: Stretch) -> "Figure":
 
 def _life_label(stretch: Stretch) -> str:
     smallest, largest = stretch.model.sizes.support
-    whose = "a life" if smallest == largest else "the mean life"
-    return f"{whose}, 2d = {stretch.model.mean_life_distance:.4g} µm"
+    alike = smallest == largest and stretch.model.pulse.offset == "none"
+    whose = "a life" if alike else "the mean life"
+    length = "2d" if stretch.model.pulse.offset == "none" else "πd/2"
+    return f"{whose}, {length} = {stretch.model.mean_life_distance:.4g} µm"
 
 
 def _lag_steps(stretch: Stretch) -> NDArray[np.int64]:

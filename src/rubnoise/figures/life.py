@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rubnoise.analysis.life import Life
+from rubnoise.contact.off_centre import area_of
 from rubnoise.figures.style import BLUE, FAINT, INK, PALE, as_png, house_style, new_figure, shortened, with_minus
 from rubnoise.record.rows import JunctionState
 
@@ -49,9 +50,9 @@ def _draw_neighbours(axes: "Axes", life: Life) -> None:
     label = "the others" if drawn == count else f"{drawn} of the {count:,} others"
     age = np.linspace(0.0, 2.0, SAMPLES)
     for i in np.arange(drawn) * count // max(drawn, 1):
-        lived = age * others.diameter[i]
+        lived = age * others.half_life[i]
         shown = lived <= others.death[i] - others.birth[i]
-        area = life.pulse.area(lived, others.diameter[i])
+        area = area_of(life.pulse, lived, others.diameter[i], None if others.offset is None else others.offset[i])
         axes.plot(others.birth[i] + lived[shown] - life.birth_distance, area[shown], color=FAINT, lw=0.7, label=label)
         label = "_one entry is enough"
 

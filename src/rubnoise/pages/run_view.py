@@ -98,7 +98,7 @@ class RunView:
             "speed": model.sliding_speed,
             "twoWay": model.is_two_way and "slider" in file.columns,
             "planned": self.planned,
-            "pulse": model.pulse.shape,
+            "pulse": model.pulse.name,
             "area": {"mean": exact.mean, "std": exact.std},
             "count": {"mean": model.mean_junction_count},
             "meanLife": model.mean_life_distance,

@@ -10,7 +10,7 @@ def in_words(model: Model) -> list[str]:
     lines = [
         (
             f"Two rough surfaces slide over {_length(model.distance)}. Where their asperities meet, junctions are born,"
-            " grow to a full overlap, shrink and die."
+            f" grow to {'a full overlap' if model.pulse.offset == 'none' else 'a largest overlap'}, shrink and die."
         ),
         (
             f"On average {model.mean_junction_count:.4g} junctions live at once. One is born every"
@@ -23,6 +23,11 @@ def in_words(model: Model) -> list[str]:
             f" {area.std:.3g} um²."
         ),
     ]
+    if model.pulse.offset != "none":
+        lines.append(
+            "The centres of two asperities miss each other by a lateral offset, anything up to the diameter on either"
+            " side. The larger the offset, the shorter the life and the smaller the area."
+        )
     if model.sliding_speed is not None:
         lines.append(f"The sliding speed is {model.sliding_speed / 1000.0:.4g} mm/s.")
     if model.strengths is not None:

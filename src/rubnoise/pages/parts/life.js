@@ -7,10 +7,16 @@
       return 0.5 * (d * d * Math.acos(x / d) - x * Math.sqrt((d - x) * (d + x)));
     },
     triangle: (s, d) => 0.25 * Math.PI * d * Math.max(Math.min(s, 2 * d - s), 0),
+    "off-centre lens": (s, d, b) => {
+      const r = Math.min(Math.hypot(s - Math.sqrt((d - b) * (d + b)), b), d);
+      return 0.5 * (d * d * Math.acos(r / d) - r * Math.sqrt((d - r) * (d + r)));
+    },
   };
 
+  const offset = (row) => ("lateral_offset" in view.lives ? view.lives.lateral_offset[row] : 0);
+
   /** The area in um^2 of a row at a sliding distance after its birth, whether it is alive or not. */
-  view.areaAtAge = (row, age) => AREAS[view.data.pulse](age, view.lives.diameter[row]);
+  view.areaAtAge = (row, age) => AREAS[view.data.pulse](age, view.lives.diameter[row], offset(row));
 
   /** The rows alive at a distance: birth <= s < death, or just before it, birth < s <= death. */
   view.aliveAt = (s, justBefore = false) => {
@@ -26,7 +32,9 @@
     const { lives, data } = view;
     const at = (name) => (name in lives.units ? lives[name][row] : null);
     const [birth, death, d, length] = ["birth_distance", "death_distance", "diameter", "life_distance"].map(at);
-    const peakAge = Math.min(Math.max(Math.min(d, length), -birth), data.distance - birth);
+    const aside = at("lateral_offset");
+    const half = aside === null ? d : Math.sqrt((d - aside) * (d + aside));
+    const peakAge = Math.min(Math.max(Math.min(half, length), -birth), data.distance - birth);
     const atDeath = peakAge === length;
     const peak = atDeath ? death : birth + peakAge;
     const peakArea = view.areaAtAge(row, peakAge);
@@ -44,7 +52,8 @@
     return {
       junction: at("junction"),
       birth, death, length, diameter: d,
-      middle: length >= d ? birth + d : null,
+      offset: aside,
+      middle: length >= half ? birth + half : null,
       birthTime: at("birth_time"),
       deathTime: at("death_time"),
       maxArea: at("max_area"),
