@@ -47,7 +47,7 @@ def model(
         calibration=calibration,
         calibrated_diameter=diameter,
         sizes=law_for(diameter, spread),
-        births=BIRTHS[births](mean_spacing=2.0 * diameter / count),
+        births=BIRTHS[births](mean_spacing=pulse.mean_life * diameter / count),
         strengths=Fixed(value=strength) if isinstance(strength, float | int) else strength,
         sliding_speed=speed,
         distance=distance,

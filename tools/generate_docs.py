@@ -37,6 +37,7 @@ ROWS = {
     "balance": "one, for the end of the run",
     "blocks": "one per block",
     "curve": "one per point of the curve",
+    "table": "one per point of the table",
 }
 NEEDS: dict[Feature | None, str] = {
     None: "always",
@@ -44,6 +45,7 @@ NEEDS: dict[Feature | None, str] = {
     "strength": "with `[strength]`",
     "slider": "with `[slider]`",
     "two-way": 'with `slider.coupling = "two-way"`',
+    "offset": 'with `pulse.offset = "uniform"`',
 }
 
 
@@ -77,11 +79,15 @@ def _group(group: Group) -> Iterator[str]:
     scale = group.columns[0].name
     yield f"### /{group.name}"
     yield ""
-    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {NEEDS[group.needs]}."
+    yield f"{_sentence(group.long_name)} Rows: {ROWS[group.length]}. Present: {_present(group)}."
     yield f"Dimension scale: `{scale}`. Drawn by viewers: `{group.plotted}` against it."
     yield ""
     yield from _table(("column", "type", "unit", "symbol", "meaning", "present"), map(_column, group.columns))
     yield ""
+
+
+def _present(group: Group) -> str:
+    return NEEDS[group.needs] if group.lacks is None else NEEDS[group.lacks].replace("with ", "without ", 1)
 
 
 def _column(column: Column) -> tuple[str, ...]:

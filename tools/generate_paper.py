@@ -49,7 +49,7 @@ Two more limits follow from its equations:
 - **Passes through both centres.** Eq. (2) is the overlap of two circles of one diameter whose centres move along one
   line. Suppose instead that centres pass at distances spread evenly from 0 to d. For equal sizes, std over mean is then
   1.356/sqrt(N_jm) and not 1.230/sqrt(N_jm). The tail of the spectrum is k^-5 and not k^-4, because only a centred pass
-  has a kink at mid-life. `pulse.offset = "uniform"` asks for the exact theory of this contact
+  has a kink at mid-life. `pulse.offset = "uniform"` runs this contact, and has its exact theory
   ([theory.md](theory.md#passes-off-the-centre-line)). Compared at one mean area and N_jm, three claims change:
   - life_mean: the mean area over a life is (pi/16) d^2 = 0.196 d^2.
   - area_spread: from 10 to 50 junctions of equal size, the std falls by 24 um^2 at 100 um^2 and by 119 um^2 at 500

@@ -12,6 +12,7 @@ import numpy as np
 import xxhash
 
 from rubnoise.contact.laws import Spread
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model, Slider
 from rubnoise.simulation.extent import Engine
@@ -43,6 +44,12 @@ RUNS: dict[str, Model] = {
     ),
     "lenses, regular births, wide sizes, unequal strengths": model(
         births="regular", strength=UNEQUAL, spread=Spread(relative=0.5), distance=1_500.0, tick=0.5
+    ),
+    "off the centre line, fine ticks, wide sizes": model(
+        pulse=OFF_CENTRE_LENS, spread=Spread(relative=0.3), distance=900.0, tick=0.05
+    ),
+    "off the centre line, slow, unequal strengths": model(
+        pulse=OFF_CENTRE_LENS, strength=UNEQUAL, distance=900.0, tick=0.5, speed=20.0
     ),
     "figure 5, two-way": model(distance=1_200.0, tick=0.3, slider=PUSHING_BACK),
     "few, two-way, with reversals": model(count=2.0, distance=6_000.0, tick=1.0, slider=PUSHING_BACK),

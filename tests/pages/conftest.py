@@ -19,6 +19,15 @@ def one_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def off_centre(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the same contact, whose junctions miss each other's centre line."""
+    path = tmp_path_factory.mktemp("off_centre") / "off_centre.h5"
+    changes = ["sliding.distance=400 um", 'pulse.offset="uniform"', 'interface.calibration="exact"']
+    rubnoise.run(rubnoise.load(PAPER / "fig5.toml", changes), path).close()
+    return path
+
+
+@pytest.fixture(scope="session")
 def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a run of Figure 5 with two-way coupling over 600 um, which sticks several times."""
     path = tmp_path_factory.mktemp("two_way") / "two_way.h5"

@@ -99,11 +99,21 @@ def test_what_is_no_condition_is_refused_by_both(data: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("ends", [(), (100.0, 140.0)])
 def test_lives_have_the_numbers_of_the_command(one_way: Path, ends: tuple[float, ...]) -> None:
-    data = data_of(page_of(one_way, *ends))
+    compare_lives(one_way, [0, 17, 18, 300] if not ends else [200, 230], *ends)
+
+
+def test_lives_off_the_centre_line_have_them_too(off_centre: Path) -> None:
+    lives = compare_lives(off_centre, [0, 17, 18, 300])
+    assert all(0.0 < abs(life["offset"]) < life["diameter"] for life in lives)
+
+
+def compare_lives(path: Path, junctions: list[int], *ends: float) -> list[dict[str, Any]]:
+    """Compare the lives of a page with those of the command, and return them."""
+    data = data_of(page_of(path, *ends))
     body = "return junctions.map((number) => view.life(view.lives.junction.indexOf(number)));"
-    junctions = [0, 17, 18, 300] if not ends else [200, 230]
-    for number, life in zip(junctions, answer(data, body, junctions=junctions), strict=True):
-        told = call("junction", one_way, str(number), "--json").json()
+    lives: list[dict[str, Any]] = answer(data, body, junctions=junctions)
+    for number, life in zip(junctions, lives, strict=True):
+        told = call("junction", path, str(number), "--json").json()
         peak = told["peak"]
         pairs = [
             (life["birth"], told["birth_distance"]),
@@ -111,6 +121,7 @@ def test_lives_have_the_numbers_of_the_command(one_way: Path, ends: tuple[float,
             (life["death"], told["death_distance"]),
             (life["birthTime"], told["birth_time"]),
             (life["diameter"], told["diameter"]),
+            (life["offset"], told.get("lateral_offset")),
             (life["maxArea"], told["max_area"]),
             (life["strength"], told["shear_strength"]),
             (life["peak"], peak["distance"]),
@@ -121,8 +132,9 @@ def test_lives_have_the_numbers_of_the_command(one_way: Path, ends: tuple[float,
             (life["areaShare"], peak["area_share"]),
         ]
         for ours, theirs in pairs:
-            assert ours == pytest.approx(theirs, rel=1e-12)
+            assert ours == (theirs if theirs is None else pytest.approx(theirs, rel=1e-12))
         assert life["others"] == peak["others_alive"]
+    return lives
 
 
 def test_numbers_are_written_as_the_commands_write_them(data: dict[str, Any]) -> None:

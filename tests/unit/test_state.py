@@ -4,6 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.simulation.state import LiveRows, State
 from tests.models import model, run_to_end
 
@@ -14,6 +15,9 @@ def assert_same(one: State, two: State) -> None:
             assert getattr(one, f.name) == getattr(two, f.name)
     for f in fields(LiveRows):
         a, b = getattr(one.live, f.name), getattr(two.live, f.name)
+        if a is None or b is None:
+            assert a is b
+            continue
         assert a.dtype == b.dtype
         assert a.tobytes() == b.tobytes()
 
@@ -22,6 +26,15 @@ def test_a_state_survives_its_bytes():
     _, state = run_to_end(model())
     assert len(state.live) > 0
     assert_same(State.unpack(state.pack()), state)
+
+
+def test_offsets_survive_too_and_a_state_from_before_them_has_none():
+    _, state = run_to_end(model(pulse=OFF_CENTRE_LENS))
+    assert state.live.offset is not None
+    assert_same(State.unpack(state.pack()), state)
+    _, centred = run_to_end(model())
+    assert b"offsets" in state.pack()
+    assert b"offsets" not in centred.pack()
 
 
 def test_a_state_without_rows_survives_its_bytes():

@@ -7,8 +7,19 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.record.sink import Extent
 from rubnoise.simulation.coupled import layout
 from rubnoise.storage.layout import STRUCTURE_BYTES, expected_bytes, row_count, stored_columns, stored_groups
-from rubnoise.storage.life_curve import CURVE_ROWS
-from rubnoise.storage.schema import BLOCKS, GROUPS, JUNCTIONS, LANDMARKS, LIFE_CURVE, SLIDER, TRACE, Feature, Group
+from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
+from rubnoise.storage.schema import (
+    BLOCKS,
+    GROUPS,
+    JUNCTIONS,
+    LANDMARKS,
+    LIFE_CURVE,
+    LIFE_TABLE,
+    SLIDER,
+    TRACE,
+    Feature,
+    Group,
+)
 
 ALWAYS = {
     "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
@@ -45,6 +56,13 @@ def test_a_slider_adds_its_motion() -> None:
     assert "slider" not in stored("speed", "strength")
 
 
+def test_offsets_add_themselves_and_a_table_in_place_of_the_curve() -> None:
+    aside = stored("offset")
+    assert aside["junctions"] == [*ALWAYS["junctions"][:5], "lateral_offset", *ALWAYS["junctions"][5:]]
+    assert aside["life_table"] == ["u", "offset_fraction", "area_fraction"]
+    assert set(aside) == {*ALWAYS, "life_table"} - {"life_curve"}
+
+
 def test_two_ways_add_phases_landmarks_and_how_the_slider_comes_to_blocks() -> None:
     whole, one_way = stored("speed", "strength", "slider", "two-way"), stored("speed", "strength", "slider")
     assert whole["slider"] == [*one_way["slider"], "phase"]
@@ -70,7 +88,7 @@ def test_names_are_unique_and_texts_are_there() -> None:
 def test_every_column_has_the_unit_of_its_quantity() -> None:
     """Of what a column is, told by its symbol: a length in um is an area in um^2 when it is squared, and so on."""
     units = {
-        "um": {"s", "s_birth", "s_death", "L_j", "d", "x"},
+        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x"},
         "um^2": {"A_r", "A_jmax"},
         "um/s": {"x'"},
         "s": {"t", "t_birth", "t_death", "t_stick"},
@@ -80,7 +98,7 @@ def test_every_column_has_the_unit_of_its_quantity() -> None:
         "uN*um": {"W", "W_-"},
         "MPa": {"psi"},
         "uN": {"F_s", "F_-", "F_+"},
-        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "a", "n", "phase", "kind"},
+        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "b/d", "a", "n", "phase", "kind"},
     }
     found: dict[str, set[str]] = {}
     for group in GROUPS:
@@ -109,7 +127,8 @@ def test_flags_are_the_states_of_the_record() -> None:
 
 
 @pytest.mark.parametrize(
-    ("group", "rows"), [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 4), (BLOCKS, 2), (LIFE_CURVE, CURVE_ROWS)]
+    ("group", "rows"),
+    [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 4), (BLOCKS, 2), (LIFE_CURVE, CURVE_ROWS), (LIFE_TABLE, TABLE_ROWS)],
 )
 def test_rows_follow_the_extent(group: Group, rows: int) -> None:
     assert row_count(group, Extent(junctions=3, ticks=5, blocks=2, slider=4)) == rows

@@ -33,7 +33,19 @@ def _exact(sweep: Sweep, quantity: str, key: str = "", value: object = None) -> 
 
 
 def test_these_are_all() -> None:
-    assert sorted(path.stem for path in STUDIES.iterdir()) == sorted((*NAMES, *BOTH_WAYS, "exponents", "inference"))
+    assert sorted(path.stem for path in STUDIES.iterdir()) == sorted(
+        (*NAMES, *BOTH_WAYS, "exponents", "inference", "off_centre")
+    )
+
+
+def test_passes_off_the_centre_line_make_the_area_vary_by_a_tenth_more() -> None:
+    """1.3559/1.2298 for equal sizes, of the same mean area and number; displacement and velocity with it."""
+    key = "pulse.offset"
+    for quantity, low, high in (
+        ("real_contact_area_std", 1.10, 1.105), ("displacement_std", 1.14, 1.18), ("real_contact_area_mean", 1.0, 1.0),
+    ):  # fmt: skip
+        centred, aside = (_exact(_study("off_centre"), quantity, key, value)[0] for value in ("none", "uniform"))
+        assert low - 1e-9 <= aside / centred <= high + 1e-9
 
 
 @pytest.mark.parametrize("name", NAMES)

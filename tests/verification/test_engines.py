@@ -52,12 +52,13 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     life = 2.0 * (600.0 / count) ** 0.5
     lives = min(draw(st.floats(0.5, 2500.0)) / count, 4000.0)
     distance, tick = life * lives, life * max(draw(st.floats(0.003, 0.7)), lives / 20_000.0)
-    pulse = draw(st.sampled_from(["lens", "triangle"]))
+    pulse = draw(st.sampled_from(["lens", "triangle", "off the centre line"]))
+    aside = pulse == "off the centre line"
     values: dict[str, Any] = {
         "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": count},
         "diameter": draw(DIAMETERS),
-        "birth": {"law": draw(st.sampled_from(["poisson", "regular"]))},
-        "pulse": {"shape": pulse},
+        "birth": {"law": draw(st.sampled_from(["poisson"] if aside else ["poisson", "regular"]))},
+        "pulse": {"offset": "uniform"} if aside else {"shape": pulse},
         "sliding": {"distance": f"{distance:.6f} um", "start": draw(st.sampled_from(["stationary", "empty"]))},
         "output": {"tick": f"{min(tick, distance):.6f} um"},
         "run": {"seed": draw(st.integers(0, 2**53 - 1))},

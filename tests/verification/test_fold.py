@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Spread
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS, TRIANGLE
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
@@ -22,6 +23,9 @@ RUNS = {
     "Rabinowicz": model(pulse=TRIANGLE, births="regular", spread=Spread(), distance=2000.0, tick=0.5),
     "unequal triangles": model(
         pulse=TRIANGLE, strength=UNEQUAL, spread=Spread(relative=0.4), distance=1500.0, tick=0.7
+    ),
+    "off the centre line": model(
+        pulse=OFF_CENTRE_LENS, strength=UNEQUAL, spread=Spread(relative=0.4), distance=1500.0, tick=0.7
     ),
     "regular and wide": model(count=8.0, births="regular", spread=Spread(relative=2.0), distance=9000.0, tick=2.7),
 }
@@ -50,7 +54,7 @@ def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
                 assert values[begin:].tobytes() == whole[group][column][begin:].tobytes()
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE, OFF_CENTRE_LENS], ids=lambda pulse: pulse.name)
 @pytest.mark.parametrize(("size", "distance"), [(1, 20.0), (7, 60.0), (1000, 300.0)])
 def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pulse):
     run = model(distance=distance, tick=0.05, pulse=pulse, strength=UNEQUAL)

@@ -130,10 +130,7 @@ KERNELS = (
 
 def _death_at(factor: str) -> tuple[Edit, ...]:
     """Return a life of another length wherever the batch engine knows of it."""
-    return (
-        Edit("return birth + 2.0 * diameter", f"return birth + {factor} * diameter"),
-        Edit("self.birth + 2.0 * self.diameter)", f"self.birth + {factor} * self.diameter)"),
-    )
+    return (Edit("return self.birth + 2.0 * self.half_life", f"return self.birth + {factor} * self.half_life"),)
 
 
 PLACES = (
@@ -174,8 +171,8 @@ PLACES = (
     one(
         "mid-life told at half of it",
         "test_everything_is_told_once_and_in_order",
-        "middle = rows.birth + rows.diameter",
-        "middle = rows.birth + 0.5 * rows.diameter",
+        "middle = rows.birth + rows.half_life",
+        "middle = rows.birth + 0.5 * rows.half_life",
     ),
 )
 
@@ -269,4 +266,56 @@ TWO_WAY = (
     ),
 )
 
-MUTANTS = (*START_OF_A_RUN, *STREAM_USE, *KERNELS, *PLACES, *SLIDER, *TWO_WAY)
+OFF_CENTRE_LIFE = "test_areas_and_moments_are_those_of_many_digits[110.0-60.0-2.0]"
+OFF_CENTRE = (
+    one(
+        "lives off the centre line 1 % too long",
+        "test_rows_are_what_the_offset_says",
+        "np.sqrt((diameter - offset) * (diameter + offset))",
+        "1.01 * np.sqrt((diameter - offset) * (diameter + offset))",
+    ),
+    one(
+        "offsets of one side alone",
+        "test_a_run_is_accepted_by_its_theory[contact]",
+        "return (2.0 * uniform - 1.0) + 2.0**-53",
+        "return np.abs(2.0 * uniform - 1.0) + 2.0**-53",
+    ),
+    one(
+        "offsets at the start as at birth",
+        "test_the_start_has_more_of_long_lives",
+        "found.append(x[x * x + y * y < 1.0])",
+        "found.append(x)",
+    ),
+    one(
+        "areas at ticks as of passes through both centres",
+        OFF_CENTRE_LIFE,
+        "u = larger(one - root(fused(x, x, aside)), nothing)",
+        "u = larger(one - root(x * x), nothing)",
+    ),
+    one(
+        "falling halves not seen in a mirror",
+        OFF_CENTRE_LIFE,
+        "mirror = where_above(nothing, x, spread(-1.0), one)",
+        "mirror = one",
+    ),
+    one(
+        "the turn taken for smooth",
+        "test_areas_and_moments_are_those_of_many_digits[110.0-0.01-2.0]",
+        "NEAR = 3.5",
+        "NEAR = 0.0",
+    ),
+    one(
+        "greatest areas as of passes through both centres",
+        "test_the_largest_area_is_that_at_mid_life",
+        "u = 1.0 - abs(offset[row]) / diameter[row]",
+        "u = 1.0",
+    ),
+    one(
+        "offsets left out of a state",
+        "test_offsets_survive_too_and_a_state_from_before_them_has_none",
+        'numbers.pop("offsets", False)',
+        'numbers.pop("offsets", False) and False',
+    ),
+)
+
+MUTANTS = (*START_OF_A_RUN, *STREAM_USE, *KERNELS, *PLACES, *SLIDER, *TWO_WAY, *OFF_CENTRE)
