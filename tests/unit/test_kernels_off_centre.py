@@ -72,6 +72,7 @@ def chosen(diameter: float, offset: float) -> list[int]:
     half = half_of(diameter, offset)
     first, middle, last = (int(BORN + share * half) for share in (0.0, 1.0, 2.0))
     near = {first + 1, first + 2, middle - 3, middle, middle + 1, middle + 4, last, last + 1, last + 2}
+    near |= {place + far for place in (first, middle) for far in range(17, 26, 4) if 2.0 * half > 60.0}
     return sorted(place for place in near | {first + int(0.4 * half)} if place > 100)
 
 

@@ -193,7 +193,6 @@ def _deposit_off_centre(
     grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
     """Passes off the centre line are summed position by position, and their moments by quadrature in each cell."""
-    del scratch
     if rows.offset is None:
         raise ValueError("rows have no offsets")
     begin, end = grid.wanted.start, grid.wanted.stop
@@ -203,7 +202,8 @@ def _deposit_off_centre(
         off_centre.deposit_areas(grid.position, begin, end, *lives, total)
     if moments.size:
         moments[:] = 0.0
-        off_centre.deposit_moments(grid.position, grid.spacing, begin, end, *lives, moments)
+        at_nodes = scratch.zeros(moments.size)
+        off_centre.deposit_moments(grid.position, grid.spacing, begin, end, *lives, at_nodes, moments)
 
 
 def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:

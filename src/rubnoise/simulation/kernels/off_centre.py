@@ -3,9 +3,10 @@
 A life of 2h, h = sqrt(d^2 - b^2), has the area d^2 L(r) with r = sqrt(x^2 + b^2)/d and x = s - h. With u = 1 - r it is
 u^1.5 times the polynomial of the centred lens, and costs one root more. Its integrals over a cell have no closed form.
 
-The moments come from Gauss-Legendre nodes in w = sqrt(s) from the nearer end of the life, in which the area is smooth.
-Four nodes are right to 1e-11 d^2 in a cell that is narrow beside the life and lies apart from the turn of the area at
-x = 0, which is the sharper the smaller b. Cells for which they are not enough are cut up, one by one, towards x = 0.
+The moments come from Gauss-Legendre nodes. Far from the ends of a life, and from the turn of its area at x = 0, which is
+the sharper the smaller b, three nodes in a cell are enough. What all lives have there is summed at the nodes, and its
+moments are worked out once. Near the ends there are five nodes in w = sqrt(s), s from the nearer end, in which the area
+is smooth. Cells close to the turn, and those of short lives, are cut up one by one towards x = 0.
 """
 
 import numpy as np
@@ -27,7 +28,9 @@ from rubnoise.simulation.kernels.lanes import (
 )
 from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS, horner
 
-# Gauss-Legendre on [0, 1].
+# Gauss-Legendre on [0, 1]: for cells far from everything, near an end, and cut up.
+_FAR_NODES = (0.1127016653792583, 0.5, 0.8872983346207417)
+_ODD = 5.0 / 18.0 * 0.6**0.5
 _NODES = (0.04691007703066802, 0.23076534494715845, 0.5, 0.7692346550528415, 0.9530899229693319)
 _WEIGHTS = (0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454)
 _FINE_NODES = (
@@ -41,6 +44,9 @@ _FINE_WEIGHTS = (
 
 SHORT = 12.0
 """Cells in half of a life below which every cell of it is cut up."""
+
+FAR = 16.0
+"""Cells from the ends of a life, and from a turn that is sharper than this, beyond which a cell is far."""
 
 NEAR = 3.5
 """Cells between the middle of a cell and the turn at x = 0, y = b below which the cell is cut up."""
@@ -107,16 +113,20 @@ def deposit_moments(
     half_life: Doubles,
     departure: Doubles,
     weight: Doubles,
+    at_nodes: Doubles,
     moments: Doubles,
 ) -> None:
     """Add the Legendre moments of weighted area fractions over the cells that end at some positions.
 
-    Rows as in `deposit_areas`. moments (3 x positions, flat) receives int sum w a P_i(2y - 1) ds over the spacing for
-    the cells that end at the positions from the index ``begin`` to ``end``.
+    Rows as in `deposit_areas`; index 0 is a multiple of eight spacings from the start of the run. moments and at_nodes
+    (3 x positions, flat), both zero: moments receives int sum w a P_i(2y - 1) ds over the spacing for the cells that
+    end at the positions from the index ``begin`` to ``end``. at_nodes, for sums at the nodes of far cells, is zero again
+    afterwards.
     """
     places = position[begin - 1 : end]
     per_um = per_um_of(places)
     size = len(moments) // 3
+    far, near = FAR * spacing, NEAR * spacing
     for row in range(len(birth)):
         born, half, width = birth[row], half_life[row], diameter[row]
         age = min(departure[row] - born, 2.0 * half)
@@ -124,25 +134,74 @@ def deposit_moments(
         first = max(begin - 1 + first_near(places, per_um, born), begin)
         last = min(begin + first_near(places, per_um, born + age), end)
         short, aside = half < SHORT * spacing, offset[row] * offset[row]
-        close = NEAR * spacing * (NEAR * spacing)
         if not short:
-            _add_by_eights(
-                position, spacing, first, last, born, half, width, aside, close, age, weight[row], size, moments
-            )
-        if short or aside < close:
+            # By eights that lie where they do however a run is cut.
+            for at in range(first // WIDTH * WIDTH, last, WIDTH):
+                low, high = position[at - 1] - born, position[at + WIDTH - 1] - born
+                smooth = aside >= far * far or low - half >= far or half - high >= far
+                if smooth and low >= far and 2.0 * half - high >= far and high <= age:
+                    _add_at_nodes(position, at, born, half, width, offset[row], weight[row], size, at_nodes)
+                else:
+                    _add_eight(
+                        position, spacing, at, born, half, width, aside, near * near, age, weight[row], size, moments
+                    )
+        if short or aside < near * near:
             for cell in range(first, last):
                 low, high = position[cell - 1] - born, position[cell] - born
                 x = 0.5 * (low + high) - half
-                if short or x * x + aside < close:
+                if short or x * x + aside < near * near:
                     _add_cut_up(cell, low, high, spacing, half, width, aside, age, weight[row], size, moments)
+    _add_from_nodes(position, spacing, begin, end, size, at_nodes, moments)
+    at_nodes[:] = 0.0
 
 
 @inlined
-def _add_by_eights(
+def _add_at_nodes(
+    position: Doubles,
+    at: int,
+    born: float,
+    half: float,
+    diameter: float,
+    offset: float,
+    weight: float,
+    size: int,
+    at_nodes: Doubles,
+) -> None:
+    """Add the area of a life at the nodes of eight cells."""
+    inverse_size = 1.0 / diameter
+    across = offset * inverse_size
+    one, inverse, aside, share = spread(1.0), spread(inverse_size), spread(across * across), spread(weight)
+    low, high = load(position, at - 1) - spread(born), load(position, at) - spread(born)
+    step, begin = high - low, low - spread(half)
+    for node in range(len(_FAR_NODES)):
+        x = fused(step, spread(_FAR_NODES[node]), begin) * inverse
+        u = one - root(fused(x, x, aside))
+        place = node * size + at
+        area = (share * (u * root(u))) * polynomial(AREA_COEFFICIENTS, u)
+        store(at_nodes, place, load(at_nodes, place) + area)
+
+
+@inlined
+def _add_from_nodes(
+    position: Doubles, spacing: float, begin: int, end: int, size: int, at_nodes: Doubles, moments: Doubles
+) -> None:
+    """Add the moments of what has been summed at the nodes of cells."""
+    for at in range(begin, end, WIDTH):
+        low, middle, high = load(at_nodes, at), load(at_nodes, size + at), load(at_nodes, 2 * size + at)
+        part = (load(position, at) - load(position, at - 1)) / spread(spacing)
+        both = low + high
+        mean = fused(both, spread(5.0 / 18.0), middle * spread(4.0 / 9.0))
+        bend = (both - spread(2.0) * middle) * spread(1.0 / 9.0)
+        store(moments, at, fused(part, mean, load(moments, at)))
+        store(moments, size + at, fused(part, (high - low) * spread(_ODD), load(moments, size + at)))
+        store(moments, 2 * size + at, fused(part, bend, load(moments, 2 * size + at)))
+
+
+@inlined
+def _add_eight(
     position: Doubles,
     spacing: float,
-    first: int,
-    last: int,
+    at: int,
     born: float,
     half: float,
     diameter: float,
@@ -153,7 +212,7 @@ def _add_by_eights(
     size: int,
     moments: Doubles,
 ) -> None:
-    """Add a life to its cells, eight together, but for those that are close to the turn.
+    """Add a life to eight cells, but for those that are close to the turn.
 
     A cell behind mid-life is seen in a mirror: ages count backwards from the death, and the odd moment changes sign.
     """
@@ -163,33 +222,32 @@ def _add_by_eights(
     inverse, aside, beside = spread(inverse_size), spread(squared_offset), spread(squared_reach)
     turn = spread(squared_offset * inverse_size * inverse_size)
     share = spread(2.0 * weight / spacing)
-    for at in range(first, last, WIDTH):
-        low, high = load(position, at - 1) - birth, load(position, at) - birth
-        x = middle * (low + high) - rise
-        # Either half of a life from its own end: from the cell's edge that is nearer to it.
-        edge = where_above(nothing, x, life - high, low)
-        begin = larger(where_above(nothing, x, life - smaller(high, ending), low), nothing)
-        end = larger(where_above(nothing, x, life - low, smaller(high, ending)), begin)
-        root_of_begin = root(begin)
-        step = root(end) - root_of_begin
-        per_width = two / (high - low)
-        mean, slope, bend = nothing, nothing, nothing
-        for node in range(len(_NODES)):
-            w = fused(step, spread(_NODES[node]), root_of_begin)
-            s = w * w
-            along = (s - rise) * inverse
-            u = larger(one - root(fused(along, along, turn)), nothing)
-            part = (spread(_WEIGHTS[node]) * w) * ((u * root(u)) * polynomial(AREA_COEFFICIENTS, u))
-            y = (s - edge) * per_width - one
-            mean = mean + part
-            slope = fused(part, y, slope)
-            bend = fused(part, y * y, bend)
-        factor = where_above(x * x + aside, beside, nothing, share * step)
-        mirror = where_above(nothing, x, spread(-1.0), one)
-        mean_at, slope_at, bend_at = at, size + at, 2 * size + at
-        store(moments, mean_at, fused(factor, mean, load(moments, mean_at)))
-        store(moments, slope_at, fused(factor * mirror, slope, load(moments, slope_at)))
-        store(moments, bend_at, fused(factor, spread(1.5) * bend - middle * mean, load(moments, bend_at)))
+    low, high = load(position, at - 1) - birth, load(position, at) - birth
+    x = middle * (low + high) - rise
+    # Either half of a life from its own end: from the cell's edge that is nearer to it.
+    edge = where_above(nothing, x, life - high, low)
+    begin = larger(where_above(nothing, x, life - smaller(high, ending), low), nothing)
+    end = larger(where_above(nothing, x, life - low, smaller(high, ending)), begin)
+    root_of_begin = root(begin)
+    step = root(end) - root_of_begin
+    per_width = two / (high - low)
+    mean, slope, bend = nothing, nothing, nothing
+    for node in range(len(_NODES)):
+        w = fused(step, spread(_NODES[node]), root_of_begin)
+        s = w * w
+        along = (s - rise) * inverse
+        u = larger(one - root(fused(along, along, turn)), nothing)
+        part = (spread(_WEIGHTS[node]) * w) * ((u * root(u)) * polynomial(AREA_COEFFICIENTS, u))
+        y = (s - edge) * per_width - one
+        mean = mean + part
+        slope = fused(part, y, slope)
+        bend = fused(part, y * y, bend)
+    factor = where_above(x * x + aside, beside, nothing, share * step)
+    mirror = where_above(nothing, x, spread(-1.0), one)
+    mean_at, slope_at, bend_at = at, size + at, 2 * size + at
+    store(moments, mean_at, fused(factor, mean, load(moments, mean_at)))
+    store(moments, slope_at, fused(factor * mirror, slope, load(moments, slope_at)))
+    store(moments, bend_at, fused(factor, spread(1.5) * bend - middle * mean, load(moments, bend_at)))
 
 
 @compiled_bare
