@@ -126,8 +126,9 @@ def _check_diameters(notes: Notes, model: Model, chunk: Chunk) -> None:
     else:
         right = np.isfinite(diameter) & (diameter > 0.0)
         notes.holds("/junctions/diameter", chunk.first, diameter, right, "positive and finite")
-    if model.pulse.offset == "none":
-        notes.equal("/junctions/max_area", chunk.first, chunk["max_area"], max_area(diameter))
+    if model.pulse.offset != "none":
+        return  # greatest areas depend on the offset, too
+    notes.equal("/junctions/max_area", chunk.first, chunk["max_area"], max_area(diameter))
 
 
 def _check_offsets(notes: Notes, _model: Model, chunk: Chunk) -> None:

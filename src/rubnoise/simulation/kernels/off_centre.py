@@ -3,9 +3,9 @@
 A life of 2h, h = sqrt(d^2 - b^2), has the area d^2 L(r) with r = sqrt(x^2 + b^2)/d and x = s - h. With u = 1 - r it is
 u^1.5 times the polynomial of the centred lens, and costs one root more. Its integrals over a cell have no closed form.
 
-The moments come from Gauss-Legendre nodes. Far from the ends of a life, and from the turn of its area at x = 0, which is
-the sharper the smaller b, three nodes in a cell are enough. What all lives have there is summed at the nodes, and its
-moments are worked out once. Near the ends there are five nodes in w = sqrt(s), s from the nearer end, in which the area
+The moments come from Gauss-Legendre nodes. Far from the ends of a life, and from the turn of its area at x = 0, which
+is the sharper the smaller b, three nodes in a cell are enough. What all lives have there is summed at the nodes, and
+its moments are worked out once. Near the ends there are five nodes in w = sqrt(s), s from the nearer end, in which the area
 is smooth. Cells close to the turn, and those of short lives, are cut up one by one towards x = 0.
 """
 
@@ -120,8 +120,8 @@ def deposit_moments(
 
     Rows as in `deposit_areas`; index 0 is a multiple of eight spacings from the start of the run. moments and at_nodes
     (3 x positions, flat), both zero: moments receives int sum w a P_i(2y - 1) ds over the spacing for the cells that
-    end at the positions from the index ``begin`` to ``end``. at_nodes, for sums at the nodes of far cells, is zero again
-    afterwards.
+    end at the positions from the index ``begin`` to ``end``. at_nodes is for sums at the nodes of far cells, and zero
+    again afterwards.
     """
     places = position[begin - 1 : end]
     per_um = per_um_of(places)
