@@ -5,8 +5,8 @@ u^1.5 times the polynomial of the centred lens, and costs one root more. Its int
 
 The moments come from Gauss-Legendre nodes. Far from the ends of a life, and from the turn of its area at x = 0, which
 is the sharper the smaller b, three nodes in a cell are enough. What all lives have there is summed at the nodes, and
-its moments are worked out once. Near the ends there are five nodes in w = sqrt(s), s from the nearer end, in which the area
-is smooth. Cells close to the turn, and those of short lives, are cut up one by one towards x = 0.
+its moments are worked out once. Near the ends there are five nodes in w = sqrt(s), s from the nearer end, in which the
+area is smooth. Cells close to the turn, and those of short lives, are cut up one by one towards x = 0.
 """
 
 import numpy as np
