@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.analysis.selection import neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
