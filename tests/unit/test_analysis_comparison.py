@@ -319,7 +319,7 @@ class OtherPulse(LensPulse):
     """A pulse with a name of its own."""
 
     @property
-    def shape(self) -> Any:
+    def name(self) -> Any:
         """Some name."""
         return "other"
 

@@ -28,6 +28,8 @@ def test_streams_and_their_numbers_never_change() -> None:
         "PAST_GAPS": 8,
         "PAST_DIAMETERS": 9,
         "PAST_STRENGTHS": 10,
+        "OFFSETS": 11,
+        "START_OFFSETS": 12,
     }
 
 

@@ -183,8 +183,8 @@ class Contents(ABC):
         >>> import rubnoise
         >>> with rubnoise.open("fig5.h5") as run:
         ...     figure = run.plot("psd", of="velocity")
-        >>> len(figure.axes)
-        1
+        >>> len(figure.axes)  # the spectrum, and its ratio to the exact one
+        2
         """
         from rubnoise.api.pictures import drawn
 

@@ -13,6 +13,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import half_life
 
 _HEADER = struct.Struct("<I")
+_NOTHING = np.empty(0)
 
 CENTRED: Final = ("junction", "birth", "diameter", "strength", "departure")
 """What every row has; of passes off the centre line there is the offset, too."""
@@ -69,10 +70,11 @@ class LiveRows:
 
     def then(self, other: "LiveRows") -> "LiveRows":
         """Return these rows followed by others that were born later, of which all or none have offsets."""
-        if not (len(self) and len(other)):
-            return self if len(self) else other
-        mine = dict(self.columns())
-        return LiveRows(**{name: np.concatenate([mine[name], values]) for name, values in other.columns()})
+        mine, others = dict(self.columns()), dict(other.columns())
+        names = mine | others  # no rows have no offsets either
+        return LiveRows(
+            **{name: np.concatenate([mine.get(name, _NOTHING), others.get(name, _NOTHING)]) for name in names}
+        )
 
     def columns(self) -> Iterator[tuple[str, NDArray[Any]]]:
         """Yield every column that is there, by its name."""
@@ -108,8 +110,8 @@ class State:
         """Return the state as bytes from which ``unpack`` makes the same bits again."""
         numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in {"live", "two_way"}}
         columns = dict(self.live.columns())
-        told = {"rows": len(self.live)} | ({"offsets": True} if "offset" in columns else {})
-        header = json.dumps(numbers | told, allow_nan=False).encode()
+        rows_there = {"rows": len(self.live)} | ({"offsets": True} if "offset" in columns else {})
+        header = json.dumps(numbers | rows_there, allow_nan=False).encode()
         rows = [values.astype(f"<{_kind(name)}8").tobytes() for name, values in columns.items()]
         return _HEADER.pack(len(header)) + header + b"".join(rows) + self.two_way
 
