@@ -177,7 +177,7 @@ def test_where_only_the_copy_has_no_room_compression_is_named(monkeypatch: pytes
 
 def test_memory_is_refused_with_the_count_or_the_engine_named(monkeypatch: pytest.MonkeyPatch) -> None:
     events, batch = (_with(BARE, *DENSE, f"run.engine={engine}") for engine in ("events", "batch"))
-    more = expected(batch).peak_bytes + 10**7
+    more = expected(batch).more_bytes + 10**7
     _with_room(monkeypatch, memory=more)
     check_disk_space(batch, expected(batch), "run.h5")
     assert 'run.engine = "batch"' in _refusal(events, expected(events))
