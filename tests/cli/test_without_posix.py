@@ -4,8 +4,8 @@ Windows is not here: a new process loses the modules and the names of POSIX befo
 """
 
 import json
-import re
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
