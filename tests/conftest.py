@@ -2,6 +2,7 @@
 
 import gc
 import os
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -93,7 +94,22 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if TORTURES.intersection(item.path.parents):
             item.add_marker("torture")
+    _leave_cases(items)
     if not config.option.tortures:
         left = [item for item in items if item.get_closest_marker("torture")]
         config.hook.pytest_deselected(items=left)
         items[:] = [item for item in items if not item.get_closest_marker("torture")]
+
+
+def _leave_cases(items: list[pytest.Item]) -> None:
+    """Let the cases of a test that is marked `daily(N)` wait for `--all`, but for N of them, spread over their list."""
+    cases = defaultdict[str, list[pytest.Item]](list)
+    for item in items:
+        if item.get_closest_marker("daily"):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for found in cases.values():
+        count = found[0].get_closest_marker("daily").args[0]
+        kept = {number * len(found) // count for number in range(count)}
+        for number, item in enumerate(found):
+            if number not in kept:
+                item.add_marker("torture")

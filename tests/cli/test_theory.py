@@ -286,6 +286,7 @@ def test_the_table_holds_the_numbers_of_the_json(here: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["t.png", "t.pdf", "t.svg"])
+@pytest.mark.daily(1)
 def test_it_is_drawn(here: Path, name: str) -> None:
     pytest.importorskip("matplotlib")
     assert call("theory", SLIDER, name, "--plot").out == f"{name}\n"

@@ -37,6 +37,7 @@ def test_the_figures_are_those_of_the_paper() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.daily(2)
 def test_a_figure_is_whole(drawn: Any, name: str) -> None:
     pixels = _pixels(drawn(name)["png"])
     assert pixels.shape[1] == 7.2 * style.DOTS_PER_INCH
@@ -77,6 +78,7 @@ def test_its_axes_have_units(drawn: Any, name: str) -> None:
 @pytest.mark.parametrize(
     "name", ["fig3", "fig8", *(pytest.param(name, marks=pytest.mark.torture) for name in ("fig6", "fig7"))]
 )
+@pytest.mark.daily(1)
 def test_a_figure_is_the_same_again_and_whatever_is_set(drawn: Any, name: str, tmp_path: Path) -> None:
     with mpl.rc_context({"font.size": 20.0, "axes.facecolor": "red", "svg.hashsalt": "x"}):
         again = paper_figure(name, style.FORMATS, Sources(folder=short_papers(tmp_path)))

@@ -240,6 +240,7 @@ def test_a_picture_says_what_it_shows() -> None:
 
 
 @pytest.mark.parametrize("runs", [1, 2])
+@pytest.mark.daily(1)
 def test_the_same_study_is_the_same_picture(runs: int) -> None:
     first, again = (study_picture(_study({COUNT: [10, 20, 40]}, runs=runs), "svg") for _ in range(2))
     assert first == again

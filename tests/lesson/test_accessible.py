@@ -31,6 +31,7 @@ def objections(page: Any, judge: str) -> list[str]:
 
 
 @pytest.mark.parametrize("screen", [0, 1, *(pytest.param(each, marks=pytest.mark.torture) for each in (2, 3))], ids=str)
+@pytest.mark.daily(1)
 def test_axe_has_no_objection_to_any_lesson(browser: Any, lesson_file: str, judge: str, screen: int) -> None:
     """Each screen is judged with two lessons, which between them are all."""
     width, scheme = SCREENS[screen]

@@ -102,6 +102,7 @@ def table(exact):
 
 
 @pytest.mark.parametrize("lesson", [4, 7, 8])
+@pytest.mark.daily(1)
 def test_the_numbers_on_the_page_are_those_of_theory(walk, lesson):
     """Seventeen numbers, as they can be read, of each of three lessons."""
     walk.page.evaluate(f"rub.set(rub.lessons.list[{lesson - 1}].experiment.runs[0].set)")
@@ -150,6 +151,7 @@ def figures(found):
 
 
 @pytest.mark.parametrize("spread_of_sizes", [0.0, 2.0])
+@pytest.mark.daily(1)
 def test_what_is_seen_follows_from_the_rows(walk, spread_of_sizes):
     seed = seed_of(f"lesson rows {spread_of_sizes}") % 2**48
     settings = {"spread": spread_of_sizes, "calibration": "matched", "births": "poisson", "seed": seed}
@@ -174,6 +176,7 @@ def squared_error(settings):
     return of_variance / 4 + of_mean
 
 
+@pytest.mark.torture
 def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
     seed = seed_of("lesson bet") % 2**48
     sides = [
@@ -188,6 +191,7 @@ def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
 
 
 @pytest.mark.parametrize(("option", "outcome"), [("four", "You win 7 chips!"), ("sixteen", "Your 7 chips are lost.")])
+@pytest.mark.daily(1)
 def test_chips_are_won_and_lost(walk, option, outcome):
     walk.open("8. Many small")
     walk.article.locator(f"#prediction-{option}").check()

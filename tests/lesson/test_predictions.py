@@ -52,6 +52,7 @@ def told_apart(world: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)
+@pytest.mark.daily(6)
 def test_numbers_are_those_of_the_package(world: dict[str, Any]) -> None:
     found, wanted = answer(NUMBERS, world=world), expected(world)
     assert found.keys() == wanted.keys()
@@ -60,6 +61,7 @@ def test_numbers_are_those_of_the_package(world: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)
+@pytest.mark.daily(6)
 def test_spectrum_and_autocovariance_are_those_of_the_package(world: dict[str, Any]) -> None:
     theory = rubnoise.exact(scenario_of(world))
     d = theory.model.calibrated_diameter
@@ -104,6 +106,7 @@ def densities(world: dict[str, Any]) -> tuple[Any, Any, float, float]:
 
 
 @pytest.mark.parametrize("world", [WORLDS[0], WORLDS[1], WORLDS[3], WORLDS[4], WORLDS[6], *FEW], ids=told_apart)
+@pytest.mark.daily(4)
 def test_the_distribution_is_that_of_the_package(world: dict[str, Any]) -> None:
     found, expected, atom, wanted = densities(world)
     assert atom == pytest.approx(wanted, rel=1e-9)

@@ -84,6 +84,7 @@ PATHS = {
 
 
 @pytest.mark.parametrize("name", PATHS)
+@pytest.mark.daily(2)
 def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
     """Errors grow by up to fifty from slip to slip, so that for ten landmarks the field is finer than on the page."""
     changes, distance = PATHS[name]
@@ -239,6 +240,7 @@ return { once, isOver: motion.isOver, size: motion.size, finite: [time, displace
 
 
 @pytest.mark.parametrize("changes", HARD, ids=str)
+@pytest.mark.daily(3)
 def test_wherever_the_knobs_stand_it_comes_to_its_end(changes: dict[str, Any]) -> None:
     found = answer(LIMITED, world=world_with(**changes))
     assert found["once"] < 1500

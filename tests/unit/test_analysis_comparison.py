@@ -346,6 +346,7 @@ def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> No
     assert "junction_count_zero_share" not in {each.name for each in compared("figure 5").left_out}
 
 
+@pytest.mark.torture
 def test_scores_of_many_right_runs_are_unit_normals() -> None:
     short = bare(distance=1500.0, tick=0.2)
     seeds = range(seed_of("comparison/many"), seed_of("comparison/many") + 50)

@@ -81,6 +81,7 @@ SCENARIOS = {
 
 
 @pytest.mark.parametrize("text", SCENARIOS, ids=range(len(SCENARIOS)))
+@pytest.mark.daily(8)
 def test_a_scenario_that_is_none_of_the_part_is_refused(part: Path, text: str) -> None:
     told(part, scenario_resolved=text)
     before = part.read_bytes()

@@ -64,6 +64,7 @@ def test_hdf5_of_others_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("compression", ["none", "gzip"])
+@pytest.mark.daily(1)
 def test_a_file_cut_short_anywhere_is_refused(tmp_path: Path, compression: Compression) -> None:
     description = describe(compression=compression)
     write_run(tmp_path / "run.h5", description, random_rows(description))

@@ -93,6 +93,7 @@ def stop_after(path: Path, run: Scenario, blocks: int, number: int = 2) -> str:
 
 @pytest.mark.parametrize("blocks", [1, 9, 17])
 @pytest.mark.parametrize(("begun", "gone_on"), [("batch", "events"), ("events", "batch")])
+@pytest.mark.daily(4)
 def test_a_run_stopped_in_any_block_goes_on_by_either_engine(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], blocks: int, begun: str, gone_on: str
 ) -> None:

@@ -77,7 +77,7 @@ def test_filters_that_a_chunk_skipped_are_skipped(tmp_path: Path, content: bytes
 @pytest.mark.parametrize(
     ("content", "skipped", "reason"),
     [
-        (zlib.compress(bytes(10**8)), 0, "does not end where its rows do"),
+        (zlib.compress(bytes(10**6)), 0, "does not end where its rows do"),
         (zlib.compress(bytes(41)), 0, "another size than its rows"),
         (zlib.compress(bytes(39)), 0, "another size than its rows"),
         (zlib.compress(bytes(40))[:-1], 0, "does not end where its rows do"),

@@ -115,6 +115,7 @@ def unequal(kept: Path, tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", KINDS)
+@pytest.mark.daily(4)
 def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, name: str) -> None:
     found = asked(fresh(kept, tmp_path, name), 3)
     assert [str(check.first) for check in found.different] == []
@@ -246,6 +247,7 @@ def test_a_sum_that_is_off_by_little_is_seen_without_making_it_again(
 
 @pytest.mark.parametrize("name", ["everything", "slow", "overdamped", "coarse ticks", "triangles"])
 @pytest.mark.parametrize("column", ["slider/displacement", "slider/velocity"])
+@pytest.mark.daily(3)
 def test_a_motion_off_by_a_thousandth_of_a_millionth_is_seen_where_it_is(
     kept: Path, tmp_path: Path, name: str, column: str
 ) -> None:
