@@ -431,6 +431,7 @@ def swept(folder: Path) -> Iterator[rubnoise.SweepResult]:
         ("one_way_validity", ["one-way", "exact"], "velocity over sliding speed"),
     ],
 )
+@pytest.mark.daily(1)
 def test_a_sweep_shows_only_what_a_coupling_has(
     swept: rubnoise.SweepResult, quantity: str, legend: list[str], label: str
 ) -> None:

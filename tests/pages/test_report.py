@@ -37,6 +37,7 @@ def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: P
         assert again.slider["displacement"][:].tobytes() == run.slider["displacement"][:].tobytes()
 
 
+@pytest.mark.torture
 def test_a_bare_run_has_a_report_without_what_it_lacks(tmp_path: Path) -> None:
     scenario = tmp_path / "bare.toml"
     scenario.write_text(

@@ -52,6 +52,7 @@ def test_one_triangle_has_every_area_alike() -> None:
 
 
 @pytest.mark.parametrize("name", ["0.2 um", "20 %", "150 %", "exponential"])
+@pytest.mark.daily(2)
 def test_level_of_spread_sizes(name: str) -> None:
     law = LAWS[name]
     low, high = law.support

@@ -90,6 +90,7 @@ def test_an_adaptive_integrator_agrees() -> None:
 
 
 @pytest.mark.parametrize("speed", [1000.0, 20.0])
+@pytest.mark.daily(1)
 def test_triangles_that_end_early_act_until_then(speed: float) -> None:
     run = model(distance=30.0, tick=0.1, speed=speed)
     assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)

@@ -88,6 +88,7 @@ def test_figure_5(tick: float, bound: float, start: str) -> None:
         *(pytest.param(name, marks=pytest.mark.torture) for name in DAMPING_RATIOS if name not in SOME_RATIOS),
     ],
 )
+@pytest.mark.daily(1)
 def test_an_adaptive_integrator_agrees(name: str) -> None:
     run = sliding(DAMPING_RATIOS[name], distance=40.0, tick=0.05)
     record = recorded(run, seed_of("dop853"))
