@@ -56,6 +56,7 @@ def file(here: Path) -> Path:
     return path
 
 
+@pytest.mark.torture
 def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, Processes]) -> None:
     answer = spawn("sweep", file, "-o", "afar", "--cluster", scheduler[0])
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err

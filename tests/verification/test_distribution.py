@@ -36,7 +36,7 @@ CASES: dict[str, tuple[int, dict[str, Any]]] = {
     "fifty": (1_000_000, {"count": 50.0, "spread": Spread(relative=0.2), "calibration": "exact"}),
     "three triangles": (300_000, {"count": 3.0, "spread": Spread(absolute=0.2), "pulse": TRIANGLE}),
 }
-LONG = dict.fromkeys(("half a junction", "five, widely spread", "fifty"), pytest.mark.torture)
+LONG = dict.fromkeys(("fig5", "half a junction", "five, widely spread", "fifty"), pytest.mark.torture)
 
 
 def spaced(junctions: int, contact: dict[str, Any]) -> Model:
@@ -120,6 +120,7 @@ def test_a_wrong_law_is_found_out(name: str, wrong: Callable[[Model], Law]) -> N
     assert distance(areas, wrong(model)) > 1.5 * KS_BOUND
 
 
+@pytest.mark.torture
 def test_lenses_are_no_triangles() -> None:
     """Of the same mean and count, a run of lenses is told from triangles, which vary less."""
     model, areas = run("half a junction")
