@@ -6,7 +6,7 @@ with weights that know of this.
 """
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, log
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,7 @@ _MOST_STEPS, _MOST_STEPS_BELOW = 60, 12
 _CLOSE = 1e-6  # in the deviance: a thousandth of a standard error
 _STIFFEST = 1e8
 _STARTS_REFINED = 2
+_SAME = 0.01
 _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the deviance at each of its periods
 
 
@@ -86,6 +87,10 @@ class Problem:
                 by.append(place.drift * self.walk)
         return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names), signal=energy)
 
+    def is_widest(self, place: Place) -> bool:
+        """Return whether the shape is at its upper bound: a step beyond would move the others alone, and wrongly."""
+        return self.population.spread and place.shape >= self.population.widest
+
     def moved(self, place: Place, names: tuple[str, ...], step: Doubles) -> Place:
         """Return a place a step in logarithms away, kept within bounds."""
         move = dict(zip(names, np.clip(step, -1.0, 1.0).tolist(), strict=True))
@@ -124,10 +129,13 @@ def climb(problem: Problem, start: Place, reach: float = inf) -> tuple[Place, fl
     best = deviance(bands, found.mean, within)
     damping = 1e-2
     for _ in range(_MOST_STEPS if reach == inf else _MOST_STEPS_BELOW):
-        moving = [number for number, name in enumerate(found.names) if name != "noise" or reach == inf]
-        by = found.by[:, moving]
         weights = within / np.square(found.mean)
-        score = by.T @ (weights * (bands.energy - found.mean))
+        pull = found.by.T @ (weights * (bands.energy - found.mean))
+        still = {"noise"} if reach < inf else set()
+        if problem.is_widest(place) and pull[found.names.index("shape")] > 0.0:
+            still.add("shape")
+        moving = [number for number, name in enumerate(found.names) if name not in still]
+        by, score = found.by[:, moving], pull[moving]
         information = (by.T * weights) @ by
         accepted = False
         while damping < _STIFFEST:
@@ -192,9 +200,15 @@ def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, flo
         for place in starts(problem, diameter, noise)
     ]
     begun.sort(key=lambda each: each[0])
-    climbed = []
+    arrived: list[Place] = []
     for _, place in begun[:_STARTS_REFINED]:
         for reach in _REACHES:
             place, _ = climb(problem, place, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
-        climbed.append(climb(problem, place))
-    return min(climbed, key=lambda each: each[1])
+        if not any(_is_same(place, other) for other in arrived):
+            arrived.append(place)
+    return min((climb(problem, place) for place in arrived), key=lambda each: each[1])
+
+
+def _is_same(one: Place, other: Place) -> bool:
+    """Return whether two places lead to one minimum: within a small part of a period of the swing."""
+    return abs(log(one.diameter / other.diameter)) < _SAME and abs(one.shape - other.shape) <= _SAME * other.shape

@@ -231,7 +231,7 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
         words = f"third cumulant: {ratio:.2f} of that of the contact found, {z:+.1f} standard errors"
     else:
         z = measured / error
-        p = 0.5 * erfc(z / sqrt(2.0))
+        p = 0.5 * erfc(-z / sqrt(2.0))  # the chance of a value as far below zero
         words = f"third cumulant: {z:+.1f} standard errors from zero; junctions make it positive"
     return HonestyTest(name="third cumulant", statistic=z, p=p, level=THIRD, words=words)
 

@@ -181,7 +181,10 @@ def _fitted(
         own = known
         if known.free == ("strength",):
             own = replace(known, births=_births_by_skewness(problem, place, third))
-        fits.append(score(problem, place, own, worth, steps=STEPS if worth < least + _HOPELESS else 0))
+        fit = score(problem, place, own, worth, steps=STEPS if worth < least + _HOPELESS else 0)
+        if deviance(bands, fit.expected.mean) > worth + _HOPELESS:  # the steps have lost their way
+            fit = score(problem, place, own, worth, steps=0)
+        fits.append(fit)
     return fits
 
 

@@ -249,13 +249,17 @@ class EnergyTable:
         first = np.clip(np.floor(place).astype(np.int64), 1, self.rows.shape[1] - 3)
         t = np.clip(place - first, 0.0, 1.0)
         # Lagrange's polynomial through four neighbours.
-        weights = (
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
+        weights = np.stack(
+            [
+                -t * (t - 1.0) * (t - 2.0) / 6.0,
+                (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+                -(t + 1.0) * t * (t - 2.0) / 2.0,
+                (t + 1.0) * t * (t - 1.0) / 6.0,
+            ],
+            axis=-1,
         )
-        found: Doubles = sum(self.rows[:, first + k - 1] * weights[k] for k in range(4)) / scale
+        neighbours = np.lib.stride_tricks.sliding_window_view(self.rows, 4, axis=1).swapaxes(0, 1)
+        found: Doubles = np.einsum("...rk,...k->r...", neighbours[first - 1], weights) / scale
         beyond = place > self.rows.shape[1] - 2
         if beyond.any():
             falling = 1.0 / np.square(np.square(phase[beyond]))
@@ -274,17 +278,17 @@ def energy_table(name: str, shape: float) -> EnergyTable:
     if name == "fixed":
         energy, by_shape = life_energy(z), np.zeros_like(z)
     elif not population.spread:
-        energy, by_shape = _averaged(_weights(population, shape)[None])[0], np.zeros_like(z)
+        energy, by_shape = np.maximum(_averaged(_weights(population, shape)[None])[0], 0.0), np.zeros_like(z)
     else:
         change = _SHAPE_STEP * shape
-        shapes = (shape, shape - change, shape + change)
-        energy, below, above = _averaged(np.stack([_weights(population, each) for each in shapes]))
-        by_shape = (above - below) / (2.0 * change)
+        here, below, above = (_weights(population, each) for each in (shape, shape - change, shape + change))
+        energy, by_shape = _averaged(np.stack([here, (above - below) / (2.0 * change)]))
+        energy = np.maximum(energy, 0.0)
     scaled = energy * (1.0 + z**4)
     first = _slope(scaled) - 4.0 * z**4 / (1.0 + z**4) * scaled
     second = (1.0 + z**4) * _slope(first / (1.0 + z**4))
     return EnergyTable(
-        rows=np.stack([scaled, first, second, by_shape * (1.0 + z**4)]),
+        rows=np.stack([scaled, first, second, by_shape * (1.0 + z**4)], axis=-1).T,
         zero=4.0 / 9.0 * population.moment(6, shape),
         tail=4.0 * population.moment(2, shape),
         zero_by_shape=4.0 / 9.0 * moment_slope(population, shape, 6),
@@ -301,13 +305,14 @@ def moment_slope(population: Population, shape: float, power: int) -> float:
 
 
 def _averaged(weights: Doubles) -> Doubles:
-    """Return E[x^6 a^(z x)^2] at every phase of the table, a row for each row of probabilities."""
+    """Return E[x^6 a^(z x)^2] at every phase of the table, a row for each row of probabilities or their slopes."""
     from scipy.fft import irfft, rfft
 
     transform, length = _balanced_transform()
     balanced = weights * np.exp((6.0 - _BALANCE) * _log_diameters())
     sums = irfft(transform * np.conj(rfft(balanced, length, axis=-1)), length, axis=-1)[:, : _log_phases().size]
-    return np.maximum(sums, 0.0) * np.exp(-_BALANCE * _log_phases())
+    averaged: Doubles = sums * np.exp(-_BALANCE * _log_phases())
+    return averaged
 
 
 def _slope(values: Doubles) -> Doubles:

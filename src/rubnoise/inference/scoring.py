@@ -157,7 +157,13 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
         white = np.linalg.solve(root, np.column_stack([by, residual]) / scale[:, None])
         information = white[:, :-1].T @ white[:, :-1]
         inverse = np.linalg.pinv(information, rcond=1e-14, hermitian=True)
-        step = np.clip(inverse @ (white[:, :-1].T @ white[:, -1]), -_LONGEST_STEP, _LONGEST_STEP)
+        pull = white[:, :-1].T @ white[:, -1]
+        step = inverse @ pull
+        if problem.is_widest(contact.place) and step[names.index("shape")] > 0.0:
+            rest = np.array([name != "shape" for name in names])
+            step = np.zeros(len(names))
+            step[rest] = np.linalg.pinv(information[np.ix_(rest, rest)], rcond=1e-14, hermitian=True) @ pull[rest]
+        step = np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)
         if left == 0 or float(step @ information @ step) < _CLOSE:
             break
         contact = _moved(problem, contact, names, step)
