@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import exp, sqrt
+from math import erf, exp, log, sqrt
 from typing import Final, Literal
 
 import numpy as np
@@ -28,6 +28,7 @@ _SHORTEST = 64
 _NOISE_BANDS = 10
 _HOPELESS = 100.0  # of the deviance: exp(-50) as likely
 _FEWEST_ALIVE, _MOST_ALIVE = 0.1, 1e5
+_APART = 4.0  # of a deviance: two standard errors of one more parameter, which laws that hold each other differ by
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +46,8 @@ class LawFit:
     """One law beside the others: its criterion, and by how much it is worse than the best.
 
     ``criterion`` is the Whittle deviance plus twice the number of parameters; ``worse_by`` its excess over the best
-    law's, with the standard error that the excess has; ``told_apart`` whether it exceeds 2 and twice this error.
+    law's, with the standard error that the excess has; ``told_apart`` whether the excess of the deviance alone is above
+    4 and above twice this error.
     """
 
     law: str
@@ -126,12 +128,13 @@ def infer_signal(
     best = min(fits, key=_criterion)
     if reason := _too_little(best, signal):
         return _refusal(signal, reason)
-    laws = tuple(_beside(each, best, signal, scale) for each in fits)
-    open_to = [each for each in laws if not each.told_apart]
-    estimates = {name: _widened(name, each, open_to) for name, each in _estimates(best, signal, scale).items()}
+    compared = len(fits) > 1
+    laws = tuple(_beside(each, best, _estimates(each, signal, scale, compared=compared)) for each in fits)
+    of_best = laws[fits.index(best)].estimates
+    open_to = [each.estimates for each in laws if not each.told_apart]
     return Inference(
-        estimates=estimates,
-        not_identified=_not_identified(best, signal),
+        estimates={name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()},
+        not_identified=_not_identified(best, signal, compared=compared),
         law=best.problem.population.name,
         laws=laws,
         tests=honesty_tests(values, level, best, zero_known=zero == "known") if tests else (),
@@ -242,14 +245,19 @@ def _walk_alone(problem: Problem, flat: float) -> Doubles:
     return mean
 
 
-def _estimates(fit: Fit, signal: Signal, scale: float) -> dict[str, Estimate]:
-    """Return what a fit tells by name, in um, MPa and the unit of the trace."""
+def _estimates(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
+    """Return what a fit tells by name, in um, MPa and the unit of the trace.
+
+    A law of one spread, such as exponential, tells it only where laws are ``compared``: given alone it assumes it.
+    """
     contact, place, tick = fit.contact, fit.contact.place, signal.tick
     population = fit.problem.population
     found = {"diameter": _positive(place.diameter * tick, fit.error({"diameter": 1.0}), "um")}
     spread = population.relative_spread(place.shape)
     if population.spread:
         found["relative_spread"] = _spread(fit, spread)
+    elif compared:
+        found["relative_spread"] = Estimate(value=spread, standard_error=0.0, interval=(spread, spread), unit="1")
     found["noise"] = _noise(fit, scale, signal.unit)
     free = fit.known.free
     if free != ("strength",):
@@ -305,14 +313,14 @@ def _strength_spread(inequality: float, error: float) -> Estimate:
     return Estimate(value=value, standard_error=0.5 * (high - low) / Z, interval=(low, high), unit="1")
 
 
-def _not_identified(fit: Fit, signal: Signal) -> dict[str, str]:
+def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, str]:
     """Return what is not identified, each with what would identify it."""
     free, reasons = fit.known.free, {}
     if free == ("strength",):
         either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would identify it'
         reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
         reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
-    if not fit.problem.population.spread:
+    if not (fit.problem.population.spread or compared):
         reasons["relative_spread"] = f"the law {fit.problem.population.name} has none to find; --law auto compares laws"
     if signal.is_area:
         reasons["shear_strength"] = reasons["strength_spread"] = "a trace of area has no strengths"
@@ -328,36 +336,63 @@ def _not_identified(fit: Fit, signal: Signal) -> dict[str, str]:
     return reasons
 
 
-def _beside(fit: Fit, best: Fit, signal: Signal, scale: float) -> LawFit:
+def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
     """Return a law's fit beside the best one: Vuong's test on the difference of their Whittle likelihoods.
 
+    Twice the number of parameters chooses the best law; it is no evidence against another, and is not tested.
     Source: Vuong (1989), doi:10.2307/1912557, with the covariance of the bands instead of that of independent values.
     """
-    difference = _criterion(fit) - _criterion(best)
     bands = best.problem.bands
     slope = 2.0 * bands.weight * (1.0 / fit.expected.mean - 1.0 / best.expected.mean)
     scatter = covariance(best.problem, best.contact, best.expected.mean)[1:, 1:]
     error = sqrt(max(float(slope @ scatter @ slope), 0.0))
+    excess = deviance(bands, fit.expected.mean) - deviance(bands, best.expected.mean)
     return LawFit(
         law=fit.problem.population.name,
         criterion=_criterion(fit),
-        worse_by=difference,
+        worse_by=_criterion(fit) - _criterion(best),
         error=error,
-        told_apart=fit is not best and difference > max(2.0, 2.0 * error),
-        estimates=_estimates(fit, signal, scale),
+        told_apart=fit is not best and excess > max(_APART, 2.0 * error),
+        estimates=estimates,
     )
 
 
-def _widened(name: str, estimate: Estimate, laws: list[LawFit]) -> Estimate:
-    """Return an estimate whose interval holds those of all laws that are not distinguished."""
-    others = [each.estimates[name].interval for each in laws if name in each.estimates]
-    ends = [estimate.interval, *others]
-    return Estimate(
-        value=estimate.value,
-        standard_error=estimate.standard_error,
-        interval=(min(low for low, _ in ends), max(high for _, high in ends)),
-        unit=estimate.unit,
-    )
+def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
+    """Return an estimate with the 95 % interval of its number, given those of all laws that are not distinguished.
+
+    It reaches C standard errors beyond the estimates of all laws, Phi(C + range / error) - Phi(-C) = 0.95: C is 1.96
+    where laws agree, and 1.64 where they differ by much, because the truth can lie beyond one end only.
+    Source: Imbens and Manski (2004), doi:10.1111/j.1468-0262.2004.00555.x.
+    """
+    if len(laws) == 1:
+        return best
+    ratios = all(each.interval[0] > 0.0 for each in laws)
+
+    def placed(value: float) -> float:
+        return log(value) if ratios else value
+
+    ends = [(placed(each.interval[0]), placed(each.value), placed(each.interval[1])) for each in laws]
+    middles = [middle for _, middle, _ in ends]
+    error = max(high - low for low, _, high in ends) / (2.0 * Z)
+    reach = reach_beyond((max(middles) - min(middles)) / error if error > 0.0 else 0.0) / Z
+    low = min(middle - reach * (middle - low) for low, middle, _ in ends)
+    high = max(middle + reach * (high - middle) for _, middle, high in ends)
+    interval = (exp(low), exp(high)) if ratios else (max(low, 0.0), high)
+    if not ratios and min(each.interval[0] for each in laws) == 0.0:
+        interval = (0.0, high)
+    # A law of one spread has no error of its own.
+    own = best.standard_error or (interval[1] - interval[0]) / (2.0 * Z)
+    return Estimate(value=best.value, standard_error=own, interval=interval, unit=best.unit)
+
+
+def reach_beyond(apart: float) -> float:
+    """Return C of Imbens and Manski for estimates that are so many standard errors apart, by halving."""
+    low, high = 1.6, Z
+    while high - low > 1e-6:
+        middle = 0.5 * (low + high)
+        held = 0.5 * (erf((middle + apart) / sqrt(2.0)) + erf(middle / sqrt(2.0)))
+        low, high = (middle, high) if held < 0.95 else (low, middle)
+    return high
 
 
 def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
