@@ -11,9 +11,10 @@ import pytest
 
 from rubnoise.contact.laws import LAWS
 from rubnoise.contact.pulses import LENS
+from rubnoise.inference.estimates import Estimate, reach_beyond, widened
 from rubnoise.inference.fitting import Place, Problem, climb, starts, whittle
 from rubnoise.inference.honesty import steadiness_test
-from rubnoise.inference.inference import Estimate, Inference, infer_signal, reach_beyond, widened
+from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table, life_energy, mean_life_energy
 from rubnoise.inference.signal import Signal, strokes

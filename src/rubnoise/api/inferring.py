@@ -12,7 +12,8 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused
-from rubnoise.inference.inference import Estimate, Inference, infer_signal
+from rubnoise.inference.estimates import Estimate
+from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns

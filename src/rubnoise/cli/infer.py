@@ -11,7 +11,8 @@ import typer
 from rubnoise.cli.layout import line, printable, remark
 
 if TYPE_CHECKING:
-    from rubnoise.inference.inference import Estimate, Inference
+    from rubnoise.inference.estimates import Estimate
+    from rubnoise.inference.inference import Inference
 
 NAMES = (
     "junction_count",
@@ -207,7 +208,7 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
         if name in found.estimates:
             yield line(_LABELS[name], _value(found.estimates[name]))
     if alike:
-        yield remark("Intervals hold those of every law that is not distinguished.")
+        yield remark("Intervals hold 95 % whichever of these laws is right.")
     for name, reason in found.not_identified.items():
         yield remark(f"{_LABELS[name]}: not identified: {reason}")
     yield "without a law"

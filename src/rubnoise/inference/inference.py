@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import erf, exp, log, sqrt
+from math import sqrt
 from typing import Final, Literal
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import Refused
+from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import Place, Problem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
 from rubnoise.inference.periodogram import Bands, banded
@@ -17,7 +18,6 @@ from rubnoise.inference.populations import POPULATIONS
 from rubnoise.inference.scoring import FIRST, STEPS, Fit, Known, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, strokes
 
-Z: Final = 1.959963984540054
 LAWS: Final = tuple(POPULATIONS)
 FEWEST_SIZES: Final = 20.0
 """Mean diameters of sliding below which a record is refused."""
@@ -29,16 +29,6 @@ _NOISE_BANDS = 10
 _HOPELESS = 100.0  # of the deviance: exp(-50) as likely
 _FEWEST_ALIVE, _MOST_ALIVE = 0.1, 1e5
 _APART = 4.0  # of a deviance: two standard errors of one more parameter, which laws that hold each other differ by
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
-    """A number with its standard error and 95 % interval, in a unit."""
-
-    value: float
-    standard_error: float
-    interval: tuple[float, float]
-    unit: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,7 +119,7 @@ def infer_signal(
     if reason := _too_little(best, signal):
         return _refusal(signal, reason)
     compared = len(fits) > 1
-    laws = tuple(_beside(each, best, _estimates(each, signal, scale, compared=compared)) for each in fits)
+    laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
     of_best = laws[fits.index(best)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
     return Inference(
@@ -245,74 +235,6 @@ def _walk_alone(problem: Problem, flat: float) -> Doubles:
     return mean
 
 
-def _estimates(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
-    """Return what a fit tells by name, in um, MPa and the unit of the trace.
-
-    A law of one spread, such as exponential, tells it only where laws are ``compared``: given alone it assumes it.
-    """
-    contact, place, tick = fit.contact, fit.contact.place, signal.tick
-    population = fit.problem.population
-    found = {"diameter": _positive(place.diameter * tick, fit.error({"diameter": 1.0}), "um")}
-    spread = population.relative_spread(place.shape)
-    if population.spread:
-        found["relative_spread"] = _spread(fit, spread)
-    elif compared:
-        found["relative_spread"] = Estimate(value=spread, standard_error=0.0, interval=(spread, spread), unit="1")
-    found["noise"] = _noise(fit, scale, signal.unit)
-    free = fit.known.free
-    if free != ("strength",):
-        powers = {"births": 1.0, "diameter": 1.0}
-        found["junction_count"] = _positive(2.0 * contact.births * place.diameter, fit.error(powers), "1")
-    if "births" in free:
-        area = contact.births * FIRST * fit.moment(3) * place.diameter**3 * tick**2
-        powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
-        found["mean_real_contact_area"] = _positive(area, fit.error(powers), "um^2")
-    if signal.scale is not None and "strength" in free and "births" in free and not signal.is_area:
-        unit = scale * signal.scale / tick**2
-        found["shear_strength"] = _positive(contact.strength * unit, fit.error({"strength": 1.0}), "MPa")
-    if "inequality" in free and not signal.is_area:
-        found["strength_spread"] = _strength_spread(contact.inequality, fit.error({"inequality": 1.0}))
-    return found
-
-
-def _positive(value: float, error: float, unit: str) -> Estimate:
-    """Return an estimate whose logarithm has an error."""
-    reach = min(Z * error, 700.0)
-    return Estimate(
-        value=value, standard_error=value * error, interval=(value * exp(-reach), value * exp(reach)), unit=unit
-    )
-
-
-def _spread(fit: Fit, spread: float) -> Estimate:
-    """Return the spread with its interval; where its law is at its narrowest, from 0 to what could be seen."""
-    population, shape = fit.problem.population, fit.contact.place.shape
-    step = 1e-4 * shape
-    slope = (population.relative_spread(shape + step) - population.relative_spread(shape - step)) / (2.0 * step)
-    if "shape" not in fit.names:
-        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, spread), unit="1")
-    error = fit.error({"shape": 1.0})
-    value = population.relative_spread(shape)
-    log_error = error * shape * slope / value
-    # A spread whose error is as large as itself may be none.
-    low = max(0.0, value * (1.0 - Z * log_error)) if log_error > 0.35 else value * exp(-Z * log_error)
-    high = value * (1.0 + Z * log_error) if log_error > 0.35 else value * exp(Z * log_error)
-    return Estimate(value=value, standard_error=value * log_error, interval=(low, high), unit="1")
-
-
-def _noise(fit: Fit, scale: float, unit: str) -> Estimate:
-    value = sqrt(fit.contact.place.noise) * scale
-    if "noise" not in fit.names:
-        return Estimate(value=0.0, standard_error=0.0, interval=(0.0, sqrt(fit.problem.floor) * scale), unit=unit)
-    return _positive(value, 0.5 * fit.error({"noise": 1.0}), unit)
-
-
-def _strength_spread(inequality: float, error: float) -> Estimate:
-    """Return the relative spread of strengths, sqrt(w - 1)."""
-    low, high = (sqrt(max(inequality * exp(sign * Z * error) - 1.0, 0.0)) for sign in (-1.0, 1.0))
-    value = sqrt(max(inequality - 1.0, 0.0))
-    return Estimate(value=value, standard_error=0.5 * (high - low) / Z, interval=(low, high), unit="1")
-
-
 def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, str]:
     """Return what is not identified, each with what would identify it."""
     free, reasons = fit.known.free, {}
@@ -355,44 +277,6 @@ def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
         told_apart=fit is not best and excess > max(_APART, 2.0 * error),
         estimates=estimates,
     )
-
-
-def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
-    """Return an estimate with the 95 % interval of its number, given those of all laws that are not distinguished.
-
-    It reaches C standard errors beyond the estimates of all laws, Phi(C + range / error) - Phi(-C) = 0.95: C is 1.96
-    where laws agree, and 1.64 where they differ by much, because the truth can lie beyond one end only.
-    Source: Imbens and Manski (2004), doi:10.1111/j.1468-0262.2004.00555.x.
-    """
-    if len(laws) == 1:
-        return best
-    ratios = all(each.interval[0] > 0.0 for each in laws)
-
-    def placed(value: float) -> float:
-        return log(value) if ratios else value
-
-    ends = [(placed(each.interval[0]), placed(each.value), placed(each.interval[1])) for each in laws]
-    middles = [middle for _, middle, _ in ends]
-    error = max(high - low for low, _, high in ends) / (2.0 * Z)
-    reach = reach_beyond((max(middles) - min(middles)) / error if error > 0.0 else 0.0) / Z
-    low = min(middle - reach * (middle - low) for low, middle, _ in ends)
-    high = max(middle + reach * (high - middle) for _, middle, high in ends)
-    interval = (exp(low), exp(high)) if ratios else (max(low, 0.0), high)
-    if not ratios and min(each.interval[0] for each in laws) == 0.0:
-        interval = (0.0, high)
-    # A law of one spread has no error of its own.
-    own = best.standard_error or (interval[1] - interval[0]) / (2.0 * Z)
-    return Estimate(value=best.value, standard_error=own, interval=interval, unit=best.unit)
-
-
-def reach_beyond(apart: float) -> float:
-    """Return C of Imbens and Manski for estimates that are so many standard errors apart, by halving."""
-    low, high = 1.6, Z
-    while high - low > 1e-6:
-        middle = 0.5 * (low + high)
-        held = 0.5 * (erf((middle + apart) / sqrt(2.0)) + erf(middle / sqrt(2.0)))
-        low, high = (middle, high) if held < 0.95 else (low, middle)
-    return high
 
 
 def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
