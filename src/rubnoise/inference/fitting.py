@@ -22,7 +22,7 @@ _MOST_STEPS, _MOST_STEPS_BELOW = 60, 12
 _CLOSE = 1e-6  # in the deviance: a thousandth of a standard error
 _STIFFEST = 1e8
 _STARTS_REFINED = 2
-_SAME = 0.01
+_SAME = 0.01  # of the diameter and of the shape
 _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the deviance at each of its periods
 
 

@@ -120,7 +120,7 @@ def infer_signal(
         return _refusal(signal, reason)
     compared = len(fits) > 1
     laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
-    of_best = laws[fits.index(best)].estimates
+    of_best = laws[names.index(best.problem.population.name)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
     return Inference(
         estimates={name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()},
