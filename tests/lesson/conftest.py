@@ -1,12 +1,13 @@
 """A real browser for the page of lessons; where there is none, its tests are skipped and say so."""
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
+from rubnoise.lesson.page import page
+from rubnoise.lesson.settings import settings_of
+from rubnoise.scenario import load
 from tests.architecture.sources import ROOT
 from tests.lesson.opened import UNHURRIED
 from tests.lesson.walk import Walk
@@ -16,16 +17,8 @@ from tests.lesson.walk import Walk
 def lesson_file(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return the address of the page of the paper's Figure 5."""
     path = tmp_path_factory.mktemp("lesson") / "lesson.html"
-    command = [
-        sys.executable,
-        "-m",
-        "rubnoise",
-        "teach",
-        str(ROOT / "scenarios" / "paper" / "fig5.toml"),
-        "-o",
-        str(path),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
+    scenario = load(ROOT / "scenarios" / "paper" / "fig5.toml")
+    path.write_text(page(scenario.title, settings_of(scenario)), encoding="utf-8")
     return path.as_uri()
 
 

@@ -9,6 +9,9 @@ import pytest
 import rubnoise
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.overlap import junction_area
+from rubnoise.lesson.readings import half_lag
+from rubnoise.scenario.reading import load
+from rubnoise.scenario.shipped import shipped
 from tests.lesson.node import FIGURE_5
 from tests.lesson.worlds import scenario_of
 from tests.verification.seeds import seed_of
@@ -19,8 +22,9 @@ LAWS = """
 () => rub.lessons.list.map((lesson) => lesson.experiment.runs.map((run) => {
   rub.set(run.set);
   const exact = rub.exact();
+  rub.reading.open(run.trace ?? '');
   const figures = lesson.experiment.table.map((row) => row.exact(exact, rub.world));
-  return { world: { ...rub.world }, figures };
+  return { world: { ...rub.world }, figures, trace: run.trace ?? null };
 }))
 """
 SEEN = """
@@ -46,6 +50,14 @@ def correlations(exact):
     return list(exact.autocovariance(np.array([0, 0.25, 0.5, 0.75, 1, 1.5]) * life) / exact.area.variance)
 
 
+def sizes(exact):
+    """Return what three ways read on average off a trace of these sizes, and the truth."""
+    of_equal = half_lag(rubnoise.exact(scenario_of(FIGURE_5 | {"spread": 0.0, "calibration": "exact"})))
+    equal_diameter = np.sqrt(3 * FIGURE_5["meanArea"] / FIGURE_5["meanCount"])
+    true = exact.mean_diameter
+    return [true, half_lag(exact) / of_equal * equal_diameter, true, true]
+
+
 def births(exact):
     per_life = 2 * exact.mean_diameter / exact.model.mean_birth_spacing
     if isinstance(exact.model.births, RegularBirths):
@@ -62,6 +74,7 @@ LESSONS = [
     correlations,
     lambda exact: [exact.slider.displacement_std, exact.slider.one_way_validity],
     lambda exact: [swing(exact), exact.slider.displacement_std],
+    sizes,
 ]
 
 
@@ -69,7 +82,8 @@ def test_the_laws_column_is_the_theory_of_the_package(walk):
     shown = walk.page.evaluate(LAWS)
     for figures_of, runs in zip(LESSONS, shown, strict=True):
         for run in runs:
-            expected = figures_of(rubnoise.exact(scenario_of(run["world"])))
+            trace = run["trace"] and load(shipped(f"lessons/read_{run['trace']}.toml"))
+            expected = figures_of(rubnoise.exact(trace or scenario_of(run["world"])))
             assert run["figures"] == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 

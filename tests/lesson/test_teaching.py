@@ -6,6 +6,7 @@ from math import sqrt
 import pytest
 
 import rubnoise
+from rubnoise.lesson.readings import LAWS, half_lag
 from rubnoise.scenario.reading import load
 from tests.architecture.sources import ROOT
 from tests.lesson.teaching import lessons, minutes, other_numbers
@@ -83,7 +84,15 @@ def bet():
     return [100 * swing(few), 100 * swing(many), swing(few) / swing(many), *stds, stds[0] / stds[1], *ratios]
 
 
-EXPECTED = [one_life, births, count, alive, area_sum, memory, slider, bet]
+def sizes():
+    traces = [exact(f"lessons/read_{law}") for law in LAWS]
+    equal = exact("lessons/few_large")
+    diameters, lags = [each.mean_diameter for each in traces], [half_lag(each) for each in traces]
+    of_equal = half_lag(equal) / equal.mean_diameter
+    return [*diameters, of_equal, *lags, *[lag / of_equal / d for lag, d in zip(lags, diameters, strict=True)]]
+
+
+EXPECTED = [one_life, births, count, alive, area_sum, memory, slider, bet, sizes]
 
 
 def is_shown_as(value, text):

@@ -24,7 +24,16 @@ class Walk:
         self.article.locator("[data-run]").nth(index).click()
 
     def slide_on(self):
-        self.article.locator('[data-act="ahead"]').first.click()
+        """Slide 200 lives ahead; of a trace that is read by eye, note a reading instead."""
+        if self.article.locator("#reading-form").count():
+            self.read(20)
+        elif self.article.locator("#reading-said").count() == 0:
+            self.article.locator('[data-act="ahead"]').first.click()
+
+    def read(self, length):
+        """Lay the bar of a trace, so many um long, and note it."""
+        self.article.locator("#reading-length").fill(str(length))
+        self.article.locator("#reading-form [type=submit]").click()
 
     def look(self, index=0):
         """Slide on until the lesson asks what is seen, and say it; a bet asks when all of its runs have gone on."""

@@ -8,7 +8,8 @@ from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
 
-NAMES = ("few_large", "many_small", "one_at_a_time", "poisson", "regular")
+READ = ("read_exponential", "read_lognormal", "read_normal")
+NAMES = ("few_large", "many_small", "one_at_a_time", "poisson", *READ, "regular")
 WORTH_A_WARNING = 0.1
 
 
@@ -41,6 +42,13 @@ def test_many_small_junctions_share_the_area_and_a_quarter_of_its_spread() -> No
     assert many.area.std == pytest.approx(0.25 * few.area.std, rel=1e-9)
     assert many.count_mean == pytest.approx(16.0 * few.count_mean, rel=1e-9)
     assert many.slider.velocity_std < 0.25 * few.slider.velocity_std
+
+
+def test_sizes_to_read_halve_from_one_trace_to_the_next_and_the_swing_does_not() -> None:
+    contacts = [_exact(name) for name in ("read_normal", "read_lognormal", "read_exponential")]
+    assert [each.mean_diameter for each in contacts] == pytest.approx([8.0, 4.0, 2.0], rel=1e-6)
+    swings = [each.area.std / each.area.mean for each in contacts]
+    assert max(swings) < 1.25 * min(swings)
 
 
 def test_births_by_the_clock_are_all_that_differs() -> None:

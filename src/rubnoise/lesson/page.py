@@ -4,6 +4,7 @@ from html import escape
 from importlib.resources import files
 from typing import Any, Final
 
+from rubnoise.lesson.readings import readings
 from rubnoise.lesson.settings import Settings
 from rubnoise.web_page import filled, part, web_page
 
@@ -25,6 +26,7 @@ _FIRST: Final = (
     "trace.js",
     "run.js",
     "seen.js",
+    "reading.js",
     "plot.js",
     "stage.js",
     "stack.js",
@@ -45,6 +47,7 @@ def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -
         "distance": settings.distance,
         "sliderStart": settings.slider_start,
         "record": record,
+        "readings": readings(),
     }
     styles, scripts = ([part(_HERE, name) for name in names] for names in (_names(".css"), script_parts()))
     subtitle = escape(_subtitle(settings))

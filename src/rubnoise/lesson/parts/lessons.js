@@ -19,8 +19,11 @@
 
   const unitName = (unit) => UNIT_NAMES[unit ?? ''];
   const withUnit = (value, unit) => (unit ? `${say(value)} ${unitName(unit)}` : say(value));
+  /** Return a reading as it is said: three digits. */
+  const say3 = (value) => say(Number(value.toPrecision(3)));
   const words = {
     say,
+    say3,
     unitName,
     withUnit,
     um: (value) => withUnit(value, 'um'),
@@ -61,7 +64,7 @@
   /** Return what is known of a lesson that has not begun: no prediction, no stake, no check answered. */
   function fresh() {
     const further = { step: STEPS.asked, said: '' };
-    const runs = { running: -1, pressed: [], watched: {} };
+    const runs = { running: -1, pressed: [], watched: {}, read: {} };
     return { step: STEPS.asked, said: '', stake: 0, look: '', ...runs, right: {}, further };
   }
 

@@ -7,6 +7,7 @@
     experiment: 'Opens when you have made your prediction.',
     after: 'Opens when you have said what you see.',
   };
+  const AHEAD = 'Slide 200 lives ahead';
 
   /** Return a new element with attributes (text: its text, html: its content) and children. */
   function make(tag, attributes = {}, ...children) {
@@ -87,7 +88,7 @@
   function experiment(lesson, index) {
     const { step } = state.lessons[index];
     const locked = step < STEPS.predicted ? LOCKED.experiment : '';
-    const { text, runs, watch } = lesson.experiment;
+    const { text, runs, watch, reading } = lesson.experiment;
     const begun = step >= STEPS.run;
     const buttons = runs.map((run, i) => make('button', { type: 'button', 'data-run': i, text: `▶ ${run.label}` }));
     return part(
@@ -99,9 +100,10 @@
         'div',
         { class: 'lesson-buttons' },
         ...buttons,
-        begun && make('button', { type: 'button', class: 'quiet', 'data-act': 'ahead', text: 'Slide 200 lives ahead' }),
+        begun && !reading && make('button', { type: 'button', class: 'quiet', 'data-act': 'ahead', text: AHEAD }),
       ),
       make('p', { class: 'lesson-verdict', id: 'lesson-running', role: 'status' }),
+      begun && reading && lessons.reading.form(lesson, state.lessons[index]),
       make('p', { text: 'What to watch:' }),
       make('ul', {}, ...watch.map((html) => make('li', { html }))),
       seenTable(lesson, index),
@@ -110,6 +112,7 @@
 
   /** Return the table of what the run has shown so far; the law's column waits until it gives no answer away. */
   function seenTable(lesson, index) {
+    if (lesson.experiment.reading) return lessons.reading.table(lesson, index);
     const open = lessons.revealed(state.lessons[index]);
     const head = ['quantity', 'seen so far', open ? 'the law' : '']
       .filter(Boolean)

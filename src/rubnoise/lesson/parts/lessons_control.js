@@ -30,6 +30,7 @@
   function unveil() {
     const known = current();
     rub.readout.open(lessons.revealed(known) ? 'all' : known.step > STEPS.asked ? 'seen' : 'none');
+    if (list[state.open].experiment.reading) lessons.reading.unveil(known);
   }
 
   /** Write what depends on the settings: law, prompts, options, what has been seen. */
@@ -88,16 +89,18 @@
 
   /** Show the pictures that the open lesson begins with; none before its prediction: they give answers away. */
   function showPicture() {
-    const { runs } = list[state.open].experiment;
+    const { runs, reading } = list[state.open].experiment;
     const { pressed, step } = current();
     place();
+    if (reading) lessons.reading.open(list[state.open], current(), pressed[0] ?? 0);
     rub.show(step > STEPS.asked ? runs[pressed[0] ?? 0].show : '');
   }
 
   /** Put the contacts of the open lesson beside each other, if it has two. */
   function place() {
     const lesson = list[state.open];
-    rub.beside.show(lesson.experiment.runs.length > 1 ? lessons.pair(lesson, current()) : []);
+    const { runs, reading } = lesson.experiment;
+    rub.beside.show(runs.length > 1 && !reading ? lessons.pair(lesson, current()) : []);
   }
 
   function predict() {
@@ -131,13 +134,15 @@
     current().running = index;
     current().pressed = [index, ...current().pressed.filter((other) => other !== index)];
     place();
-    if (current().step < STEPS.run) {
-      current().step = STEPS.run;
+    if (chosen.trace) lessons.reading.open(lesson, current(), index);
+    if (current().step < STEPS.run || chosen.trace) {
+      current().step = Math.max(current().step, STEPS.run);
       show(`[data-run="${index}"]`);
     }
     rub.show(chosen.show);
     if (phone.matches) find('.lesson-experiment').scrollIntoView();
-    fill('#lesson-running', () => `${chosen.label}: running.`);
+    find('#reading-form')?.scrollIntoView({ block: 'nearest' });
+    if (!chosen.trace) fill('#lesson-running', () => `${chosen.label}: running.`);
   }
 
   /** Ask what is seen as soon as enough has been, without taking the focus away. */
@@ -154,6 +159,13 @@
     if (!chosen) return fill('#lesson-observe .lesson-verdict', () => 'Choose first.');
     current().look = chosen.value;
     return show('#lesson-why summary');
+  }
+
+  /** Take a reading by eye; then the page shows how others read the trace. */
+  function note() {
+    const problem = lessons.reading.note(list[state.open], current());
+    if (problem) fill('#reading-form .lesson-verdict', () => problem);
+    else show(lessons.reading.next(list[state.open], current()));
   }
 
   /** Slide on at once by many lives, for those who want figures and not the show. */
@@ -206,6 +218,7 @@
     event.preventDefault();
     if (event.target.id === 'lesson-predict') predict();
     else if (event.target.id === 'lesson-observe') observe();
+    else if (event.target.id === 'reading-form') note();
     else if (event.target.id === 'further-predict') goFurther('predict');
     else check(event.target);
   }

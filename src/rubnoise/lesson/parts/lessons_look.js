@@ -10,8 +10,10 @@
 
   const needed = ({ experiment }) => Math.max(FEWEST, Math.ceil(SECONDS * experiment.pace));
 
-  /** Return whether enough has been seen to say something; a bet needs all of its runs. */
-  function enough(lesson, { watched }) {
+  /** Return whether enough has been seen to say something; a bet needs all of its runs, a reading all traces. */
+  function enough(lesson, known) {
+    if (lesson.experiment.reading) return lessons.reading.isDone(lesson, known);
+    const { watched } = known;
     const runs = Object.values(watched).filter((lives) => lives >= needed(lesson));
     return runs.length >= (lesson.settle ? lesson.experiment.runs.length : 1);
   }
@@ -31,7 +33,9 @@
     if (known.said === 'skipped') return null;
     const done = lessons.revealed(known);
     const which = lesson.settle ? 'each run has' : 'a run has';
-    const waiting = `Opens when ${which} gone on for ${needed(lesson)} lives.`;
+    const waiting = lesson.experiment.reading
+      ? 'Opens when you have read all three traces.'
+      : `Opens when ${which} gone on for ${needed(lesson)} lives.`;
     const shut = done || (known.step >= STEPS.run && enough(lesson, known)) ? '' : waiting;
     return part('look', 'What do you see?', shut, shut ? null : done ? said(lesson, known) : form(lesson));
   }

@@ -40,9 +40,9 @@
   }
 
   /** Return the table of an experiment, with an empty cell for each of its runs and for the law. */
-  function table({ runs, table: rows }) {
+  function table({ runs, table: rows, reading }) {
     const cell = (tag, text) => make(tag, tag === 'th' ? { scope: 'col', text } : {});
-    const columns = [...runs.map((run) => run.label), 'the law'];
+    const columns = [...runs.map((run) => run.label), ...(reading ? [] : ['the law'])];
     const head = ['quantity', ...columns].map((text) => cell('th', text));
     const body = rows.map((row) => {
       const unit = row.unit ? `, ${words.unitName(row.unit)}` : '';

@@ -49,6 +49,7 @@
     rub.section.draw();
     rub.beside.draw();
     rub.shifted.draw(seen);
+    rub.reading.draw();
     rub.card.draw();
     if (!rub.run.playing || now - shownAt > 200) showSeen(now, seen);
     dirty = false;
@@ -74,6 +75,7 @@
     rub.lives.fit();
     rub.beside.fit();
     rub.shifted.fit();
+    rub.reading.fit();
     rub.card.pen.fit();
     rub.panels.fit();
     drawLegend();
@@ -119,6 +121,7 @@
     rub.section.begin(find('section'));
     rub.beside.begin(find('beside'));
     rub.shifted.begin(find('shifted'), find('pairs'));
+    rub.reading.begin();
     rub.card.begin(find('card'), find('card-hint'), find('status'));
     rub.readout.begin(find('numbers'));
     rub.knobs.begin(find('knobs'));
@@ -129,7 +132,7 @@
     find('unfold').addEventListener('click', unfold);
     rub.sound.begin();
     rub.on('settings', settingsChanged);
-    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil', 'lag']) {
+    for (const event of ['jump', 'select', 'reset', 'tick', 'density', 'veil', 'lag', 'reading']) {
       rub.on(event, () => {
         dirty = true;
       });

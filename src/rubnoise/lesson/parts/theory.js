@@ -178,5 +178,5 @@
     };
   }
 
-  rub.theory = { exact, average, panelsFor, shotDensity, smoothDensity, shotCovariance, sliderOf };
+  rub.theory = { exact, average, panelsFor, shotDensity, smoothDensity, shotCovariance, lifeOverlap, sliderOf };
 })();

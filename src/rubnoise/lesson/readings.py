@@ -1,0 +1,71 @@
+"""Friction traces for the lesson on reading a size: each with what `infer` finds in it, and with the truth."""
+
+from functools import cache
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.api.inferring import infer
+from rubnoise.api.running import simulate
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.reading import load
+from rubnoise.scenario.shipped import shipped
+from rubnoise.theory.exact import Exact, exact
+
+LAWS: Final = ("normal", "lognormal", "exponential")
+"""Laws of sizes, each with the scenario ``lessons/read_LAW.toml``."""
+FULL_SCALE: Final = 4095
+"""Steps of the sensor between no force and the largest one of its trace: it has 12 bits, two letters of base64."""
+_LETTERS: Final = np.frombuffer(b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", dtype=np.uint8)
+_CELLS = 160
+_LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
+
+
+@cache
+def readings() -> tuple[dict[str, Any], ...]:
+    """Return the traces for the page of lessons, as JSON can hold them.
+
+    ``values`` are forces in steps of ``step`` uN, one every ``tick`` um: two letters of base64 each, the high one
+    first.
+    ``found`` is the diameter in um that `infer` finds in these values, with its 95 % interval, if it is given the law
+    of sizes. The truth: the mean ``diameter`` at birth and the ``lag`` of the exact autocovariance's half, in um, and
+    the ``density`` of diameters in 1/um in the middles of even cells from 0 to ``largest`` um.
+    """
+    return tuple(_reading(law, load(shipped(f"lessons/read_{law}.toml"), ["run.engine=batch"])) for law in LAWS)
+
+
+def _reading(law: str, scenario: Scenario) -> dict[str, Any]:
+    model = scenario.model()
+    force = simulate(scenario).trace["friction_force"][:]
+    step = float(force.max()) / FULL_SCALE
+    values = np.rint(force / step).astype(np.int64)
+    theory = exact(model)
+    middles = (np.arange(_CELLS) + 0.5) * (_LARGEST_SIZE / _CELLS)
+    return {
+        "law": law,
+        "tick": model.tick,
+        "step": step,
+        "values": _LETTERS[np.stack([values >> 6, values & 63], axis=-1)].tobytes().decode("ascii"),
+        "found": _found(values * step, model.tick, law),
+        "diameter": theory.mean_diameter,
+        "lag": half_lag(theory),
+        "largest": _LARGEST_SIZE,
+        "density": [float(f"{value:.4g}") for value in model.sizes.density(middles).tolist()],
+    }
+
+
+def _found(force: NDArray[np.float64], tick: float, law: str) -> dict[str, Any]:
+    # Any speed will do: sizes are lengths, and the trace is one over distance.
+    diameter = infer(force, rate=1.0 / tick, speed=1.0, unit="uN", zero="known", law=law).estimates["diameter"]
+    return {"diameter": diameter.value, "interval": list(diameter.interval)}
+
+
+def half_lag(theory: Exact) -> float:
+    """Return the lag in um at which the exact autocovariance of the area has fallen to one half."""
+    from scipy.optimize import brentq
+
+    half = 0.5 * float(theory.autocovariance(0.0))
+    return float(
+        brentq(lambda lag: float(theory.autocovariance(lag)) - half, 0.0, 20.0 * theory.mean_diameter, xtol=1e-9)
+    )
