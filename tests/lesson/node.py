@@ -18,6 +18,7 @@ FIGURE_5: dict[str, Any] = {
     "spread": 0.2,
     "births": "poisson",
     "pulse": "lens",
+    "offset": "none",
     "calibration": "paper",
     "speed": 1000.0,
     "strength": 250.0,

@@ -13,6 +13,13 @@ from tests.verification.seeds import seed_of
 
 LARGEST_Z = 4.0
 STARTS = 4000
+MISSES = """
+const births = new rub.model.Births(world);
+const rows = [];
+births.until(distance, rows);
+const found = (list) => list.map((row) => [row.offset / row.diameter, row.death - row.birth, row.diameter]);
+return [found(rows.filter((row) => row.birth <= 0)), found(rows.filter((row) => row.birth > 0))];
+"""
 MANY_STARTS = """
 const found = { count: [], diameter: [], age: [], first: [] };
 for (let i = 0; i < starts; i += 1) {
@@ -51,6 +58,22 @@ def test_a_start_is_stationary(births: str) -> None:
     # Ages at one place of regular births tell of each other, all the less so the wider sizes are spread.
     mean, square = second / first, 4.0 / 3.0 * third / first  # uniform on a life of 2 d
     assert abs(z_score(found["age"], mean, square - mean**2)) < LARGEST_Z
+
+
+def test_passes_miss_the_centre_line_as_theory_says() -> None:
+    """At birth b/d is uniform; alive at the start it has the density (2/pi) sqrt(1 - (b/d)^2), of variance 1/4."""
+    world = world_with(offset="uniform", calibration="exact", meanCount=400.0, seed=seed_of("passes of the page"))
+    model = rubnoise.exact(scenario_of(world)).model
+    alive, born = map(np.array, answer(MISSES, world=world, distance=200.0))
+    part, life, diameter = born.T
+    np.testing.assert_allclose(life, 2.0 * diameter * np.sqrt(1.0 - part**2), rtol=1e-9)
+    assert abs(z_score(list(part), 0.0, 1.0 / 3.0)) < LARGEST_Z
+    assert abs(z_score(list(part**2), 1.0 / 3.0, 1.0 / 5.0 - 1.0 / 9.0)) < LARGEST_Z
+    assert abs(z_score(list(life / diameter), np.pi / 2.0, 8.0 / 3.0 - np.pi**2 / 4.0)) < LARGEST_Z
+    assert abs(z_score(list(life / diameter), 2.0, 8.0 / 3.0 - np.pi**2 / 4.0)) > LARGEST_Z
+    assert abs(z_score(list(alive[:, 0] ** 2), 1.0 / 4.0, 1.0 / 8.0 - 1.0 / 16.0)) < LARGEST_Z
+    assert abs(z_score(list(alive[:, 0] ** 2), 1.0 / 3.0, 1.0 / 8.0 - 1.0 / 16.0)) > LARGEST_Z
+    assert abs(len(alive) - model.mean_junction_count) < LARGEST_Z * sqrt(model.mean_junction_count)
 
 
 def test_gaps_are_exponential_and_sizes_normal() -> None:

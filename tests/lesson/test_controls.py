@@ -58,7 +58,7 @@ def test_a_knob_changes_what_it_should(page: Any) -> None:
         assert page.evaluate(PREDICTIONS) == before, knob
 
 
-@pytest.mark.parametrize(("knob", "value"), [("births", "regular"), ("pulse", "triangle")])
+@pytest.mark.parametrize(("knob", "value"), [("births", "regular"), ("pulse", "triangle"), ("offset", "uniform")])
 @pytest.mark.torture
 def test_a_choice_changes_the_contact(page: Any, knob: str, value: str) -> None:
     before = page.evaluate(PREDICTIONS)
@@ -70,6 +70,12 @@ def test_a_choice_changes_the_contact(page: Any, knob: str, value: str) -> None:
     assert page.locator("#sketch").is_visible() == (value == "triangle")
     peak = page.evaluate("rub.run.trace.pulse.area(0.5, 1)")
     assert peak == pytest.approx(0.3927 if value == "triangle" else 0.3071, abs=1e-4)
+    misses = page.evaluate("rub.run.rows.map((row) => Math.abs(row.offset) / row.diameter)")
+    assert (max(misses) > 0.9) == (value == "uniform")
+    other = page.locator("#knob-births" if value == "uniform" else "#knob-offset")
+    other.select_option("regular" if value == "uniform" else "uniform")
+    assert page.locator("#status").inner_text().startswith("passes off the centre line need the lens")
+    assert other.input_value() == ("poisson" if value == "uniform" else "none")
 
 
 def test_a_number_is_taken_in_its_unit_and_a_wrong_one_is_refused(page: Any) -> None:

@@ -64,6 +64,12 @@ def test_knobs_stand_as_the_scenario_says() -> None:
     assert (settings.distance, settings.slider_start, settings.borrowed) == (300.0, "equilibrium", ())
 
 
+def test_passes_off_the_centre_line_stand_as_the_scenario_says() -> None:
+    world = world_with(offset="uniform", calibration="matched")
+    assert settings_of(scenario_of(world)).world == world
+    assert '"offset": "uniform"' in page("off", settings_of(scenario_of(world)))
+
+
 def test_what_a_scenario_lacks_is_borrowed_and_said() -> None:
     settings = settings_of(build(BARE))
     assert settings.borrowed == ("strength", "sliding.speed", "slider")

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.integrate import quad
 
 import rubnoise
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of, half_life
 from rubnoise.contact.pulses import PULSES
 from rubnoise.lesson.replay import record_of
 from tests.lesson.node import answer
@@ -29,6 +31,10 @@ SLOW_MOTION_ERROR = 2e-4  # where a tick lasts half a radian of the slider's own
 SLOW = {"speed": 50.0}
 
 AREAS = "return since.map((s, i) => rub.model.pulses[shape].area(s, diameters[i]));"
+OFF_CENTRE = """
+const { area, between } = rub.model.pulses.offCentre;
+return since.map((s, i) => [area(s, diameters[i], offsets[i]), between(s, s + step, diameters[i], offsets[i])]);
+"""
 
 
 @pytest.mark.parametrize("shape", ["lens", "triangle"])
@@ -38,6 +44,23 @@ def test_one_life_has_the_same_area(shape: str) -> None:
     since = source.uniform(0.001, 1.999, 400) * diameters
     found = answer(AREAS, shape=shape, since=since.tolist(), diameters=diameters.tolist())
     np.testing.assert_allclose(found, PULSES[shape].area(since, diameters), rtol=1e-10, atol=1e-11)
+
+
+def test_a_pass_off_the_centre_line_has_the_same_area() -> None:
+    source = np.random.default_rng(21)
+    diameters = source.uniform(0.5, 50.0, 400)
+    offsets = source.uniform(-1.0, 1.0, 400) * diameters
+    life, step = 2.0 * half_life(diameters, offsets), 0.01
+    since = source.uniform(0.001, 1.0, 400) * (life - step)
+    given = {"since": since.tolist(), "diameters": diameters.tolist(), "offsets": offsets.tolist(), "step": step}
+    found = np.array(answer(OFF_CENTRE, **given))
+    expected = area_of(OFF_CENTRE_LENS, since, diameters, offsets)
+    np.testing.assert_allclose(found[:, 0], expected, rtol=1e-9, atol=1e-10)
+    sums = [quad(lambda s, i=i: float(area_of(OFF_CENTRE_LENS, s, diameters[i], offsets[i])), since[i], since[i] + step)[0]
+            for i in range(40)]  # fmt: skip
+    np.testing.assert_allclose(found[:40, 1], sums, rtol=1e-7)
+    centred = PULSES["lens"].area(since, diameters)
+    assert np.median(np.abs(centred - expected) / expected) > 0.1, "a pass through both centres would be noticed"
 
 
 def test_a_life_begins_and_ends_as_the_power_of_one_and_a_half() -> None:
@@ -61,6 +84,7 @@ def replayed(world: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
             "velocity": run.groups()["slider"]["velocity"][:],
             "birth": run.junctions["birth_distance"][:],
             "diameter": run.junctions["diameter"][:],
+            "death": run.junctions["death_distance"][:],
         }
         return answer(REPLAY, world=world, record=record_of(run)), columns
 
@@ -74,6 +98,7 @@ def replayed(world: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
         {"damping": 5.0},
         SLOW,
         {"meanCount": 2.0, "stiffness": 3000.0},
+        {"offset": "uniform", "calibration": "exact", "spread": 1.0},
     ],
     ids=str,
 )
@@ -83,6 +108,7 @@ def test_a_replayed_run_is_the_run(changes: dict[str, Any], tmp_path: Path) -> N
     assert page["end"] == 400.0
     assert [row["birth"] for row in page["rows"]] == run["birth"].tolist()
     assert [row["diameter"] for row in page["rows"]] == run["diameter"].tolist()
+    np.testing.assert_allclose([row["death"] for row in page["rows"]], run["death"], rtol=0.0, atol=1e-11)
     assert np.abs(np.array(page["area"]) - run["area"]).max() < LARGEST_AREA_ERROR
     assert page["count"] == run["count"].tolist()
     np.testing.assert_allclose(page["force"], run["force"], atol=250.0 * LARGEST_AREA_ERROR)

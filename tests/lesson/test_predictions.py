@@ -41,14 +41,14 @@ def expected(world: dict[str, Any]) -> dict[str, float]:
         "velocityStd": slider.velocity_std,
         "oneWay": slider.one_way_validity,
         "spacing": model.mean_birth_spacing,
-        "lifeMean": 2.0 * theory.mean_diameter,
+        "lifeMean": theory.model.pulse.mean_life * theory.mean_diameter,
         "naturalFrequency": model.slider.natural_frequency,
         "dampingRatio": model.slider.damping_ratio,
     }
 
 
 def told_apart(world: dict[str, Any]) -> str:
-    return "-".join(str(world[key]) for key in ("births", "pulse", "meanCount", "spread", "speed", "damping"))
+    return "-".join(str(world[key]) for key in ("births", "pulse", "offset", "meanCount", "spread", "speed", "damping"))
 
 
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)

@@ -10,27 +10,42 @@ from tests.lesson.walk import Walk
 
 SIDE = """(() => {
   const { stage, run } = rub;
-  const rows = run.living.map((row) => [...stage.placeOf(row), row.diameter, run.distance - row.birth - row.diameter]);
+  const rows = run.living.map((row) => [...stage.placeOf(row), row.diameter, run.distance - 0.5 * (row.birth + row.death),
+    row.offset]);
   return { rows, cut: stage.cut(), scale: stage.scale, hills: rub.section.hills() };
 })()"""
 
 
-@pytest.mark.parametrize("count", [1, 20, 60])
-def test_hills_touch_along_the_chords_that_two_circles_share(browser: Any, lesson_file: str, count: int) -> None:
+def touching(hill: dict[str, float]) -> float:
+    """Return the length along which the tops of a pair of hills meet, in pixels."""
+    if not (hill["halfBelow"] and hill["halfAbove"]):
+        return 0.0
+    left = max(hill["below"] - hill["halfBelow"], hill["above"] - hill["halfAbove"])
+    return max(0.0, min(hill["below"] + hill["halfBelow"], hill["above"] + hill["halfAbove"]) - left)
+
+
+@pytest.mark.parametrize("knobs", ["meanCount=1", "meanCount=20", "meanCount=60", "meanCount=60&offset=uniform"])
+def test_hills_touch_along_the_chords_that_two_circles_share(browser: Any, lesson_file: str, knobs: str) -> None:
     met = 0
-    with opened(browser, f"{lesson_file}#meanCount={count}", init=UNHURRIED, **CALM) as page:
+    with opened(browser, f"{lesson_file}#{knobs}", init=UNHURRIED, **CALM) as page:
         assert page.locator("#section").is_visible()
         for place in (50.0, 77.7, 300.3):
             page.evaluate(f"rub.run.goTo({place})")
             side = page.evaluate(SIDE)
-            rows = np.array(side["rows"]).reshape(-1, 4)
-            x, y, diameter, offset = rows.T
-            chord = np.sqrt(np.maximum(0.0, diameter**2 - 4.0 * (y - side["cut"]) ** 2))
-            shared = np.sort((chord - np.abs(offset))[chord > np.abs(offset)]) * side["scale"]
-            touching = [2 * hill["half"] - abs(hill["above"] - hill["below"]) for hill in side["hills"]]
-            np.testing.assert_allclose(sorted(length for length in touching if length > 0), shared, rtol=1e-9)
+            x, y, diameter, along, across = np.array(side["rows"]).reshape(-1, 5).T
+            # The lower circle lies half of both distances back and up, the upper one as far on and down.
+            ends = []
+            for way in (-0.5, 0.5):
+                half = 0.5 * np.sqrt(np.maximum(0.0, diameter**2 - 4.0 * (y + way * across - side["cut"]) ** 2))
+                ends.append((x + way * along - half, x + way * along + half, half))
+            (left, right, below), (from_left, to_right, above) = ends
+            length = np.minimum(right, to_right) - np.maximum(left, from_left)
+            met_here = (length > 0) & (below > 0) & (above > 0)
+            shared = np.sort(length[met_here]) * side["scale"]
+            found = sorted(part for part in map(touching, side["hills"]) if part > 0)
+            np.testing.assert_allclose(found, shared, rtol=1e-9)
             middles = {round(0.5 * (hill["above"] + hill["below"]), 6) for hill in side["hills"]}
-            assert {round(each, 6) for each in (x * side["scale"])[chord > 0]} <= middles
+            assert {round(each, 6) for each in (x * side["scale"])[(below > 0) | (above > 0)]} <= middles
             met += shared.size
     assert met > 0
 

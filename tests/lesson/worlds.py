@@ -19,7 +19,7 @@ def scenario_of(world: dict[str, Any], distance: float = 1000.0, tick: float = 0
             },
             "diameter": spread,
             "birth": {"law": world["births"]},
-            "pulse": {"shape": world["pulse"]},
+            "pulse": {"shape": world["pulse"], "offset": world.get("offset", "none")},
             "strength": {"mean": f"{world['strength']!r} MPa"},
             "sliding": {"speed": f"{world['speed']!r} um/s", "distance": f"{distance!r} um"},
             "slider": {
@@ -59,6 +59,9 @@ WORLDS = [
         {"speed": 1e5, "damping": 5.0},
         {"stiffness": 1e4, "mass": 1e-4, "speed": 50.0, "damping": 0.001},
         {"births": "regular", "spread": 0.0, "stiffness": 1e4, "mass": 1e-4, "speed": 50.0},
+        {"offset": "uniform", "calibration": "exact"},
+        {"offset": "uniform", "calibration": "exact", "spread": 0.0, "speed": 10.0},
+        {"offset": "uniform", "calibration": "matched", "spread": 1.5, "meanCount": 5.0},
     )
 ]
-"""Small and large spreads, both pulses and both laws of birth, light and heavy damping, slow and fast sliding."""
+"""Small and large spreads, both pulses, passes off the centre line, and both laws of birth, light and heavy damping, slow and fast sliding."""

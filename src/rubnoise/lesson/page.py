@@ -15,6 +15,7 @@ _FIRST: Final = (
     "model.js",
     "rows.js",
     "transform.js",
+    "off_centre.js",
     "theory.js",
     "theory_regular.js",
     "theory_density.js",

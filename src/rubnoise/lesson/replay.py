@@ -30,8 +30,9 @@ def record_of(run: Run) -> dict[str, Any]:
         "distance": distance,
         "note": _note(run, rows, distance, whole),
     }
-    if "shear_strength" in junctions:
-        record["strength"] = _text(junctions["shear_strength"][:rows])
+    for name, column in {"strength": "shear_strength", "offset": "lateral_offset"}.items():
+        if column in junctions:
+            record[name] = _text(junctions[column][:rows])
     return record | _early_deaths(junctions, rows)
 
 

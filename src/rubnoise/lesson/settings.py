@@ -33,12 +33,9 @@ class Settings:
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario for the page.
 
-    Raises Refused for sizes that are neither equal nor normal, for strengths that differ, and for passes off the centre
-    line: the page cannot draw them.
+    Raises Refused for sizes that are neither equal nor normal, and for strengths that differ: the page cannot draw them.
     """
     model = scenario.model()
-    if model.pulse.offset != "none":
-        raise Refused("pulse.offset: the page knows passes through both centres alone")
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
     slider = model.slider
     return Settings(
@@ -48,6 +45,7 @@ def settings_of(scenario: Scenario) -> Settings:
             "spread": _spread(model.sizes),
             "births": "regular" if isinstance(model.births, RegularBirths) else "poisson",
             "pulse": model.pulse.shape,
+            "offset": model.pulse.offset,
             "calibration": model.calibration,
             "speed": model.sliding_speed or LESSON_SPEED,
             "strength": _strength(model),

@@ -32,7 +32,7 @@
       const place = this.next * this.spacing;
       this.meet(place);
       const { area } = this.source.contact.pulse;
-      const sum = this.live.reduce((total, row) => total + area(place - row.birth, row.diameter), 0);
+      const sum = this.live.reduce((total, row) => total + area(place - row.birth, row.diameter, row.offset), 0);
       this.areas[this.next % this.areas.length] = sum;
       if (!isLook) return;
       this.looks += 1;

@@ -25,19 +25,34 @@
 
   const chosen = () => rub.run.rows[rub.run.selected];
 
+  const halfOf = (row) => rub.model.halfLife(row.diameter, row.offset);
+
+  /** Return the area of a row at an age, in um^2. */
+  const areaAt = (row, age) => rub.run.trace.pulse.area(age, row.diameter, row.offset);
+
+  /** Return the mean area of a row over its life, in um^2. */
+  function meanArea(row) {
+    const { pulse } = rub.run.trace;
+    if (!pulse.between) return pulse.lifeMean * row.diameter ** 2;
+    const life = 2 * halfOf(row);
+    const edges = rub.numbers.evenly(0, life, 64);
+    return edges.slice(1).reduce((sum, to, i) => sum + pulse.between(edges[i], to, row.diameter, row.offset), 0) / life;
+  }
+
   /** Return the numbers of a row as label, value and unit. */
   function numbersOf(row) {
-    const { distance, trace } = rub.run;
+    const { distance } = rub.run;
     const numbers = [
       ['row', String(row.id), ''],
       ['born at', said(row.birth, 6), 'µm'],
       ['dies at', said(row.death, 6), 'µm'],
       ['diameter', said(row.diameter, 6), 'µm'],
-      ['life', said(2 * row.diameter, 6), 'µm'],
-      ['largest area', said(0.25 * Math.PI * row.diameter ** 2, 6), 'µm²'],
-      ['mean area', said(trace.pulse.lifeMean * row.diameter ** 2, 6), 'µm²'],
-      ['area now', said(trace.pulse.area(distance - row.birth, row.diameter), 6), 'µm²'],
+      ['life', said(2 * halfOf(row), 6), 'µm'],
+      ['largest area', said(areaAt(row, halfOf(row)), 6), 'µm²'],
+      ['mean area', said(meanArea(row), 6), 'µm²'],
+      ['area now', said(areaAt(row, distance - row.birth), 6), 'µm²'],
     ];
+    if (row.offset) numbers.splice(4, 0, ['misses the centre by', said(Math.abs(row.offset), 6), 'µm']);
     return numbers.filter(([label]) => label !== 'mean area' || !rub.readout.veiled());
   }
 
@@ -67,23 +82,23 @@
       1.1 * Math.max(rub.stage.largest(), 0.25 * Math.PI * row.diameter ** 2),
       'area of this junction, µm²',
     );
-    const x = lowerAxis(ctx, box, 0, 2 * row.diameter, 'since birth, µm');
-    const { area } = rub.run.trace.pulse;
+    const life = 2 * halfOf(row);
+    const x = lowerAxis(ctx, box, 0, life, 'since birth, µm');
     ctx.strokeStyle = ink.accent;
     ctx.lineWidth = 2;
-    const along = (i) => (i / 80) * 2 * row.diameter;
+    const along = (i) => (i / 80) * life;
     line(
       ctx,
       0,
       80,
       (i) => x(along(i)),
-      (i) => y(area(along(i), row.diameter)),
+      (i) => y(areaAt(row, along(i))),
     );
     const age = rub.run.distance - row.birth;
-    if (age < 0 || age > 2 * row.diameter) return;
+    if (age < 0 || age > life) return;
     ctx.fillStyle = ink.ink;
     ctx.beginPath();
-    ctx.arc(x(age), y(area(age, row.diameter)), 4.5, 0, 2 * Math.PI);
+    ctx.arc(x(age), y(areaAt(row, age)), 4.5, 0, 2 * Math.PI);
     ctx.fill();
   };
 
@@ -93,7 +108,7 @@
     if (!row) return;
     const cells = card.list.querySelectorAll('dd');
     cells[cells.length - 1].textContent =
-      `${said(rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter), 6)} µm²`;
+      `${said(areaAt(row, rub.run.distance - row.birth), 6)} µm²`;
   };
 
   card.begin = (panel, hint, status) => {

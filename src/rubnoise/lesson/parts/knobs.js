@@ -17,9 +17,10 @@
   const CHOICES = [
     ['births', 'births', { poisson: 'at random (Poisson)', regular: 'regular' }],
     ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)' }],
+    ['offset', 'passes', { none: 'through both centres', uniform: 'off the centre line' }],
     ['coupling', 'coupling', { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' }],
   ];
-  const OF_CONTACT = 2; // choices that stand among the knobs of the contact
+  const OF_CONTACT = 3; // choices that stand among the knobs of the contact
   const knobs = { inputs: {} };
 
   /* Sliders run over the logarithm, but for one that begins at 0. */
@@ -84,7 +85,9 @@
     KNOBS.forEach(connect);
     for (const [key] of CHOICES) {
       const choice = document.getElementById(`knob-${key}`);
-      choice.addEventListener('change', () => rub.set({ [key]: choice.value }, { restart: key !== 'coupling' }));
+      choice.addEventListener('change', () => {
+        rub.set({ [key]: choice.value }, { restart: key !== 'coupling' }) || knobs.show();
+      });
     }
     const seed = document.getElementById('knob-seed');
     seed.addEventListener('change', () => rub.set({ seed: Math.floor(Number(seed.value)) }) || knobs.show());

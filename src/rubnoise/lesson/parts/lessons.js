@@ -41,6 +41,7 @@
     spread: 0,
     births: 'poisson',
     pulse: 'lens',
+    offset: 'none',
     calibration: 'matched',
     coupling: 'one-way',
     ...values,
@@ -159,13 +160,14 @@
 
   /** Return why the question does not fit the settings any more, or nothing. */
   function misfit(lesson, world) {
-    const turned = Object.entries(lesson.needs).find(([key, value]) => world[key] !== value);
+    const needs = lesson.experiment.reading ? {} : { offset: 'none', ...lesson.needs };
+    const turned = Object.entries(needs).find(([key, value]) => world[key] !== value);
     return turned
       ? `The knobs have been turned since (${NAMES[turned[0]]}). Press a button of the experiment to set them back.`
       : '';
   }
 
-  const NAMES = { births: 'births', pulse: 'pulse', spread: 'spread', meanCount: 'mean count' };
+  const NAMES = { births: 'births', pulse: 'life', offset: 'passes', spread: 'spread', meanCount: 'mean count' };
 
   rub.lessons = {
     STEPS,

@@ -233,7 +233,7 @@
   /* The switch of the lesson is the knob once more. */
   function switched(event) {
     if (event.target.name !== 'coupling') return;
-    rub.set({ coupling: event.target.value }, { restart: false });
+    if (!rub.set({ coupling: event.target.value }, { restart: false })) return announce();
     if (event.target.value === 'two-way' && current().further.step < STEPS.run) {
       current().further.step = STEPS.run;
       show('#further-switch input:checked');

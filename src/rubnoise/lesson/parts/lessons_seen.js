@@ -108,7 +108,7 @@
       this.counts.add(this.leave(place));
       let area = 0;
       for (const row of this.live) {
-        area += this.pulse.area(place - row.birth, row.diameter);
+        area += this.pulse.area(place - row.birth, row.diameter, row.offset);
         this.alive.add(row.diameter);
         this.ages.add((place - row.birth) / (row.death - row.birth));
       }
@@ -158,7 +158,7 @@
   /** Return what the run on the stage has shown so far. */
   function seen(exact) {
     const { rows, reached } = rub.run;
-    if (watched !== rows) [watch, watched] = [new Watch(exact, rub.model.pulses[rub.world.pulse]), rows];
+    if (watched !== rows) [watch, watched] = [new Watch(exact, rub.model.pulseOf(rub.world)), rows];
     watch.follow(rows, reached);
     return { ...watch.figures(), ...rub.run.moments() };
   }

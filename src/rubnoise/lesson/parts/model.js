@@ -55,14 +55,19 @@
   }
 
   const pulses = {
-    lens: { area: lensArea, sum: lensSum, lifeIntegral: lensIntegral, lifeMean: 1 / 3 },
+    lens: { area: lensArea, sum: lensSum, lifeIntegral: lensIntegral, lifeMean: 1 / 3, meanLife: 2, tail: [4, 4] },
     triangle: {
       area: triangleArea,
       sum: triangleSum,
       lifeIntegral: (power) => (2 * (Math.PI / 4) ** power) / (power + 1),
       lifeMean: Math.PI / 8,
+      meanLife: 2,
+      tail: [0.375 * Math.PI ** 2, 4],
     },
   };
+
+  /** Return the pulse of a world; that of lenses off the centre line is in off_centre.js. */
+  const pulseOf = ({ pulse, offset }) => (offset === 'uniform' ? pulses.offCentre : pulses[pulse]);
 
   /** Diameters Normal(mean, std), drawn again while not positive; std 0 makes them all equal. */
   class Sizes {
@@ -158,8 +163,8 @@
    */
   function calibratedDiameter(world) {
     const wanted = world.meanArea / world.meanCount;
-    const { lifeMean } = pulses[world.pulse];
-    if (world.calibration === 'paper' && world.pulse === 'lens') return Math.sqrt(wanted / 0.327);
+    const { lifeMean } = pulseOf(world);
+    if (world.calibration === 'paper' && pulseOf(world) === pulses.lens) return Math.sqrt(wanted / 0.327);
     if (world.calibration !== 'matched' || world.spread === 0) return Math.sqrt(wanted / lifeMean);
     return matchedDiameter(wanted / lifeMean, world.spread);
   }
@@ -176,13 +181,17 @@
     return 0.5 * (low + high);
   }
 
-  /** Return what follows from the settings at once: d_m, sizes, mean life 2 d_m, birth spacing and rate, pulse. */
+  /**
+   * Return what follows from the settings at once: d_m, sizes, mean life 2 d_m (off the centre line (pi/2) d_m), birth
+   * spacing and rate, pulse.
+   */
   function contact(world) {
     const diameter = calibratedDiameter(world);
-    const spacing = (2 * diameter) / world.meanCount;
-    const sizes = new Sizes(diameter, world.spread);
-    return { diameter, sizes, spacing, birthRate: 1 / spacing, meanLife: 2 * diameter, pulse: pulses[world.pulse] };
+    const pulse = pulseOf(world);
+    const meanLife = pulse.meanLife * diameter;
+    const spacing = meanLife / world.meanCount;
+    return { diameter, sizes: new Sizes(diameter, world.spread), spacing, birthRate: 1 / spacing, meanLife, pulse };
   }
 
-  rub.model = { pulses, Sizes, calibratedDiameter, contact };
+  rub.model = { pulses, Sizes, calibratedDiameter, contact, pulseOf };
 })();

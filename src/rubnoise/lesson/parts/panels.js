@@ -118,10 +118,31 @@
         1,
       );
       if (!rub.readout.veiled()) strokes(points, x, y, ink.exact, 2);
+      if (rub.world.births === 'poisson' && !rub.readout.veiled()) tail(x, y, 7 / contact.diameter, high);
       if (rub.world.births === 'regular')
         for (const each of lines().slice(0, 12)) upright(Math.log10(each.wavenumber), x, () => box().top + 8, 1);
     });
     if (!estimate.segments) hint('the first estimate comes after ten lives');
+  }
+
+  /** The level about which the spectrum falls off at last, and its power of the wavenumber. */
+  function tail(x, y, from, to) {
+    const { ctx } = panels.pen;
+    const exact = rub.exact();
+    ctx.setLineDash([5, 4]);
+    strokes(
+      [from, to].map((k) => [Math.log10(k), Math.log10(exact.tail(k))]),
+      x,
+      y,
+      ink.ink,
+      1.2,
+    );
+    ctx.setLineDash([]);
+    ctx.fillStyle = ink.ink;
+    ctx.textAlign = 'left';
+    ctx.textBaseline = 'bottom';
+    const name = exact.tailPower === 5 ? 'k⁻⁵' : 'k⁻⁴';
+    ctx.fillText(name, x(Math.log10(from)) + 10, y(Math.log10(exact.tail(from))));
   }
 
   /** The autocovariance of the trace over its variance, and the exact one: nothing beyond one life. */

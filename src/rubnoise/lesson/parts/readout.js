@@ -4,6 +4,7 @@
   const rub = (globalThis.rub ??= {});
   const { said } = rub.plot;
   const milli = (value) => value * 1e-3;
+  const tailPower = (exact) => (rub.world.births === 'poisson' ? -exact.tailPower : NaN);
   /* Name, label, unit, exact value and measured value, where there are such. */
   const LINES = [
     ['count', 'live junctions', '', (e) => e.countMean, (s) => s.countMean],
@@ -11,11 +12,20 @@
     ['area', 'real contact area', 'µm²', (e) => e.areaMean, (s) => s.areaMean],
     ['area-std', 'its spread', 'µm²', (e) => e.areaStd, (s) => s.areaStd],
     ['relative', 'spread over mean', '', (e) => e.areaStd / e.areaMean, (s) => s.areaStd / s.areaMean],
+    [
+      'swing',
+      'the same times √N',
+      '',
+      (e) => (e.areaStd / e.areaMean) * Math.sqrt(e.countMean),
+      (s) => (s.areaStd / s.areaMean) * Math.sqrt(s.countMean),
+    ],
+    ['tail', 'spectrum falls at last as k to the', '', tailPower, null],
     ['skewness', 'skewness', '', (e) => e.skewness, null],
     ['diameter', 'diameter at birth', 'µm', (e) => e.diameterMean, null],
     ['live-diameter', 'diameter of the living', 'µm', (e) => e.lengthBiasedMean, null],
     ['life', 'life', 'µm', (e) => e.lifeMean, null],
     ['spacing', 'between births', 'µm', (e) => e.spacing, null],
+    ['little', 'life over it (Little’s law)', '', (e) => e.lifeMean / e.spacing, null],
     ['force', 'friction force', 'mN', (e) => milli(e.forceMean), (s) => milli(s.areaMean * rub.world.strength)],
     ['force-std', 'its spread', 'mN', (e) => milli(e.forceStd), (s) => milli(s.areaStd * rub.world.strength)],
     ['displacement', 'displacement', 'µm', (e) => e.displacementMean, (s) => s.displacementMean],

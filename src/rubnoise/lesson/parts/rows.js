@@ -4,6 +4,7 @@
   const rub = (globalThis.rub ??= {});
   const GAPS = 1;
   const SIZES = 2;
+  const OFFSETS = 4;
 
   /**
    * Junctions of a stationary contact. Births begin one longest life before the start, and who has died by then is left
@@ -15,6 +16,7 @@
       this.contact = rub.model.contact(world);
       this.gaps = new rub.Random(world.seed, GAPS);
       this.sizes = new rub.Random(world.seed, SIZES);
+      this.offsets = world.offset === 'uniform' ? new rub.Random(world.seed, OFFSETS) : null;
       this.longest = 2 * this.contact.sizes.high;
       this.count = 0;
       const { spacing } = this.contact;
@@ -27,7 +29,9 @@
     until(distance, rows) {
       while (this.next <= distance) {
         const diameter = this.contact.sizes.draw(this.sizes);
-        if (this.next + 2 * diameter > 0) rows.push(this.junction(rows.length, diameter));
+        const offset = this.offsets ? diameter * (2 * this.offsets.uniform() - 1) : 0;
+        const row = this.junction(rows.length, diameter, offset);
+        if (row.death > 0) rows.push(row);
         this.count += 1;
         this.next = this.following();
       }
@@ -38,9 +42,10 @@
       this.world.strength *= factor;
     }
 
-    junction(id, diameter) {
+    junction(id, diameter, offset) {
       const birth = this.next;
-      return { id, birth, diameter, death: birth + 2 * diameter, strength: this.world.strength };
+      const death = birth + 2 * rub.model.halfLife(diameter, offset);
+      return { id, birth, diameter, offset, death, strength: this.world.strength };
     }
 
     /* Regular births are counted from the first: gaps added one by one would drift by their rounding. */
@@ -64,6 +69,7 @@
       const diameter = doubles(record.diameter);
       const strength = record.strength ? doubles(record.strength) : null;
       const death = record.death ? doubles(record.death) : null;
+      const offset = record.offset ? doubles(record.offset) : null;
       this.longest = 0;
       this.rows = Array.from(birth, (b, id) => {
         this.longest = Math.max(this.longest, 2 * diameter[id]);
@@ -71,7 +77,8 @@
           id,
           birth: b,
           diameter: diameter[id],
-          death: death ? death[id] : b + 2 * diameter[id],
+          offset: offset ? offset[id] : 0,
+          death: death ? death[id] : b + 2 * rub.model.halfLife(diameter[id], offset ? offset[id] : 0),
           strength: strength ? strength[id] : world.strength,
         };
       });

@@ -235,7 +235,8 @@
     /** Return real contact area in um^2 at a distance, from the rows. */
     areaAt(distance) {
       const { area } = this.trace.pulse;
-      return this.liveAt(distance).reduce((sum, row) => sum + area(distance - row.birth, row.diameter), 0);
+      const areaOf = (row) => area(distance - row.birth, row.diameter, row.offset);
+      return this.liveAt(distance).reduce((sum, row) => sum + areaOf(row), 0);
     },
   };
 

@@ -9,17 +9,23 @@
   const TITLES = ['from the side, cut along the dotted line: tops that meet are junctions', 'from the side'];
   const section = { pen: null };
 
-  /** Return the hills that the cut meets: middle below and above, half of the flat top, flank, all in pixels. */
+  /** Return half of the chord that a cut so far from the centre has in a circle; 0 where it misses. */
+  const halfChord = (diameter, away) => 0.5 * Math.sqrt(Math.max(0, diameter ** 2 - 4 * away ** 2));
+
+  /**
+   * Return the hills that the cut meets: their middles below and above, half of each flat top (0 where the cut misses
+   * that hill), flank, all in pixels.
+   */
   function hills() {
     const { stage, run } = rub;
     return stage.pairs().flatMap((row) => {
       const [x, y] = stage.placeOf(row);
-      const chord = row.diameter ** 2 - 4 * (y - stage.cut()) ** 2;
-      if (chord <= 0) return [];
-      const offset = 0.5 * (run.distance - row.birth - row.diameter);
-      const top = { half: 0.5 * Math.sqrt(chord), flank: FLANK * row.diameter };
-      const lengths = { below: x - offset, above: x + offset, ...top };
-      const part = run.trace.pulse.area(run.distance - row.birth, row.diameter) / stage.largest();
+      const [away, across] = [y - stage.cut(), 0.5 * row.offset];
+      const [halfBelow, halfAbove] = [away - across, away + across].map((each) => halfChord(row.diameter, each));
+      if (!(halfBelow || halfAbove)) return [];
+      const apart = 0.5 * stage.along(row);
+      const lengths = { below: x - apart, above: x + apart, halfBelow, halfAbove, flank: FLANK * row.diameter };
+      const part = run.trace.pulse.area(run.distance - row.birth, row.diameter, row.offset) / stage.largest();
       return [{ ...inPixels(lengths, stage.scale), part }];
     });
   }
@@ -33,7 +39,8 @@
   /** Return how high a surface is at every other pixel, 0 at its foot and 1 at a top. */
   function heights(width, all, side, shift) {
     const found = Float64Array.from({ length: Math.ceil(width / STEP) + 1 }, (_, i) => wave(i * STEP - shift));
-    for (const { [side]: middle, half, flank } of all) {
+    for (const { [side]: middle, [side === 'below' ? 'halfBelow' : 'halfAbove']: half, flank } of all) {
+      if (!half) continue;
       const last = Math.min(found.length - 1, Math.floor((middle + half + flank) / STEP));
       for (let i = Math.max(0, Math.ceil((middle - half - flank) / STEP)); i <= last; i += 1) {
         const out = Math.max(0, (Math.abs(i * STEP - middle) - half) / flank);
@@ -74,10 +81,10 @@
     ctx.stroke();
   }
 
-  function touch(ctx, { below, above, half, part }, middle) {
-    const left = Math.max(below, above) - half;
-    const wide = Math.min(below, above) + half - left;
-    if (wide <= 0) return;
+  function touch(ctx, { below, above, halfBelow, halfAbove, part }, middle) {
+    const left = Math.max(below - halfBelow, above - halfAbove);
+    const wide = Math.min(below + halfBelow, above + halfAbove) - left;
+    if (wide <= 0 || !halfBelow || !halfAbove) return;
     ctx.fillStyle = colourOf(part);
     ctx.fillRect(left, middle - APART - 1, wide, 2 * APART + 2);
   }

@@ -45,7 +45,7 @@
       for (const row of live) {
         found.liveDiameters.push(row.diameter);
         found.ages.push(place - row.birth);
-        found.lives.push(2 * row.diameter);
+        found.lives.push(2 * rub.model.halfLife(row.diameter, row.offset));
       }
     }
     return found;

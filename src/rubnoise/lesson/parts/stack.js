@@ -44,7 +44,7 @@
     let y = stack.height;
     wipe(column, count);
     for (const row of rub.run.liveAt(distance, live)) {
-      const value = area(distance - row.birth, row.diameter);
+      const value = area(distance - row.birth, row.diameter, row.offset);
       const height = (value / stack.top) * stack.height;
       ctx.globalAlpha = row.id % 2 ? 0.62 : 0.88;
       ctx.fillStyle = colourOf(value / largest);

@@ -20,6 +20,9 @@
 
   const place = [0, 0];
 
+  /** Return how far the centres of a row are apart along the motion, negative before mid-life, in um. */
+  stage.along = (row) => rub.run.distance - row.birth - rub.model.halfLife(row.diameter, row.offset);
+
   /** Measure the stage: how many um it shows. */
   function measure() {
     const { countMean, contact } = rub.exact();
@@ -89,10 +92,11 @@
   function drawPair(ctx, row, offset) {
     placeOf(row, place);
     const [x, y, radius] = [place[0] * scale, place[1] * scale, 0.5 * row.diameter * scale];
+    const [along, across] = [0.5 * offset * scale, 0.5 * row.offset * scale];
     ctx.strokeStyle = ink.quiet;
-    circle(ctx, x - offset * 0.5 * scale, y, radius);
+    circle(ctx, x - along, y - across, radius);
     ctx.strokeStyle = ink.second;
-    circle(ctx, x + offset * 0.5 * scale, y, radius);
+    circle(ctx, x + along, y + across, radius);
   }
 
   function circle(ctx, x, y, radius) {
@@ -102,22 +106,23 @@
   }
 
   function drawJunction(ctx, row) {
-    const offset = rub.run.distance - row.birth - row.diameter;
-    const area = rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter);
+    const offset = stage.along(row);
+    const area = rub.run.trace.pulse.area(rub.run.distance - row.birth, row.diameter, row.offset);
     placeOf(row, place);
     ctx.fillStyle = colourOf(area / largest());
-    lens(ctx, place[0] * scale, place[1] * scale, 0.5 * row.diameter * scale, Math.abs(offset) * scale);
+    lens(ctx, place[0] * scale, place[1] * scale, 0.5 * row.diameter * scale, offset * scale, row.offset * scale);
     drawPair(ctx, row, offset);
     if (rub.run.distance - row.birth < 0.15 * row.diameter) mark(ctx, row, ink.birth, offset);
     else if (row.death - rub.run.distance < 0.15 * row.diameter) mark(ctx, row, ink.death, offset);
   }
 
-  /** Fill the overlap of two circles whose centres are so far apart. */
-  function lens(ctx, x, y, radius, apart) {
-    const half = Math.acos(Math.min(1, apart / (2 * radius)));
+  /** Fill the overlap of two circles whose centres are so far apart, along the motion and across it. */
+  function lens(ctx, x, y, radius, along, across) {
+    const half = Math.acos(Math.min(1, Math.hypot(along, across) / (2 * radius)));
+    const turn = Math.atan2(across, along);
     ctx.beginPath();
-    ctx.arc(x - apart / 2, y, radius, -half, half);
-    ctx.arc(x + apart / 2, y, radius, Math.PI - half, Math.PI + half);
+    ctx.arc(x - along / 2, y - across / 2, radius, turn - half, turn + half);
+    ctx.arc(x + along / 2, y + across / 2, radius, turn + Math.PI - half, turn + Math.PI + half);
     ctx.fill();
   }
 
@@ -147,7 +152,7 @@
     for (let i = run.after(run.distance); i < run.rows.length && run.rows[i].birth < run.distance + reach; i += 1) {
       const row = run.rows[i];
       ctx.globalAlpha = 0.6 * (1 - (row.birth - run.distance) / reach);
-      drawPair(ctx, row, run.distance - row.birth - row.diameter);
+      drawPair(ctx, row, stage.along(row));
     }
     ctx.globalAlpha = 1;
   }
@@ -161,7 +166,7 @@
       const since = run.distance - row.death;
       if (since < 0 || since > reach) continue;
       ctx.globalAlpha = 0.6 * (1 - since / reach);
-      drawPair(ctx, row, run.distance - row.birth - row.diameter);
+      drawPair(ctx, row, stage.along(row));
     }
     ctx.globalAlpha = 1;
   }
@@ -174,13 +179,13 @@
     placeOf(row, place);
     ctx.strokeStyle = ink.accent;
     ctx.lineWidth = 3;
-    const offset = Math.abs(rub.run.distance - row.birth - row.diameter) * scale;
+    const half = (apart) => 0.5 * (Math.abs(apart) + row.diameter) * scale + 4;
     ctx.beginPath();
     ctx.ellipse(
       place[0] * scale,
       place[1] * scale,
-      0.5 * (offset + row.diameter * scale) + 4,
-      0.5 * row.diameter * scale + 4,
+      half(stage.along(row)),
+      half(row.offset),
       0,
       0,
       2 * Math.PI,

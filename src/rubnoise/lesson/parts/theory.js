@@ -15,10 +15,10 @@
     return sum;
   }
 
-  /** Return lam E[d^6 a^(k d)^2], the two-sided spectral density of Poisson births in um^4 per rad/um. */
+  /** Return lam E[d^6 |a^(k d)|^2], the two-sided spectral density of Poisson births in um^4 per rad/um. */
   function shotDensity(contact, k) {
-    const { transform } = contact.pulse;
-    return contact.birthRate * average(contact.sizes, k, (d) => d ** 6 * transform(k * d) ** 2);
+    const { energy } = contact.pulse;
+    return contact.birthRate * average(contact.sizes, k, (d) => d ** 6 * energy(k * d));
   }
 
   /** Return the same with the swing of its tail averaged out, for panels of k wider than a swing. */
@@ -30,6 +30,7 @@
   /** Return q(t) = int a(s) a(s + t) ds for a life of unit diameter; 0 for t >= 2. */
   function lifeOverlap(pulse, t) {
     if (t >= 2) return 0;
+    if (pulse.overlap) return pulse.overlap(t);
     const cuts = ordered([0, Math.acos(Math.min(t, 1)), Math.acos(t / 2)]);
     if (cuts.length < 2) return 0;
     const { nodes, weights } = panels(cuts, 16);
@@ -54,10 +55,13 @@
     return birthRate * sum;
   }
 
+  /** Return E[N] by Little's law: births in a um times their mean life. */
+  const countMean = ({ pulse, birthRate, sizes }) => birthRate * pulse.meanLife * sizes.moment(1);
+
   /** Return variance and third cumulant of A_r for Poisson births, lam c_n m_(2n+1), and Var[N]. */
   function shotCumulants({ pulse, birthRate, sizes }) {
     const cumulant = (n) => birthRate * pulse.lifeIntegral(n) * sizes.moment(2 * n + 1);
-    return { variance: cumulant(2), third: cumulant(3), countVariance: 2 * birthRate * sizes.moment(1) };
+    return { variance: cumulant(2), third: cumulant(3), countVariance: countMean({ pulse, birthRate, sizes }) };
   }
 
   /** Return the wavenumber in rad/um up to which the swing of the spectrum's tail is followed. */
@@ -149,11 +153,11 @@
       diameter: contact.diameter,
       diameterMean: sizes.moment(1),
       lengthBiasedMean: sizes.moment(2) / sizes.moment(1),
-      lifeMean: 2 * sizes.moment(1),
+      lifeMean: pulse.meanLife * sizes.moment(1),
       lifeAreaMean: pulse.lifeMean * contact.diameter ** 2,
       spacing: contact.spacing,
       birthRate,
-      countMean: 2 * birthRate * sizes.moment(1),
+      countMean: countMean(contact),
       countStd: Math.sqrt(Math.max(0, law.countVariance)),
       areaMean,
       areaStd,
@@ -172,11 +176,15 @@
       get oneWay() {
         return slider().velocityStd / world.speed;
       },
+      /** The level about which the spectrum of births at random falls off, and its power of the wavenumber. */
+      tail: (k) => (birthRate * pulse.tail[0] * sizes.moment(6 - pulse.tail[1])) / k ** pulse.tail[1],
+      tailPower: pulse.tail[1],
       lines: law.lines,
       spectrum: (k) => law.density(Math.abs(k)),
       autocovariance: law.covariance,
     };
   }
 
-  rub.theory = { exact, average, panelsFor, shotDensity, smoothDensity, shotCovariance, lifeOverlap, sliderOf };
+  Object.assign((rub.theory = {}), { exact, average, panelsFor, lifeOverlap, countMean, sliderOf });
+  Object.assign(rub.theory, { shotDensity, smoothDensity, shotCovariance });
 })();

@@ -19,9 +19,13 @@
     return low;
   }
 
-  /** Return P(area <= PEAK t^3) of a junction of unit diameter found alive: its age is as likely anywhere. */
+  /**
+   * Return P(area <= PEAK t^3) of a junction of unit diameter found alive: its age is as likely anywhere, or off the
+   * centre line its other centre in the disc about its own.
+   */
   function unitShare(pulse) {
-    const ratio = chebyshev((t) => ageAt(pulse, PEAK * t ** 3) / (t * t), 0, 1, 24);
+    const { aliveShare = (age) => age, centred = pulse } = pulse;
+    const ratio = chebyshev((t) => aliveShare(ageAt(centred, PEAK * t ** 3)) / (t * t), 0, 1, 24);
     return (t) => (t >= 1 ? 1 : t * t * ratio(t));
   }
 
@@ -53,7 +57,7 @@
   }
 
   /** Return P(no junction is alive) = exp(-E[N]): the atom of the area at 0. */
-  rub.theory.areaAtom = ({ birthRate, sizes }) => Math.exp(-2 * birthRate * sizes.moment(1));
+  rub.theory.areaAtom = (contact) => Math.exp(-rub.theory.countMean(contact));
 
   /**
    * Return the density of A_r at areas from 0 to top in um^2, in 1/um^2, for Poisson births, without the atom at 0: the
@@ -63,7 +67,7 @@
    */
   rub.theory.areaDensity = (contact, top, count = 241) => {
     const cell = top / CELLS_TO_TOP;
-    const alive = 2 * contact.birthRate * contact.sizes.moment(1);
+    const alive = rub.theory.countMean(contact);
     const share = liveShare(contact);
     const [real, imaginary] = [new Float64Array(CELLS), new Float64Array(CELLS)];
     for (let i = 0, before = 0; i < CELLS && before < 1; i += 1) {

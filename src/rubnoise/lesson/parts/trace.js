@@ -10,7 +10,7 @@
   class Trace {
     constructor(world, source, tick, last, start) {
       Object.assign(this, { world, source, tick, last, start, rows: [], ready: 0, oldest: 0, sums: {} });
-      this.pulse = rub.model.pulses[world.pulse];
+      this.pulse = rub.model.pulseOf(world);
       this.reserve(4096);
     }
 
@@ -59,14 +59,18 @@
     add(row, first, end) {
       const { pulse, tick } = this;
       const life = row.death - row.birth;
-      let before = pulse.sum(Math.max(0, Math.min((first - 1) * tick - row.birth, life)), row.diameter);
+      let reached = Math.max(0, Math.min((first - 1) * tick - row.birth, life));
+      let before = pulse.sum ? pulse.sum(reached, row.diameter) : 0;
       for (let i = first; i < end && (i - 1) * tick < row.death; i += 1) {
         const age = i * tick - row.birth;
-        const sum = pulse.sum(Math.min(age, life), row.diameter);
+        const next = Math.min(age, life);
+        const sum = pulse.sum
+          ? pulse.sum(next, row.diameter)
+          : before + pulse.between(reached, next, row.diameter, row.offset);
         this.impulse[i] += (sum - before) * row.strength;
-        before = sum;
+        [before, reached] = [sum, next];
         if (i * tick >= row.death) return;
-        const area = pulse.area(age, row.diameter);
+        const area = pulse.area(age, row.diameter, row.offset);
         this.area[i] += area;
         this.count[i] += 1;
         this.force[i] += area * row.strength;

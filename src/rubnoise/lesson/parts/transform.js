@@ -30,7 +30,7 @@
     return (2 / Math.PI) * sum;
   }
 
-  /** Return P and Q of Hankel's expansion for order 1, z >= 32 (DLMF 10.17.3). */
+  /** Return P and Q of Hankel's expansion for order 1, z >= 16 (DLMF 10.17.3). */
   function hankel(z) {
     let term = 1;
     let even = 1;
@@ -84,9 +84,16 @@
     return z < FAR ? triangle(z) ** 2 : ((Math.PI / 4) ** 2 * 0.375 * 16) / z ** 4;
   }
 
-  Object.assign(rub.model.pulses.lens, { transform: lens, meanSquare: lensMeanSquare, birth: lensBirth });
+  rub.model.hankel = hankel;
+  Object.assign(rub.model.pulses.lens, {
+    transform: lens,
+    energy: (z) => lens(z) ** 2,
+    meanSquare: lensMeanSquare,
+    birth: lensBirth,
+  });
   Object.assign(rub.model.pulses.triangle, {
     transform: triangle,
+    energy: (z) => triangle(z) ** 2,
     meanSquare: triangleMeanSquare,
     birth: triangleBirth,
   });

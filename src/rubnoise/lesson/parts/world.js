@@ -4,10 +4,11 @@
   const rub = (globalThis.rub ??= {});
 
   /** Settings that decide about junctions; the others concern the slider alone. */
-  const CONTACT = ['meanArea', 'meanCount', 'spread', 'births', 'pulse', 'calibration', 'seed'];
+  const CONTACT = ['meanArea', 'meanCount', 'spread', 'births', 'pulse', 'offset', 'calibration', 'seed'];
   const CHOICES = {
     births: ['poisson', 'regular'],
     pulse: ['lens', 'triangle'],
+    offset: ['none', 'uniform'],
     calibration: ['paper', 'exact', 'matched'],
     coupling: ['one-way', 'two-way'],
   };
@@ -49,8 +50,12 @@
     return good ? '' : `${key}: a number from ${low} to ${high}`;
   }
 
+  const CENTRED = 'passes off the centre line need the lens, births at random and a constant speed of the drive';
+
   /** Return why a world cannot be, or an empty text. */
   function problemOf(world) {
+    const isKnown = world.pulse === 'lens' && world.births === 'poisson' && world.coupling === 'one-way';
+    if (world.offset === 'uniform' && !isKnown) return CENTRED;
     if (world.pulse === 'lens' || world.calibration !== 'paper') {
       if (!(rub.model.calibratedDiameter(world) > 0)) return 'no mean diameter matches this mean area with this spread';
     }
@@ -97,7 +102,7 @@
   /** Begin with what the page was made with: {world, title, distance, record, ...}. */
   function begin(lesson) {
     rub.lesson = lesson;
-    rub.given = Object.freeze({ coupling: 'one-way', ...lesson.world });
+    rub.given = Object.freeze({ coupling: 'one-way', offset: 'none', ...lesson.world });
     rub.world = { ...rub.given };
     rub.replaying = Boolean(lesson.record);
     exactNow = null;
