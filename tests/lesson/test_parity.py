@@ -56,9 +56,9 @@ def test_a_pass_off_the_centre_line_has_the_same_area() -> None:
     found = np.array(answer(OFF_CENTRE, **given))
     expected = area_of(OFF_CENTRE_LENS, since, diameters, offsets)
     np.testing.assert_allclose(found[:, 0], expected, rtol=1e-9, atol=1e-10)
-    sums = [quad(lambda s, i=i: float(area_of(OFF_CENTRE_LENS, s, diameters[i], offsets[i])), since[i], since[i] + step)[0]
-            for i in range(40)]  # fmt: skip
-    np.testing.assert_allclose(found[:40, 1], sums, rtol=1e-7)
+    for (d, b), start, sum_found in zip(zip(diameters, offsets, strict=True), since[:40], found[:40, 1], strict=False):
+        expected_sum = quad(lambda s, d=d, b=b: float(area_of(OFF_CENTRE_LENS, s, d, b)), start, start + step)[0]
+        assert sum_found == pytest.approx(expected_sum, rel=1e-7)
     centred = PULSES["lens"].area(since, diameters)
     assert np.median(np.abs(centred - expected) / expected) > 0.1, "a pass through both centres would be noticed"
 

@@ -105,8 +105,16 @@ def densities(world: dict[str, Any]) -> tuple[Any, Any, float, float]:
     return np.array(found)[rows], law.density(areas[rows]), atom, law.atom_at_zero
 
 
-@pytest.mark.parametrize("world", [WORLDS[0], WORLDS[1], WORLDS[3], WORLDS[4], WORLDS[6], *FEW], ids=told_apart)
-@pytest.mark.daily(4)
+OFF_CENTRE = [
+    world_with(offset="uniform", calibration="exact", meanCount=count, spread=spread)
+    for count, spread in ((0.5, 0.0), (2.0, 3.0), (20.0, 0.2))
+]
+
+
+@pytest.mark.parametrize(
+    "world", [WORLDS[0], WORLDS[1], WORLDS[3], WORLDS[4], WORLDS[6], *FEW, *OFF_CENTRE], ids=told_apart
+)
+@pytest.mark.daily(5)
 def test_the_distribution_is_that_of_the_package(world: dict[str, Any]) -> None:
     found, expected, atom, wanted = densities(world)
     assert atom == pytest.approx(wanted, rel=1e-9)

@@ -10,8 +10,8 @@ from tests.lesson.walk import Walk
 
 SIDE = """(() => {
   const { stage, run } = rub;
-  const rows = run.living.map((row) => [...stage.placeOf(row), row.diameter, run.distance - 0.5 * (row.birth + row.death),
-    row.offset]);
+  const along = (row) => run.distance - 0.5 * (row.birth + row.death);
+  const rows = run.living.map((row) => [...stage.placeOf(row), row.diameter, along(row), row.offset]);
   return { rows, cut: stage.cut(), scale: stage.scale, hills: rub.section.hills() };
 })()"""
 

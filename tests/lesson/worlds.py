@@ -64,4 +64,5 @@ WORLDS = [
         {"offset": "uniform", "calibration": "matched", "spread": 1.5, "meanCount": 5.0},
     )
 ]
-"""Small and large spreads, both pulses, passes off the centre line, and both laws of birth, light and heavy damping, slow and fast sliding."""
+"""Small and large spreads, both pulses, passes off the centre line, both laws of birth, light and heavy damping, slow
+and fast sliding."""

@@ -41,13 +41,13 @@ def _reading(law: str, scenario: Scenario) -> dict[str, Any]:
     step = float(force.max()) / FULL_SCALE
     values = np.rint(force / step).astype(np.int64)
     theory = exact(model)
-    middles = (np.arange(_CELLS) + 0.5) * (_LARGEST_SIZE / _CELLS)
+    middles = np.asarray((np.arange(_CELLS) + 0.5) * (_LARGEST_SIZE / _CELLS), dtype=np.float64)
     return {
         "law": law,
         "tick": model.tick,
         "step": step,
         "values": _LETTERS[np.stack([values >> 6, values & 63], axis=-1)].tobytes().decode("ascii"),
-        "found": _found(values * step, model.tick, law),
+        "found": _found(np.asarray(values * step, dtype=np.float64), model.tick, law),
         "diameter": theory.mean_diameter,
         "lag": half_lag(theory),
         "largest": _LARGEST_SIZE,

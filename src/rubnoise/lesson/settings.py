@@ -33,7 +33,8 @@ class Settings:
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario for the page.
 
-    Raises Refused for sizes that are neither equal nor normal, and for strengths that differ: the page cannot draw them.
+    Raises Refused for sizes that are neither equal nor normal, and for strengths that differ: the page cannot draw
+    them.
     """
     model = scenario.model()
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
