@@ -14,7 +14,7 @@ from tests.frozen import frozen
 BORN = 101.3
 LIVES = [
     (110.0, 0.01), (110.0, 3.4), (110.0, 3.6), (110.0, 60.0), (110.0, 109.9), (30.0, 0.5), (30.0, 25.0), (13.0, 1.0),
-    (4.0, 1e-6), (4.0, 2.0), (0.9, 0.3),
+    (4.0, 1e-6), (4.0, 2.0), (0.9, 0.3), (390.0, 118.0), (230.0, 5.5),
 ]  # fmt: skip
 """Diameters and offsets in cells: cells close to the turn and far from it, lives of many cells and of less than one."""
 
@@ -87,6 +87,26 @@ def test_areas_and_moments_are_those_of_many_digits(diameter: float, offset: flo
     assert mean < (2e-13 if diameter >= 4.0 else 2e-11)
     assert slope < 2e-11
     assert bend < 2e-9
+
+
+def test_bits_do_not_depend_on_where_a_run_is_cut() -> None:
+    """Lives of all kinds, as one range of 4700 positions and as four, each with the lives that are in it."""
+    rng = np.random.default_rng(5)
+    sizes = np.concatenate([np.array(LIVES)[:, 0], rng.uniform(4.0, 400.0, 60)])
+    names = ("birth", "diameter", "strength", "departure", "offset")
+    births = np.sort(rng.uniform(101.0, 4500.0, sizes.size))
+    values = (births, sizes, sizes, np.full(sizes.size, inf), rng.uniform(-1.0, 1.0, sizes.size) * sizes)
+    rows = LiveRows(junction=np.arange(sizes.size), **dict(zip(names, values, strict=True)))
+
+    def part(begin: int, end: int) -> list[np.ndarray]:
+        some = rows.at(np.flatnonzero((rows.death > begin - 1) & (rows.birth < end)))
+        found = deposit("lens", Grid.around(begin, end, 1.0), some, some.strength, Scratch(0))
+        return [found.total.copy(), *found.moments.copy()]
+
+    edges = [100, 1003, 1337, 4000, 4800]
+    parts = [part(*each) for each in pairwise(edges)]
+    for whole, pieces in zip(part(edges[0], edges[-1]), zip(*parts, strict=True), strict=True):
+        assert whole.tobytes() == np.concatenate(pieces).tobytes()
 
 
 @pytest.mark.parametrize(("diameter", "offset"), [(110.0, 60.0), (110.0, 0.01), (30.0, 25.0)])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Shape
-from rubnoise.simulation.kernels import off_centre, triangle
+from rubnoise.simulation.kernels import off_centre, off_centre_series, triangle
 from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
 from rubnoise.simulation.kernels.fine import FINEST, deposit_fine_lives
 from rubnoise.simulation.kernels.grid import Grid
@@ -192,18 +192,27 @@ def _deposit_triangles(
 def _deposit_off_centre(
     grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
-    """Passes off the centre line are summed position by position, and their moments by quadrature in each cell."""
+    """Passes off the centre line are summed as series far from ends and turns, position by position elsewhere.
+
+    Areas of lives of few positions are summed position by position: their series are for their moments alone.
+    """
+    del scratch
     if rows.offset is None:
         raise ValueError("rows have no offsets")
-    begin, end = grid.wanted.start, grid.wanted.stop
-    lives = (rows.birth, rows.diameter, rows.offset, rows.half_life, rows.departure, weight)
+    begin, end, finest = grid.wanted.start, grid.wanted.stop, off_centre_series.FINEST * grid.spacing
+    half_life = rows.half_life
+    at = (grid.position, grid.origin, grid.spacing, begin, end)
+    lives = (rows.birth, rows.diameter, rows.offset, half_life, rows.departure, weight)
+    total[:], moments[:] = 0.0, 0.0
     if total.size:
-        total[:] = 0.0
-        off_centre.deposit_areas(grid.position, begin, end, *lives, total)
+        off_centre.deposit_areas(*at, *lives, finest, total)
     if moments.size:
-        moments[:] = 0.0
-        at_nodes = scratch.zeros(moments.size)
-        off_centre.deposit_moments(grid.position, grid.spacing, begin, end, *lives, at_nodes, moments)
+        off_centre.deposit_moments(*at, *lives, off_centre.FINE_NODES, moments)
+    whole, fine = rows.departure >= rows.birth + 2.0 * half_life, rows.diameter >= finest
+    for some, areas in ((whole & fine, total), (whole & ~fine, _NOTHING)):
+        if (areas.size or moments.size) and some.any():
+            chosen = [each[some] for each in (rows.birth, rows.diameter, rows.offset, half_life, weight)]
+            off_centre_series.deposit_series(*at, *chosen, _CELL_WEIGHTS, areas, moments)
 
 
 def _apart(grid: Grid, rows: LiveRows) -> Iterator[slice]:

@@ -163,6 +163,18 @@ def _moved(typing_context: Any, one: Any, other: Any, by: int) -> tuple[Any, Gen
     return LANES(LANES, LANES), generate
 
 
+def _summed(typing_context: Any, lanes: Any) -> tuple[Any, Generate]:
+    def generate(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+        del context, sig
+        (rest,) = values
+        for by in (4, 2, 1):
+            rest = builder.fadd(rest, _shuffled(builder, rest, rest, [(n + by) % WIDTH for n in range(WIDTH)]))
+        return builder.extract_element(rest, ir.Constant(ir.IntType(32), 0))
+
+    del typing_context, lanes
+    return float64(LANES), generate
+
+
 def _one_before(typing_context: Any, before: Any, lanes: Any) -> tuple[Any, Generate]:
     return _moved(typing_context, before, lanes, WIDTH - 1)
 
@@ -194,6 +206,9 @@ larger: Any = intrinsic(_larger)
 
 where_above: Any = intrinsic(_where_above)
 """where_above(low, high, yes, no): ``yes`` where high lies above low, else ``no``."""
+
+summed: Any = intrinsic(_summed)
+"""summed(lanes): the sum of all eight, halves first: ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))."""
 
 one_before: Any = intrinsic(_one_before)
 """one_before(before, lanes): each lane's left neighbour, that of the first being the last of ``before``."""

@@ -3,10 +3,10 @@
 A life of 2h, h = sqrt(d^2 - b^2), has the area d^2 L(r) with r = sqrt(x^2 + b^2)/d and x = s - h. With u = 1 - r it is
 u^1.5 times the polynomial of the centred lens, and costs one root more. Its integrals over a cell have no closed form.
 
-The moments come from Gauss-Legendre nodes. Far from the ends of a life, and from the turn of its area at x = 0, which
-is the sharper the smaller b, three nodes in a cell are enough. What all lives have there is summed at the nodes, and
-its moments are worked out once. Near the ends there are five nodes in w = sqrt(s), s from the nearer end, in which the
-area is smooth. Cells close to the turn, and those of short lives, are cut up one by one towards x = 0.
+Far from the ends of a life, and from the turn of its area at x = 0, which is the sharper the smaller b, there are the
+series of `off_centre_series`. Everywhere else the moments come from Gauss-Legendre nodes: five or six in each cell, in
+w = sqrt(s), s from the nearer end, in which the area is smooth. Cells close to the turn, and those of short lives, are
+cut up towards x = 0, with eight nodes in each piece.
 """
 
 import numpy as np
@@ -24,32 +24,42 @@ from rubnoise.simulation.kernels.lanes import (
     smaller,
     spread,
     store,
+    summed,
     where_above,
 )
 from rubnoise.simulation.kernels.lens import AREA_COEFFICIENTS, horner
+from rubnoise.simulation.kernels.off_centre_series import is_alone, panels_alone, panels_of
+from rubnoise.simulation.kernels.taylor import PANEL
 
-# Gauss-Legendre on [0, 1]: for cells far from everything, near an end, and cut up.
-_FAR_NODES = (0.1127016653792583, 0.5, 0.8872983346207417)
-_ODD = 0.21516574145596762  # 5/18 of the root of 3/5
-_NODES = (0.04691007703066802, 0.23076534494715845, 0.5, 0.7692346550528415, 0.9530899229693319)
-_WEIGHTS = (0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454)
-_FINE_NODES = (
+# Gauss-Legendre on [0, 1]: nodes and weights in a cell, in one of a life of few cells, in the pieces of one cut up.
+_FIVE = (
+    (0.04691007703066802, 0.23076534494715845, 0.5, 0.7692346550528415, 0.9530899229693319),
+    (0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454),
+)
+_SIX = (
+    (0.033765242898423975, 0.16939530676686776, 0.38069040695840156, 0.6193095930415985, 0.8306046932331322,
+     0.966234757101576),
+    (0.08566224618958525, 0.18038078652406928, 0.23395696728634546, 0.23395696728634546, 0.18038078652406928,
+     0.08566224618958525),
+)  # fmt: skip
+FINE_NODES = np.array((
     0.019855071751231884, 0.10166676129318664, 0.2372337950418355, 0.4082826787521751,
     0.5917173212478249, 0.7627662049581645, 0.8983332387068134, 0.9801449282487681,
-)  # fmt: skip
-_FINE_WEIGHTS = (
     0.05061426814518813, 0.11119051722668724, 0.15685332293894363, 0.18134189168918100,
     0.18134189168918100, 0.15685332293894363, 0.11119051722668724, 0.05061426814518813,
-)  # fmt: skip
+))  # fmt: skip
+"""Eight nodes and their weights: a piece goes through every operation at once, with a node in each lane."""
 
-SHORT = 12.0
-"""Cells in half of a life below which every cell of it is cut up."""
+SHORT, FEW = 6.0, 24.0
+"""Cells in half of a life below which every cell of it is cut up, and below which a cell takes six nodes, not five.
 
-FAR = 16.0
-"""Cells from the ends of a life, and from a turn that is sharper than this, beyond which a cell is far."""
+A life of fewer than FEW has no series: with the panels at its ends they take 24 cells and more."""
 
 NEAR = 3.5
 """Cells between the middle of a cell and the turn at x = 0, y = b below which the cell is cut up."""
+
+_ABOUT = 6
+"""Cells on either side of mid-life among which those close to the turn are."""
 
 _SHARPEST = 2.0**-24
 """Of half a life: how far from mid-life cells are cut at most."""
@@ -68,6 +78,8 @@ def peak_areas(diameter: Doubles, offset: Doubles) -> Doubles:
 @compiled_bare
 def deposit_areas(
     position: Doubles,
+    origin: int,
+    spacing: float,
     begin: int,
     end: int,
     birth: Doubles,
@@ -76,34 +88,64 @@ def deposit_areas(
     half_life: Doubles,
     departure: Doubles,
     weight: Doubles,
+    finest: float,
     total: Doubles,
 ) -> None:
     """Add the weighted area fractions of lives at the positions from the index ``begin`` to ``end``.
 
-    position (um), increasing and evenly spaced, eight more at least on either side. birth, diameter, offset, half_life,
-    departure (um) and weight: one a junction, in order of birth; a life counts while birth <= s < departure.
+    position (um): ``origin`` spacings and on, eight more at least on either side. birth, diameter, offset, half_life,
+    departure (um) and weight: one a junction, in order of birth; a life counts while birth <= s < departure. finest:
+    the diameter (um) from which on the panels of whole lives that have series are left out.
     """
     places = position[begin:end]
-    per_um = per_um_of(places)
-    one, nothing = spread(1.0), spread(0.0)
+    per_um, per_spacing = per_um_of(places), 1.0 / spacing
     for row in range(len(birth)):
-        born, half, left, inverse_size = birth[row], half_life[row], departure[row], 1.0 / diameter[row]
-        first = begin + first_near(places, per_um, born)
-        last = begin + first_near(places, per_um, min(left, born + 2.0 * half))
-        across = offset[row] * inverse_size
-        birth_at, rise, inverse, aside = spread(born), spread(half), spread(inverse_size), spread(across * across)
-        share, ending = spread(weight[row]), spread(left)
-        for at in range(first, last, WIDTH):
-            place = load(position, at)
-            x = ((place - birth_at) - rise) * inverse
-            u = larger(one - root(fused(x, x, aside)), nothing)
-            there = where_above(place, ending, share, nothing)
-            store(total, at, fused(there * (u * root(u)), polynomial(AREA_COEFFICIENTS, u), load(total, at)))
+        born, half, left = birth[row], half_life[row], departure[row]
+        inverse, share = 1.0 / diameter[row], weight[row]
+        across = offset[row] * inverse
+        death = born + 2.0 * half
+        panels = panels_of(born * per_spacing, half * per_spacing, abs(offset[row]) * per_spacing)
+        if diameter[row] < finest or left < death or is_alone(panels):
+            first = begin + first_near(places, per_um, born)
+            last = begin + first_near(places, per_um, min(left, death))
+            _add_areas(position, first, last, born, half, inverse, across, left, share, total)
+        else:
+            for n in range(3):
+                low, high = panels_alone(n, panels)
+                first = PANEL * low + 1 - origin
+                first += max(begin - first, 0) // WIDTH * WIDTH
+                last = min(PANEL * high + 1 - origin, end)
+                _add_areas(position, first, last, born, half, inverse, across, left, share, total)
+
+
+@inlined
+def _add_areas(
+    position: Doubles,
+    first: int,
+    last: int,
+    born: float,
+    half: float,
+    inverse_size: float,
+    across: float,
+    departure: float,
+    weight: float,
+    total: Doubles,
+) -> None:
+    one, nothing = spread(1.0), spread(0.0)
+    birth, rise, inverse, aside = spread(born), spread(half), spread(inverse_size), spread(across * across)
+    share, ending = spread(weight), spread(departure)
+    for at in range(first, last, WIDTH):
+        place = load(position, at)
+        x = ((place - birth) - rise) * inverse
+        u = larger(one - root(fused(x, x, aside)), nothing)
+        there = where_above(place, ending, share, nothing)
+        store(total, at, fused(there * (u * root(u)), polynomial(AREA_COEFFICIENTS, u), load(total, at)))
 
 
 @compiled_bare
 def deposit_moments(
     position: Doubles,
+    origin: int,
     spacing: float,
     begin: int,
     end: int,
@@ -113,113 +155,96 @@ def deposit_moments(
     half_life: Doubles,
     departure: Doubles,
     weight: Doubles,
-    at_nodes: Doubles,
+    nodes: Doubles,
     moments: Doubles,
 ) -> None:
-    """Add the Legendre moments of weighted area fractions over the cells that end at some positions.
+    """Add the Legendre moments of weighted area fractions over cells, but for those of panels with series.
 
-    Rows as in `deposit_areas`; index 0 is a multiple of eight spacings from the start of the run. moments and at_nodes
-    (3 x positions, flat), both zero: moments receives int sum w a P_i(2y - 1) ds over the spacing for the cells that
-    end at the positions from the index ``begin`` to ``end``. at_nodes is for sums at the nodes of far cells, and zero
-    again afterwards.
+    Rows as in `deposit_areas`; index 0 is a multiple of eight spacings from the start of the run. moments (3 x
+    positions, flat) receives int sum w a P_i(2y - 1) ds over the spacing for the cells that end at the positions from
+    the index ``begin`` to ``end``. nodes: `FINE_NODES`.
     """
     places = position[begin - 1 : end]
-    per_um = per_um_of(places)
-    size = len(moments) // 3
-    far, near = FAR * spacing, NEAR * spacing
+    per_um, near = per_um_of(places), NEAR * spacing
     for row in range(len(birth)):
-        born, half, width = birth[row], half_life[row], diameter[row]
+        born, half, width, share = birth[row], half_life[row], diameter[row], weight[row]
+        aside = offset[row] * offset[row]
         age = min(departure[row] - born, 2.0 * half)
         # A cell ends behind the birth, and begins before the end.
         first = max(begin - 1 + first_near(places, per_um, born), begin)
         last = min(begin + first_near(places, per_um, born + age), end)
-        short, aside = half < SHORT * spacing, offset[row] * offset[row]
+        short = half < SHORT * spacing
         if not short:
-            # By eights that lie where they do however a run is cut.
-            for at in range(first // WIDTH * WIDTH, last, WIDTH):
-                low, high = position[at - 1] - born, position[at + WIDTH - 1] - born
-                smooth = aside >= far * far or low - half >= far or half - high >= far
-                if smooth and low >= far and 2.0 * half - high >= far and high <= age:
-                    _add_at_nodes(position, at, born, half, width, offset[row], weight[row], size, at_nodes)
-                else:
-                    _add_eight(
-                        position, spacing, at, born, half, width, aside, near * near, age, weight[row], size, moments
-                    )
-        if short or aside < near * near:
-            for cell in range(first, last):
-                low, high = position[cell - 1] - born, position[cell] - born
-                x = 0.5 * (low + high) - half
-                if short or x * x + aside < near * near:
-                    _add_cut_up(cell, low, high, spacing, half, width, aside, age, weight[row], size, moments)
-    _add_from_nodes(position, spacing, begin, end, size, at_nodes, moments)
-    at_nodes[:] = 0.0
+            _add_cells(
+                position, origin, spacing, first, last, born, half, width, offset[row], departure[row], share, moments
+            )
+            if aside >= near * near:
+                continue
+            middle = begin - 1 + first_near(places, per_um, born + half)
+            first, last = max(first, middle - _ABOUT), min(last, middle + _ABOUT)
+        for cell in range(first, last):
+            low, high = position[cell - 1] - born, position[cell] - born
+            x = 0.5 * (low + high) - half
+            if short or x * x + aside < near * near:
+                _add_cut_up(cell, low, high, spacing, half, width, aside, age, share, nodes, moments)
 
 
 @inlined
-def _add_at_nodes(
+def _add_cells(
     position: Doubles,
-    at: int,
+    origin: int,
+    spacing: float,
+    first: int,
+    last: int,
     born: float,
     half: float,
     diameter: float,
     offset: float,
+    departure: float,
     weight: float,
-    size: int,
-    at_nodes: Doubles,
+    moments: Doubles,
 ) -> None:
-    """Add the area of a life at the nodes of eight cells."""
-    inverse_size = 1.0 / diameter
-    across = offset * inverse_size
-    one, inverse, aside, share = spread(1.0), spread(inverse_size), spread(across * across), spread(weight)
-    low, high = load(position, at - 1) - spread(born), load(position, at) - spread(born)
-    step, begin = high - low, low - spread(half)
-    for node in range(len(_FAR_NODES)):
-        x = fused(step, spread(_FAR_NODES[node]), begin) * inverse
-        u = one - root(fused(x, x, aside))
-        place = node * size + at
-        area = (share * (u * root(u))) * polynomial(AREA_COEFFICIENTS, u)
-        store(at_nodes, place, load(at_nodes, place) + area)
-
-
-@inlined
-def _add_from_nodes(
-    position: Doubles, spacing: float, begin: int, end: int, size: int, at_nodes: Doubles, moments: Doubles
-) -> None:
-    """Add the moments of what has been summed at the nodes of cells."""
-    for at in range(begin, end, WIDTH):
-        low, middle, high = load(at_nodes, at), load(at_nodes, size + at), load(at_nodes, 2 * size + at)
-        part = (load(position, at) - load(position, at - 1)) / spread(spacing)
-        both = low + high
-        mean = fused(both, spread(5.0 / 18.0), middle * spread(4.0 / 9.0))
-        bend = (both - spread(2.0) * middle) * spread(1.0 / 9.0)
-        store(moments, at, fused(part, mean, load(moments, at)))
-        store(moments, size + at, fused(part, (high - low) * spread(_ODD), load(moments, size + at)))
-        store(moments, 2 * size + at, fused(part, bend, load(moments, 2 * size + at)))
+    """Add a life to its cells from the first to the last, but for those that are close to the turn or have series."""
+    per_spacing, death = 1.0 / spacing, born + 2.0 * half
+    panels = panels_of(born * per_spacing, half * per_spacing, abs(offset) * per_spacing)
+    age = min(departure - born, 2.0 * half)
+    if half < FEW * spacing:
+        for at in range(first, last, WIDTH):
+            _add_eight(_SIX, position, spacing, at, born, half, diameter, offset, age, weight, moments)
+    elif departure < death or is_alone(panels):
+        for at in range(first, last, WIDTH):
+            _add_eight(_FIVE, position, spacing, at, born, half, diameter, offset, age, weight, moments)
+    else:
+        for n in range(3):
+            bottom, top = panels_alone(n, panels)
+            start = PANEL * bottom + 1 - origin
+            start += max(first - start, 0) // WIDTH * WIDTH
+            for at in range(start, min(PANEL * top + 1 - origin, last), WIDTH):
+                _add_eight(_FIVE, position, spacing, at, born, half, diameter, offset, age, weight, moments)
 
 
 @inlined
 def _add_eight(
+    rule: tuple[tuple[float, ...], tuple[float, ...]],
     position: Doubles,
     spacing: float,
     at: int,
     born: float,
     half: float,
     diameter: float,
-    squared_offset: float,
-    squared_reach: float,
+    offset: float,
     age: float,
     weight: float,
-    size: int,
     moments: Doubles,
 ) -> None:
     """Add a life to eight cells, but for those that are close to the turn.
 
     A cell behind mid-life is seen in a mirror: ages count backwards from the death, and the odd moment changes sign.
     """
-    inverse_size = 1.0 / diameter
+    inverse_size, squared_offset = 1.0 / diameter, offset * offset
     one, nothing, two, middle = spread(1.0), spread(0.0), spread(2.0), spread(0.5)
     birth, rise, life, ending = spread(born), spread(half), spread(2.0 * half), spread(age)
-    inverse, aside, beside = spread(inverse_size), spread(squared_offset), spread(squared_reach)
+    inverse, aside, beside = spread(inverse_size), spread(squared_offset), spread(NEAR * spacing * (NEAR * spacing))
     turn = spread(squared_offset * inverse_size * inverse_size)
     share = spread(2.0 * weight / spacing)
     low, high = load(position, at - 1) - birth, load(position, at) - birth
@@ -232,25 +257,27 @@ def _add_eight(
     step = root(end) - root_of_begin
     per_width = two / (high - low)
     mean, slope, bend = nothing, nothing, nothing
-    for node in range(len(_NODES)):
-        w = fused(step, spread(_NODES[node]), root_of_begin)
+    nodes, weights = rule
+    for node in range(len(nodes)):
+        w = fused(step, spread(nodes[node]), root_of_begin)
         s = w * w
         along = (s - rise) * inverse
         u = larger(one - root(fused(along, along, turn)), nothing)
-        part = (spread(_WEIGHTS[node]) * w) * ((u * root(u)) * polynomial(AREA_COEFFICIENTS, u))
+        part = (spread(weights[node]) * w) * ((u * root(u)) * polynomial(AREA_COEFFICIENTS, u))
         y = (s - edge) * per_width - one
         mean = mean + part
         slope = fused(part, y, slope)
         bend = fused(part, y * y, bend)
     factor = where_above(x * x + aside, beside, nothing, share * step)
     mirror = where_above(nothing, x, spread(-1.0), one)
+    size = len(moments) // 3
     mean_at, slope_at, bend_at = at, size + at, 2 * size + at
     store(moments, mean_at, fused(factor, mean, load(moments, mean_at)))
     store(moments, slope_at, fused(factor * mirror, slope, load(moments, slope_at)))
     store(moments, bend_at, fused(factor, spread(1.5) * bend - middle * mean, load(moments, bend_at)))
 
 
-@compiled_bare
+@inlined
 def _add_cut_up(
     cell: int,
     low: float,
@@ -261,34 +288,36 @@ def _add_cut_up(
     squared_offset: float,
     age: float,
     weight: float,
-    size: int,
+    nodes: Doubles,
     moments: Doubles,
 ) -> None:
     """Add a life to the cell between two ages (um): either half from far to near mid-life, in ever shorter pieces."""
+    one, nothing, rise, inverse = spread(1.0), spread(0.0), spread(half), spread(1.0 / diameter)
+    turn, per_width = spread(squared_offset / (diameter * diameter)), spread(2.0 / (high - low))
+    node, node_weight = load(nodes, 0), load(nodes, WIDTH)
     begin, end = max(low, 0.0), min(high, age)
-    offset = np.sqrt(squared_offset)
-    least = max(offset, _SHARPEST * half)
+    least = max(np.sqrt(squared_offset), _SHARPEST * half)
+    means, slopes, bends = nothing, nothing, nothing
     for falling in range(2):
         if falling:
-            near, far, edge = max(begin - half, 0.0), end - half, 2.0 * half - high
+            near, far, edge, odd = max(begin - half, 0.0), end - half, 2.0 * half - high, spread(-1.0)
         else:
-            near, far, edge = max(half - end, 0.0), half - begin, low
+            near, far, edge, odd = max(half - end, 0.0), half - begin, low, one
         while far > near:
             piece = max(near, 0.5 * far) if far > least else near
-            mean, slope, bend = 0.0, 0.0, 0.0
             root_of_begin = np.sqrt(max(half - far, 0.0))
             step = np.sqrt(half - piece) - root_of_begin
-            for node in range(len(_FINE_NODES)):
-                w = root_of_begin + step * _FINE_NODES[node]
-                along = (w * w - half) / diameter
-                u = max(1.0 - np.sqrt(along * along + squared_offset / (diameter * diameter)), 0.0)
-                part = _FINE_WEIGHTS[node] * w * (u * np.sqrt(u) * horner(AREA_COEFFICIENTS, u))
-                y = 2.0 * (w * w - edge) / (high - low) - 1.0
-                mean += part
-                slope += part * y
-                bend += part * (1.5 * (y * y) - 0.5)
-            factor = 2.0 * weight / spacing * step
-            moments[cell] += factor * mean
-            moments[size + cell] += (-factor if falling else factor) * slope
-            moments[2 * size + cell] += factor * bend
+            w = fused(spread(step), node, spread(root_of_begin))
+            s = w * w
+            along = (s - rise) * inverse
+            u = larger(one - root(fused(along, along, turn)), nothing)
+            part = ((spread(step) * node_weight) * w) * ((u * root(u)) * polynomial(AREA_COEFFICIENTS, u))
+            y = (s - spread(edge)) * per_width - one
+            means = means + part
+            slopes = fused(odd * part, y, slopes)
+            bends = fused(part, y * y, bends)
             far = piece
+    size, factor, mean = len(moments) // 3, 2.0 * weight / spacing, summed(means)
+    moments[cell] += factor * mean
+    moments[size + cell] += factor * summed(slopes)
+    moments[2 * size + cell] += factor * (1.5 * summed(bends) - 0.5 * mean)

@@ -39,18 +39,18 @@ CHUNK = 64 * BLOCK
 MARGIN = WIDTH
 """Panels on either side of those of a chunk or grid: a life's go by eights from its first one on."""
 
-_ROW = MARGIN + CHUNK // PANEL + MARGIN
+ROW = MARGIN + CHUNK // PANEL + MARGIN
 
-SERIES = TERMS * _ROW
+SERIES = TERMS * ROW
 """Numbers in the series of a chunk: one row a term."""
 
 # With g' s series sum g_n t^n, g_(n+1) = (1/2 - n)/(n + 1) a g_n + (2 - n)/(n + 1) b g_(n-1); in units s_n that take
 # the first factor away, G_(n+1) = a G_n + c_n b G_(n-1).
-_UNITS = [1.0]
+UNITS = [1.0]
 for _n in range(TERMS - 1):
-    _UNITS.append(_UNITS[-1] * (0.5 - _n) / (_n + 1))
-_FACTORS = tuple((2.0 - n) / (n + 1) * _UNITS[n - 1] / _UNITS[n + 1] for n in range(1, TERMS - 2))
-_SCALES = tuple(_UNITS[n] / (n + 1) for n in range(TERMS - 1))
+    UNITS.append(UNITS[-1] * (0.5 - _n) / (_n + 1))
+_FACTORS = tuple((2.0 - n) / (n + 1) * UNITS[n - 1] / UNITS[n + 1] for n in range(1, TERMS - 2))
+_SCALES = tuple(UNITS[n] / (n + 1) for n in range(TERMS - 1))
 _SOME_FACTORS, _FEW_FACTORS = _FACTORS[: _SOME - 3], _FACTORS[: _FEW - 3]
 
 
@@ -123,11 +123,11 @@ def add_panels(
 def add_terms(factors: tuple[float, ...], slope: Any, across: Any, back: Any, at: int, series: Doubles) -> None:
     """Add the terms of eight panels beyond the area, by the recurrence: two more than factors."""
     before, term = slope, across * slope
-    store(series, at + _ROW, load(series, at + _ROW) + before)
-    store(series, at + 2 * _ROW, load(series, at + 2 * _ROW) + term)
+    store(series, at + ROW, load(series, at + ROW) + before)
+    store(series, at + 2 * ROW, load(series, at + 2 * ROW) + term)
     for n in range(len(factors)):
         before, term = term, fused(across, term, (spread(factors[n]) * back) * before)
-        place = at + (n + 3) * _ROW
+        place = at + (n + 3) * ROW
         store(series, place, load(series, place) + term)
 
 
@@ -149,19 +149,19 @@ def add_series(
         first = MARGIN + panel
         if panel % WIDTH == 0:
             for n in range(TERMS - 1):
-                place = first + (n + 1) * _ROW
+                place = first + (n + 1) * ROW
                 store(series, place, spread(_SCALES[n]) * load(series, place))
         at = bottom + PANEL * panel + 1
         if len(total) > 0:
             t = (load(position, at) - spread(position[at + PANEL // 2 - 1])) * per_half
-            value = spread(series[first + (TERMS - 1) * _ROW])
+            value = spread(series[first + (TERMS - 1) * ROW])
             for n in range(TERMS - 2, -1, -1):
-                value = fused(value, t, spread(series[first + n * _ROW]))
+                value = fused(value, t, spread(series[first + n * ROW]))
             store(total, at, load(total, at) + value)
         if len(moments) > 0:
             mean, slope, bend = load(moments, at), load(moments, size + at), load(moments, 2 * size + at)
             for n in range(TERMS):
-                coefficient = spread(series[first + n * _ROW])
+                coefficient = spread(series[first + n * ROW])
                 mean = fused(coefficient, load(weights, n * PANEL), mean)
                 slope = fused(coefficient, load(weights, (TERMS + n) * PANEL), slope)
                 bend = fused(coefficient, load(weights, (2 * TERMS + n) * PANEL), bend)
