@@ -101,4 +101,28 @@ MUTANTS = (
         "readout.shown || readout.level === 'all' || readout.level === column",
         "readout.shown || readout.level !== ''",
     ),
+    one(
+        "the page's passes off the centre line living as long as others",
+        "test_passes_miss_the_centre_line_as_theory_says",
+        "(offset ? Math.sqrt((diameter - offset) * (diameter + offset)) : diameter);",
+        "(offset ? diameter : diameter);",
+    ),
+    one(
+        "the page's spectrum off the centre line without its swing",
+        "test_spectrum_and_autocovariance_are_those_of_the_package",
+        "if (z < FAR) return near(z) * scale(z);",
+        "return z < FAR ? near(z) * scale(z) : farLevel(z);",
+    ),
+    one(
+        "the page's truth about a trace before anybody has read it",
+        "test_each_trace_is_read_by_eye_first_and_the_truth_comes_last",
+        "return law in known.read ? LEVELS.readings : LEVELS.trace;",
+        "return LEVELS.truth;",
+    ),
+    one(
+        "the page's lag of a half read one tick short",
+        "test_the_lag_is_that_of_the_trace",
+        "return after - 1 + (values[after - 1] - 0.5)",
+        "return after - 2 + (values[after - 1] - 0.5)",
+    ),
 )

@@ -6,8 +6,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.inferring import infer
 from rubnoise.api.running import simulate
+from rubnoise.inference.inference import infer_signal
+from rubnoise.inference.signal import Signal
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
@@ -19,6 +20,7 @@ FULL_SCALE: Final = 4095
 """Steps of the sensor between no force and the largest one of its trace: it has 12 bits, two letters of base64."""
 _LETTERS: Final = np.frombuffer(b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", dtype=np.uint8)
 _CELLS = 160
+_ROUNDS, _LAGS = 8, 33  # of the search for a lag: 32^-8 of the interval is left
 _LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
 
 
@@ -27,10 +29,9 @@ def readings() -> tuple[dict[str, Any], ...]:
     """Return the traces for the page of lessons, as JSON can hold them.
 
     ``values`` are forces in steps of ``step`` uN, one every ``tick`` um: two letters of base64 each, the high one
-    first.
-    ``found`` is the diameter in um that `infer` finds in these values, with its 95 % interval, if it is given the law
-    of sizes. The truth: the mean ``diameter`` at birth and the ``lag`` of the exact autocovariance's half, in um, and
-    the ``density`` of diameters in 1/um in the middles of even cells from 0 to ``largest`` um.
+    first. ``found`` is the diameter in um that `rubnoise.infer` finds in these values, with its 95 % interval, if it is
+    given the law of sizes. The truth: the mean ``diameter`` at birth and the ``lag`` of the exact autocovariance's
+    half, in um, and the ``density`` of diameters in 1/um in the middles of even cells from 0 to ``largest`` um.
     """
     return tuple(_reading(law, load(shipped(f"lessons/read_{law}.toml"), ["run.engine=batch"])) for law in LAWS)
 
@@ -56,16 +57,17 @@ def _reading(law: str, scenario: Scenario) -> dict[str, Any]:
 
 
 def _found(force: NDArray[np.float64], tick: float, law: str) -> dict[str, Any]:
-    # Any speed will do: sizes are lengths, and the trace is one over distance.
-    diameter = infer(force, rate=1.0 / tick, speed=1.0, unit="uN", zero="known", law=law).estimates["diameter"]
+    signal = Signal(values=force, tick=tick, unit="uN", scale=1.0)
+    diameter = infer_signal(signal, zero="known", law=law, tests=False).estimates["diameter"]
     return {"diameter": diameter.value, "interval": list(diameter.interval)}
 
 
 def half_lag(theory: Exact) -> float:
     """Return the lag in um at which the exact autocovariance of the area has fallen to one half."""
-    from scipy.optimize import brentq
-
     half = 0.5 * float(theory.autocovariance(0.0))
-    return float(
-        brentq(lambda lag: float(theory.autocovariance(lag)) - half, 0.0, 20.0 * theory.mean_diameter, xtol=1e-9)
-    )
+    low, high = 0.0, 20.0 * theory.mean_diameter
+    for _ in range(_ROUNDS):
+        lags = np.linspace(low, high, _LAGS)
+        after = int(np.argmax(theory.autocovariance(lags) < half))
+        low, high = lags[after - 1 : after + 1].tolist()
+    return 0.5 * (low + high)
