@@ -20,7 +20,6 @@ from rubnoise.contact.laws import Fixed, Lognormal, Normal, Spread
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, overlap
 from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
 from rubnoise.errors import Refused, ScenarioRefused
-from rubnoise.lesson.settings import settings_of
 from rubnoise.model import Model
 from rubnoise.theory import off_centre
 from rubnoise.theory.campbell import area_cumulants
@@ -314,7 +313,6 @@ def test_theory_that_knows_no_single_life_is_refused() -> None:
     for ask in (
         lambda: crossing_rate(model, 0.0),
         lambda: estimated_spectrum(model, 512).band(0.1, 1.0),
-        lambda: settings_of(scenario()),
         lambda: area_cumulants(replace(model, births=RegularBirths(mean_spacing=0.5))),
     ):
         with pytest.raises(Refused):
