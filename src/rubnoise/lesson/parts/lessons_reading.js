@@ -50,7 +50,7 @@
 
   const saidLength = () => {
     const { length, isLaid } = reading.bar();
-    return isLaid ? `${words.um(length)}, so d = ${words.um(reading.byEye())}` : 'not laid yet';
+    return isLaid ? `${words.um(length)}: d = ${words.um(reading.byEye())}` : 'not laid yet';
   };
   const saidPlace = () => `at ${words.um(reading.bar().place)}`;
 

@@ -9,7 +9,6 @@
   const NEAR = 16; // pixels from an end of the bar within which a finger takes it
   const LONGEST = 25; // um of the ruler
   const LEAST_ROW = 17; // pixels of a reading on the ruler
-  const TITLES = ['friction force, mN, of junctions that are out of sight', 'friction force, mN'];
   const TRUTHS = ['filled: births; line: their share in the noise', 'births; line: noise'];
   const CANVASES = { trace: 'reading', half: 'half', ruler: 'ruler' };
   const pens = {};
@@ -40,9 +39,10 @@
     const { ctx } = pens.trace;
     pens.trace.clear();
     const box = boxOf(pens.trace);
-    const { forces, tick, top } = reading.current();
+    const { forces, tick, top, law } = reading.current();
+    const title = `${law} sizes: friction force, mN`;
     const [from, to] = reading.stretch();
-    const y = leftAxis(ctx, box, 0, (1.08 * top) / 1000, TITLES);
+    const y = leftAxis(ctx, box, 0, (1.08 * top) / 1000, [`${title}; the junctions are out of sight`, title]);
     const x = lowerAxis(ctx, box, from, to, 'sliding distance, µm');
     ctx.strokeStyle = ink.ink;
     ctx.lineWidth = 1.5;
