@@ -24,7 +24,7 @@ from rubnoise.storage.export_csv import heading
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
 from tests.cli.terminal import begin, call, command, names, spawn, start, stop
-from tests.format.runs import BARE, describe, random_rows, write_run
+from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
 KINDS = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
@@ -147,6 +147,25 @@ def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) ->
     answer = call("export", "run.h5", "--to", kind, "--group", "slider", "-o", "x")
     assert (answer.code, answer.err) == (2, "run.h5: the run has no slider; it has junctions, trace\n")
     assert not (here / "x").exists()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, kind: str) -> None:
+    description = describe(JUNCTIONS, TICKS, features=EVERYTHING | {"offset"})
+    made = random_rows(description)
+    write_run(here / "run.h5", description, made)
+    assert call("export", "run.h5", "--to", kind, "--group", "junctions").code == 0
+    wanted, path = made["junctions"]["lateral_offset"], here / f"run_junctions{KINDS[kind]}"
+    if kind == "csv":
+        found = np.genfromtxt(path, delimiter=",", names=True)["lateral_offset_um"]
+    elif kind == "parquet":
+        assert pq.read_schema(path).field("lateral_offset").metadata[b"units"] == b"um"
+        found = pq.read_table(path)["lateral_offset"]
+    else:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            assert dataset["lateral_offset"].attrs["units"] == "um"
+            found = dataset["lateral_offset"].values
+    _equal(found, wanted)
 
 
 @pytest.mark.parametrize("kind", KINDS)

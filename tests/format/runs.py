@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import RunDescription, row_count, stored_columns, stored_groups
 from rubnoise.storage.provenance import Provenance
-from rubnoise.storage.schema import LIFE_CURVE, Column, Feature
+from rubnoise.storage.schema import LIFE_CURVE, LIFE_TABLE, Column, Feature
 from rubnoise.storage.writer import RunWriter
 
 EVERYTHING: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
@@ -57,7 +57,8 @@ def describe(
         features=features,
         compression=compression,
         scenario_toml=scenario_toml,
-        scenario_resolved={"run": {"seed": 1}, "title": "µm"},
+        scenario_resolved={"run": {"seed": 1}, "title": "µm"}
+        | ({"pulse": {"shape": "lens", "offset": "uniform"}} if "offset" in features else {}),
         provenance=ORIGIN,
     )
 
@@ -70,7 +71,7 @@ def random_rows(description: RunDescription, seed: int = 1) -> Rows:
             for column in stored_columns(group, description.features)
         }
         for group in stored_groups(description.features)
-        if group is not LIFE_CURVE
+        if group not in (LIFE_CURVE, LIFE_TABLE)
     }
 
 
