@@ -1,6 +1,7 @@
 """Runs tortured: `python tools/survive.py power`, say, by the interpreter of dev.py's .venv.
 
 With --two-way the runs are those with a slider, and it pushes back: its rows and landmarks grow beside the part.
+With --off-centre the junctions of the runs miss each other's centre line.
 With --growing the rows of /slider are not counted beforehand: they grow beside the part, to the same bits.
 Prints counts, and a line for each thing that was lost or wrong; exit code 1 where there is any.
 """
@@ -26,7 +27,7 @@ from survival.full import full  # noqa: E402
 from survival.kills import kills  # noqa: E402
 from survival.power import power  # noqa: E402
 from survival.signals import signals  # noqa: E402
-from survival.stories import LONG, SHORT, SMALL, Story, growing, two_way  # noqa: E402
+from survival.stories import LONG, SHORT, SMALL, Story, growing, off_centre, two_way  # noqa: E402
 from survival.sweeps import sweeps  # noqa: E402
 from survival.writes import writes  # noqa: E402
 
@@ -55,6 +56,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1, help="processes (1)")
     parser.add_argument("--seed", type=int, default=1, help="seed of every choice (1)")
     parser.add_argument("--two-way", action="store_true", help="torture runs with two-way coupling")
+    parser.add_argument("--off-centre", action="store_true", help="torture runs with pulse.offset = uniform")
     parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
     asked = parser.parse_args()
     torture, usual, stories = TORTURES[asked.what]
@@ -62,7 +64,10 @@ def main() -> int:
         parser.error(f"--two-way is not for {asked.what}, which has runs of its own")
     if asked.two_way and asked.growing:
         parser.error("rows of a two-way slider always grow: leave out --growing")
-    task = _Task(torture, two_way(stories) if asked.two_way else stories, grown=asked.growing)
+    if asked.off_centre and (asked.two_way or asked.growing or not stories):
+        parser.error("--off-centre is for runs with one-way coupling, and of a torture without runs of its own")
+    chosen = two_way(stories) if asked.two_way else off_centre(stories) if asked.off_centre else stories
+    task = _Task(torture, chosen, grown=asked.growing)
     began = time.monotonic()
     outcome = _shared(task, asked.count or usual, asked.jobs, asked.seed)
     print(outcome.told())

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from survival import cost, flips, full, kills, power, signals, sweeps, writes
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story, growing, two_way
+from survival.stories import SHORT, SMALL, Story, growing, off_centre, two_way
 
 from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
@@ -166,6 +166,14 @@ def test_a_slider_that_pushes_back_is_no_more_easily_lost() -> None:
     assert outcome.counts["commits"] > 0
     assert {"landmarks/kind", "slider/phase"} <= moving.expected.keys()
     assert two_way((BARE,)) == ()
+
+
+def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
+    (moving,) = off_centre((MOVING,))
+    outcome = kills.kills(4, seed=3, stories=(moving,))
+    assert outcome.findings == []
+    assert outcome.counts["commits"] > 0
+    assert "junctions/lateral_offset" in moving.expected.keys() - MOVING.expected.keys()
 
 
 def test_growing_rows_that_never_reach_the_disk_are_found_by_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,6 +37,7 @@ class Story:
     engine: str = "events"
     slider: bool = True
     coupling: str = "one-way"
+    offset: str = "none"
     compression: str = "none"
     distance: str = "2400 um"
     tick: str = "2 um"
@@ -53,6 +54,8 @@ class Story:
             "output": {"tick": self.tick, "compression": self.compression},
             "run": {"engine": self.engine, "seed": self.seed},
         }
+        if self.offset != "none":
+            sections["pulse"] = {"offset": self.offset}
         if self.slider:
             sections |= SLIDER | {"slider": SLIDER["slider"] | {"coupling": self.coupling}}
         return sections
@@ -108,6 +111,11 @@ SHORT: Final = tuple(replace(story, distance="20 mm") for story in LONG)
 def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
     """Return those of the runs that have a slider, with one that pushes back."""
     return tuple(replace(story, name=f"{story.name}, two-way", coupling="two-way") for story in stories if story.slider)
+
+
+def off_centre(stories: Sequence[Story]) -> tuple[Story, ...]:
+    """Return the runs with junctions that miss each other's centre line, with a slider or without one."""
+    return tuple(replace(story, name=f"{story.name}, off-centre", offset="uniform") for story in stories)
 
 
 @contextmanager
