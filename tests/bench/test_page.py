@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from bench import __main__ as program
-from bench import clock, kernel, motion, startup, two_way
+from bench import clock, kernel, motion, off_centre, startup, two_way
 from bench import results as results_module
 from bench.case import Case
 from bench.checks import Verdict, Wrong
@@ -16,6 +16,7 @@ from bench.entrants import CIW, areas, births, in_memory, runs
 from bench.goals import goals
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
+from bench.off_centre import OffCentreTimings
 from bench.page import number, page
 from bench.picture import picture
 from bench.plan import FULL, QUICK
@@ -35,6 +36,12 @@ def coupled(ours: float) -> CoupledTimings:
     times = {two_way.OURS: timing(ours), **{name: timing(5000.0) for name in two_way.PEERS}}
     ways = {name: peer.ways[-1] for name, peer in two_way.PEERS.items()}
     return CoupledTimings(times, 1800.0, dict.fromkeys(times, 1e-10), ways)
+
+
+def passes(ratio: float) -> OffCentreTimings:
+    """Return a contact off the centre line that takes so many times as long as a centred one, and is right."""
+    times = {"none": timing(2.0), "uniform": timing(2.0 * ratio)}
+    return OffCentreTimings(times, {"area": 1e-15, "displacement": 1e-11})
 
 
 def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
@@ -61,6 +68,7 @@ def results(*, batch: float = 0.9, area_error: float = 1e-15) -> Results:
         kernel_over_ticks=dict.fromkeys(FULL.kernel_ticks, KernelTimings(loops, dict.fromkeys(loops, 1e-15))),
         motion=MotionTimings({"lsim": timing(5.0), motion.OURS: timing(0.1)}, {"lsim": 1e-5, motion.OURS: 1e-14}),
         two_way={count: coupled(2.5) for count in two_way.GOALS},
+        off_centre={contact: passes(1.25) for contact in off_centre.CONTACTS},
         growth={what: {name: dict.fromkeys(p, each) for name, each in whole.items()} for what, p in points.items()},
         in_memory={name: dict.fromkeys(FULL.ticks, timing(0.5)) for name in kept},
         memory={name: dict.fromkeys(FULL.memory, 150.0) for name in whole},
@@ -83,7 +91,7 @@ def test_tasks_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_goal_of_both_engines_is_on_the_page() -> None:
     text = page(results(), date(2026, 11, 21))
     wanted = list(goals(results()))
-    assert len(wanted) == 22
+    assert len(wanted) == 24
     assert all(f"| {goal.what} |" in text for goal in wanted)
     assert "Every goal is reached here." in text
     assert "**no**" not in text
@@ -98,7 +106,7 @@ def test_a_goal_that_is_missed_is_said_to_be() -> None:
         "whole run: superposed-pulses and lsim over `batch`",
         "Ciw's births and deaths over a whole run of `batch`",
     ]
-    assert "Not reached here: 3 of 22." in page(slow, date(2026, 11, 21))
+    assert "Not reached here: 3 of 24." in page(slow, date(2026, 11, 21))
     assert page(slow, date(2026, 11, 21)).count("**no**") == 3
 
 
@@ -204,11 +212,23 @@ def test_a_two_way_slider_has_a_row_for_each_and_a_second_of_its_own() -> None:
     ]
 
 
+def test_junctions_off_the_centre_line_have_a_row_for_each_contact() -> None:
+    text = page(results(), date(2026, 11, 21))
+    assert "| area alone | 20 | 300 | 2 | 2.5 | 1.25 | 1.5 | 1e-15, 1e-11 |" in text
+    slow = replace(results(), off_centre=results().off_centre | {off_centre.CONTACTS[-1]: passes(4.5)})
+    missed = {goal.what: goal.value for goal in goals(slow) if not goal.reached}
+    assert missed == {"off the centre line over centred, with a slider: the largest of 7": pytest.approx(4.5)}
+    wrong = replace(passes(1.25), errors={"area": 1e-11})
+    with pytest.raises(Wrong) as raised:
+        page(replace(results(), off_centre={off_centre.CONTACTS[-1]: wrong}), date(2026, 11, 21))
+    assert [fault.split(": ")[1].split(" ")[1] for fault in raised.value.args] == ["area", "displacement"]
+
+
 def test_a_goal_that_is_not_measured_is_not_reached() -> None:
     right = results()
     timings = {name: each for name, each in right.kernel.timings.items() if name != "C, the same polynomial"}
     text = page(replace(right, kernel=replace(right.kernel, timings=timings)), date(2026, 11, 21))
-    assert "Not reached here: 1 of 22, 1 of them not measured." in text
+    assert "Not reached here: 1 of 24, 1 of them not measured." in text
     assert "| pulse kernel: ours over C | - | at most 1.15 | **no** |" in text
 
 

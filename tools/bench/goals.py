@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bench import kernel, motion, startup, two_way
+from bench import kernel, motion, off_centre, startup, two_way
 from bench.clock import Timing
 from bench.entrants import CIW, NAIVE_SIMPY, OURS, SUPERPOSED, SUPERPOSED_AREA
 from bench.results import Results
@@ -48,6 +48,7 @@ def goals(found: Results) -> Iterator[Goal]:
     )
     yield Goal("slider: CPU of lsim over ours", _ratio(found.motion.timings, "lsim", motion.OURS), 5.0)
     yield from _two_way(found)
+    yield from _off_centre(found)
     yield from _waits(found)
 
 
@@ -77,6 +78,15 @@ def _two_way(found: Results) -> Iterator[Goal]:
         yield Goal(what, _ratio(timings, two_way.SOLVER, two_way.OURS), bound)
     each = 1e6 * found.two_way[two_way.FIGURE_5_COUNT].timings[two_way.OURS].each
     yield Goal("two-way slider, Figure 5: CPU of a junction, whole run of `batch`", each, 3.0, " us", least=False)
+
+
+def _off_centre(found: Results) -> Iterator[Goal]:
+    """Yield the largest ratio of the area alone, and with a slider."""
+    for bound in (off_centre.AREA_GOAL, off_centre.SLIDER_GOAL):
+        ratios = {contact: each.ratio for contact, each in found.off_centre.items() if contact.goal == bound}
+        worst = max(ratios, key=lambda contact: ratios[contact])
+        what = f"off the centre line over centred, {worst.what}: the largest of {len(ratios)}"
+        yield Goal(what, ratios[worst], bound, least=False)
 
 
 def _waits(found: Results) -> Iterator[Goal]:

@@ -13,7 +13,8 @@ class Plan:
     """Repeats of everything, and the points at which growth and memory are looked at.
 
     ``counts`` are N_jm, ``ticks`` and, of the pulse kernel, ``kernel_ticks`` those of a mean life, ``lengths``,
-    ``memory`` and, of our run with a slider that pushes back, ``two_way`` numbers of junctions. Whole runs need ticks
+    ``memory`` and, of our runs with a slider that pushes back and off the centre line, ``two_way`` and ``off_centre``
+    numbers of junctions. Whole runs need ticks
     that are fine enough for each tool's slider.
     """
 
@@ -27,6 +28,8 @@ class Plan:
     memory: tuple[int, ...]
     two_way: int
     two_way_repeats: int
+    off_centre: int
+    off_centre_repeats: int
     longest: Mapping[str, int]
 
     def junctions(self, entrant: Entrant) -> int:
@@ -55,6 +58,8 @@ FULL = Plan(
     memory=(100, 100_000, 1_000_000, 10_000_000),
     two_way=100_000,
     two_way_repeats=7,
+    off_centre=100_000,
+    off_centre_repeats=7,
     longest={NAIVE_SIMPY: 10_000, NAIVE_NUMPY: 100_000, SUPERPOSED: 100_000},
 )
 QUICK = Plan(
@@ -68,5 +73,7 @@ QUICK = Plan(
     memory=(100_000,),
     two_way=20_000,
     two_way_repeats=1,
+    off_centre=20_000,
+    off_centre_repeats=1,
     longest={NAIVE_SIMPY: 1_000, NAIVE_NUMPY: 1_000, SUPERPOSED: 1_000},
 )

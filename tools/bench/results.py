@@ -4,11 +4,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench import checks, kernel, machine, memory, motion, ours, speed, startup, two_way
+from bench import checks, kernel, machine, memory, motion, off_centre, ours, speed, startup, two_way
 from bench.checks import Verdict, Wrong
 from bench.entrants import areas, births, in_memory, runs
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
+from bench.off_centre import Contact, OffCentreTimings
 from bench.peers import c_kernel
 from bench.plan import Plan
 from bench.speed import Growth, Timings
@@ -33,6 +34,7 @@ class Results:
     kernel_over_ticks: dict[float, KernelTimings]
     motion: MotionTimings
     two_way: dict[float, CoupledTimings]
+    off_centre: dict[Contact, OffCentreTimings]
     growth: dict[str, Growth]
     in_memory: Growth
     memory: dict[str, dict[int, float]]
@@ -55,6 +57,8 @@ class Results:
         yield from self.motion.faults()
         for coupled in self.two_way.values():
             yield from coupled.faults()
+        for contact, passes in self.off_centre.items():
+            yield from passes.faults(contact)
 
 
 def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
@@ -78,6 +82,8 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
     over_ticks = kernel.measured_over_ticks(plan.repeats, plan.kernel_ticks)
     tell("the slider that pushes back")
     coupled = two_way.measured(plan.two_way, plan.two_way_repeats, folder)
+    tell("junctions off the centre line")
+    passes = off_centre.measured(plan.off_centre, plan.off_centre_repeats, folder)
     tell("growth")
     growth = speed.growths(runs(engines), plan, path)
     kept = speed.over_ticks(in_memory(engines), plan, plan.ticks)
@@ -95,6 +101,7 @@ def measured(plan: Plan, folder: Path, tell: Tell) -> Results:
         kernel_over_ticks=over_ticks,
         motion=motions,
         two_way=coupled,
+        off_centre=passes,
         growth=growth,
         in_memory=kept,
         memory=memory.measured(runs(engines), plan.memory, folder),
