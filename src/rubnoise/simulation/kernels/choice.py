@@ -211,7 +211,7 @@ def _deposit_off_centre(
     whole, fine = rows.departure >= rows.birth + 2.0 * half_life, rows.diameter >= finest
     for some, areas in ((whole & fine, total), (whole & ~fine, _NOTHING)):
         if (areas.size or moments.size) and some.any():
-            chosen = [each[some] for each in (rows.birth, rows.diameter, rows.offset, half_life, weight)]
+            chosen = (rows.birth[some], rows.diameter[some], rows.offset[some], half_life[some], weight[some])
             off_centre_series.deposit_series(*at, *chosen, _CELL_WEIGHTS, areas, moments)
 
 
