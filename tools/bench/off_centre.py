@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ class Contact:
         diameter = (AREA / self.mean_count * 3.0) ** 0.5
         tick = float(f"{2.0 * diameter / self.ticks_per_life:.4g}")
         ticks = round(junctions * 2.0 * diameter / self.mean_count / tick)
-        values = {
+        values: dict[str, Any] = {
             "format": 1,
             "title": "Benchmark, off the centre line",
             "interface": {
@@ -67,7 +68,7 @@ class Contact:
         }
         if self.slider:
             values["strength"] = {"law": "constant", "mean": STRENGTH}
-            values["sliding"] = values["sliding"] | {"speed": SPEED}
+            values["sliding"]["speed"] = SPEED
             values["slider"] = {"mass": MASS, "stiffness": STIFFNESS, "damping": DAMPING, "start": "rest"}
         return rubnoise.build(values)
 
@@ -115,8 +116,8 @@ def errors(contact: Contact) -> dict[str, float]:
     """Return the error of the area against the formula, and of the motion against one in much shorter ticks."""
     record = rubnoise.simulate(contact.scenario("uniform", CHECKED))
     rows, trace = record["junctions"], record["trace"]
-    lives = (doubles(rows[name]) for name in ("birth_distance", "diameter", "lateral_offset"))
-    right = area_by_formula(*lives, doubles(trace["distance"]))
+    birth, diameter, offset = (doubles(rows[name]) for name in ("birth_distance", "diameter", "lateral_offset"))
+    right = area_by_formula(birth, diameter, offset, doubles(trace["distance"]))
     found = {"area": checks.relative_error(doubles(trace["real_contact_area"]), right)}
     if contact.slider:
         finer = rubnoise.simulate(contact.scenario("uniform", CHECKED, finer=REFINED))

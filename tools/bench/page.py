@@ -227,7 +227,7 @@ def _two_way_rows(coupled: CoupledTimings) -> Iterator[tuple[str, ...]]:
 
 def _off_centre(found: Results) -> Iterator[str]:
     yield "Junctions that miss each other's centre line (`pulse.offset`), beside centred ones: whole runs of `batch`"
-    yield "with the same mean area, N_jm and tick. Diameters are 1.3 times as large off the line, and lives as long. Each"
+    yield "with the same mean area, N_jm and tick. Off it, diameters are 1.3 times as large, and lives as long. Each"
     yield "area costs a root more, and the slider's moments have no closed form. The time is for each junction of the"
     yield "centred run. The errors are those off the line: of the area against the formula, and of the motion against a"
     yield f"run with {off_centre.REFINED} times as many ticks."

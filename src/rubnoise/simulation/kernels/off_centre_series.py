@@ -31,8 +31,8 @@ FINEST = 192.0
 _FEWEST = 2
 """Panels in a row that are worth a series."""
 
-_FEW = 9
-"""Terms that do as well where the nearest end is 100 positions away, and the turn 167."""
+_SOME, _FEW = 11, 9
+"""Terms that do as well where the nearest end is 45 and 100 positions away, and the turn 75 and 167."""
 
 CONSTANTS = np.array([*(1.0 / (n + 1.0) for n in range(TERMS)), *(1.0 / unit for unit in UNITS[:TERMS])])
 """1/(n + 1) of the recurrence, and what takes terms into the units in which `taylor` keeps them."""
@@ -194,7 +194,9 @@ def _terms(first: int, last: int, place: float, half: float, offset: float) -> i
     low, high = PANEL * first + 0.5 * PANEL - place, PANEL * last + 0.5 * PANEL - place
     beside = max(low - half, half - high, 0.0)
     nearest = min(low, 2.0 * half - high, 0.6 * sqrt(beside * beside + offset * offset))
-    return _FEW if nearest > 100.0 else TERMS
+    if nearest < 45.0:
+        return TERMS
+    return _FEW if nearest > 100.0 else _SOME
 
 
 @inlined
