@@ -17,7 +17,7 @@
   const CHOICES = [
     ['births', 'births', { poisson: 'at random (Poisson)', regular: 'regular' }],
     ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)' }],
-    ['offset', 'passes', { none: 'through both centres', uniform: 'off the centre line' }],
+    ['offset', 'passes', { none: 'on the centre line', uniform: 'off the centre line' }],
     ['coupling', 'coupling', { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' }],
   ];
   const OF_CONTACT = 3; // choices that stand among the knobs of the contact

@@ -20,7 +20,6 @@
   /** Draw what may be seen. */
   reading.draw = () => {
     if (!pens.trace.width || !reading.law) return;
-    makeRoom();
     drawTrace();
     if (reading.level < LEVELS.readings) return;
     drawHalf();
@@ -223,6 +222,7 @@
 
   reading.begin = () => {
     for (const [name, id] of Object.entries(CANVASES)) pens[name] = pen(find(id));
+    rub.on('reading', makeRoom);
     const { canvas } = pens.trace;
     canvas.addEventListener('pointerdown', take);
     canvas.addEventListener('pointermove', drag);
