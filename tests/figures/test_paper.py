@@ -47,6 +47,7 @@ def test_a_figure_is_whole(drawn: Any, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES[1:])
+@pytest.mark.daily(2)
 def test_a_figure_shows_simulation_and_theory(drawn: Any, name: str) -> None:
     svg = drawn(name)["svg"].decode()
     blues = {style.BLUE, *(colour for colour, _ in style.SERIES)}

@@ -222,6 +222,7 @@ def test_the_axis_has_the_unit_in_which_values_are_written() -> None:
     assert (shares.unit, shares.scale) == ("%", pytest.approx(100.0))
 
 
+@pytest.mark.torture
 def test_the_law_of_weak_coupling_is_not_called_exact() -> None:
     speeds = {SPEED: ["60 mm/s", "100 mm/s"], "slider.coupling": ["one-way", "two-way"]}
     assert {"exact", "law of weak coupling"} <= _texts(_study(speeds, "displacement_std"))

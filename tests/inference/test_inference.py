@@ -287,6 +287,7 @@ def _other(kind: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", ["white noise", "sine", "lorentzian", "exponential pulses"])
+@pytest.mark.daily(2)
 def test_what_is_no_contact_is_flagged_or_refused(kind: str) -> None:
     got = infer_signal(Signal(values=_other(kind), tick=0.17, unit="uN", scale=1.0))
     assert got.flags or got.refused_because
@@ -396,6 +397,7 @@ def test_a_walk_moves_the_means_of_quarters_as_the_test_of_steadiness_says(norma
 
 
 @pytest.mark.parametrize("zero", ["known", "unknown"])
+@pytest.mark.daily(1)
 def test_a_right_trace_that_drifts_is_not_flagged(normal: Signal, zero: Literal["known", "unknown"]) -> None:
     steps = np.random.default_rng(4).standard_normal(normal.values.size)
     drifting = replace(normal, values=normal.values + 0.02 * normal.values.std() * np.cumsum(steps))

@@ -91,6 +91,7 @@ def test_a_wrong_claim_stops_it(tmp_path: Path) -> None:
     assert "AssertionError" in done.stderr
 
 
+@pytest.mark.torture
 def test_marimo_finds_nothing_wrong_with_their_cells() -> None:
     check = [sys.executable, "-m", "marimo", "check", "--strict", *NOTEBOOKS]
     done = subprocess.run(check, capture_output=True, text=True, check=False)

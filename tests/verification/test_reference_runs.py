@@ -105,6 +105,7 @@ def test_births_a_hundredth_too_rare_are_rejected(precise: Model) -> None:
     assert found["junction_count_mean"] < -REJECTED
 
 
+@pytest.mark.torture
 def test_death_at_1_98_diameters_is_rejected(precise: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     live_on = junctions.junction
 
