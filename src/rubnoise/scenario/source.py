@@ -194,12 +194,13 @@ _BARE_QUANTITY = re.compile(
     r"=\s*(?!0[xob])([+-]?[0-9][0-9.+-]*(?:[eE][+-]?[0-9]+)?)\s*([A-Za-z\u00b5\u03bc%][^=#\"']*?)\s*(?:#.*)?$"
 )
 _BARE_WORD = re.compile(r"=\s*([A-Za-z][A-Za-z-]*)\s*(?:#.*)?$")
-# A part of a dotted key: possessive, so that no text makes the search go back.
+# A part of a dotted key: possessive, so that no text makes the search go back. A long string is not: before 3.11.5
+# Python finds no match where something possessive looks ahead (CPython issue 106052). There is one way to read it.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
 _TOKENS = re.compile(
     rf"""
       \#[^\n]*+
-    | \"{{3}}(?:[^"\\]|\\.|"{{1,2}}(?!"))*+"{{3,5}} | '{{3}}(?:[^']|'{{1,2}}(?!'))*+'{{3,5}}
+    | \"{{3}}(?:[^"\\]|\\.|"(?!""))*"{{3,5}} | '{{3}}(?:[^']|'(?!''))*'{{3,5}}
     | (?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{limits.KEY_DOTS + 1},}})
     | {_PART}
     | (?P<broken>["'])
