@@ -105,7 +105,7 @@ def _leave_cases(items: list[pytest.Item]) -> None:
     """Let the cases of a test that is marked `daily(N)` wait for `--all`, but for N of them, spread over their list."""
     cases = defaultdict[str, list[pytest.Item]](list)
     for item in items:
-        if item.get_closest_marker("daily"):
+        if item.get_closest_marker("daily") and not item.get_closest_marker("torture"):
             cases[item.nodeid.partition("[")[0]].append(item)
     for found in cases.values():
         count = found[0].get_closest_marker("daily").args[0]

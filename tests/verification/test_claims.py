@@ -1,4 +1,4 @@
-"""Every claim of the paper is verdict_if_agreed, by runs and by theory that agree."""
+"""Every claim of the paper has a verdict, by runs and by theory that agree."""
 
 import math
 from dataclasses import replace

@@ -21,9 +21,10 @@ class Estimate:
 
 
 def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> dict[str, Estimate]:
-    """Return what a fit tells by name, in um, MPa and the unit of the trace.
+    """Return the estimates of a fit by name, in um, MPa and the unit of the trace.
 
-    A law of one spread, such as exponential, tells it only where laws are ``compared``: given alone it assumes it.
+    A law of one spread, such as exponential, has an estimate of it only where laws are ``compared``: alone, the law is
+    an assumption.
     """
     contact, place, tick = fit.contact, fit.contact.place, signal.tick
     population = fit.problem.population
@@ -108,9 +109,8 @@ def widened(best: Estimate, laws: list[Estimate]) -> Estimate:
     reach = reach_beyond((max(middles) - min(middles)) / error if error > 0.0 else 0.0) / Z
     low = min(middle - reach * (middle - low) for low, middle, _ in ends)
     high = max(middle + reach * (high - middle) for _, middle, high in ends)
-    interval = (exp(low), exp(high)) if ratios else (max(low, 0.0), high)
-    if not ratios and min(each.interval[0] for each in laws) == 0.0:
-        interval = (0.0, high)
+    # Where an interval reaches down to 0, so does that of all laws.
+    interval = (exp(low), exp(high)) if ratios else (0.0, high)
     # A law of one spread has no error of its own.
     own = best.standard_error or (interval[1] - interval[0]) / (2.0 * Z)
     return Estimate(value=best.value, standard_error=own, interval=interval, unit=best.unit)
