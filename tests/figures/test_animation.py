@@ -143,6 +143,14 @@ def test_a_frame_tells_how_many_are_alive_and_their_area(stretch: Stretch, monke
         assert words == f"{count:.0f} alive"
 
 
+def test_a_frame_is_the_same_whichever_was_drawn_before(stretch: Stretch) -> None:
+    """What a film draws once and keeps holds nothing that changes, such as the words above a pane."""
+    forward = _short(stretch)
+    backward = replace(forward, distances=forward.distances[::-1], labels=forward.labels[::-1])
+    for one, other in zip(forward.frames(), reversed(list(backward.frames())), strict=True):
+        assert np.array_equal(one, other)
+
+
 def test_the_trace_grows(stretch: Stretch) -> None:
     blue = np.array([int(style.BLUE[i : i + 2], 16) for i in (1, 3, 5)])
     grown = [int(np.all(frame[300:] == blue, axis=2).sum()) for frame in _short(stretch).frames()]

@@ -33,6 +33,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.exact import exact
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.colors import Colormap
 
@@ -281,16 +282,27 @@ class Film:
             rows: Any = [["stage", "stage"], ["area", "count"]]
             panes = figure.subplot_mosaic(rows, height_ratios=[2.3, 1.0], width_ratios=[1.6, 1.0])
             traces = _area_trace(panes["area"], self.stretch), _count_trace(panes["count"], self.stretch)
-            _set_scene(panes["stage"], self.stage)
-            drawn = self._draw(panes["stage"], traces, float(self.distances[0]), self.labels[0])
+            stage = panes["stage"]
+            _set_scene(stage, self.stage)
+            drawn = self._draw(stage, traces, float(self.distances[0]), self.labels[0])
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # what is laid out once stays where it is
+            for each in drawn:
+                each.remove()
+            changing = [stage.set_title(""), *traces[0].changing, *traces[1].changing]
+            for each in changing:
+                each.set_animated(True)
+            # What stays is drawn once, which is most of a figure: frames are drawn over a copy of it.
+            canvas.draw()
+            still, renderer = canvas.copy_from_bbox(figure.bbox), canvas.get_renderer()
             for distance, label in zip(self.distances.tolist(), self.labels, strict=True):
+                drawn = self._draw(stage, traces, distance, label)
+                canvas.restore_region(still)
+                for each in sorted([*changing, *drawn], key=lambda artist: artist.get_zorder()):
+                    each.draw(renderer)
+                yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
                 for each in drawn:
                     each.remove()
-                drawn = self._draw(panes["stage"], traces, distance, label)
-                canvas.draw()
-                yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
     def _draw(self, axes: "Axes", traces: tuple["_Trace", "_Trace"], distance: float, label: str) -> list[Any]:
         alive = self.stage.junctions.alive(distance)
@@ -305,22 +317,27 @@ class _Trace:
     """A column of the trace up to a distance, over its exact mean and spread."""
 
     def __init__(self, axes: "Axes", stretch: Stretch, name: str, mean: float, std: float, **look: Any) -> None:
-        self._axes = axes
         self._distance, self._value = stretch.curve("trace", name)
         exact_band(axes, mean, std)
         (self._line,) = axes.plot([], [], color=BLUE, lw=1.4, label="simulated", **look)
         (self._dot,) = axes.plot([], [], "o", color=BLUE, ms=5.0, clip_on=False, zorder=5)
         self._dot.set_in_layout(False)  # it moves, and panes do not
+        self._words = axes.set_title("")
         axes.set_xlim(stretch.start, stretch.stop)
         axes.set_ylim(0.0, 1.05 * max(float(self._value.max()), mean + std))
         axes.set_xlabel(DISTANCE)
+
+    @property
+    def changing(self) -> tuple["Artist", ...]:
+        """What is not the same in every frame."""
+        return self._line, self._dot, self._words
 
     def show(self, distance: float, value: float, words: str) -> None:
         """Draw the values up to here, and write the last of them in words."""
         known = int(np.searchsorted(self._distance, distance, side="right"))
         self._line.set_data(np.append(self._distance[:known], distance), np.append(self._value[:known], value))
         self._dot.set_data([distance], [value])
-        self._axes.set_title(words)
+        self._words.set_text(words)
 
 
 def _area_trace(axes: "Axes", stretch: Stretch) -> _Trace:
