@@ -44,6 +44,7 @@ def _rows(name: str, *, every: int = 1) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("row", [*_rows("moments.json", every=5), _rows("moments.json")[-1]])
+@pytest.mark.daily(4)
 def test_moments_are_those_computed_elsewhere(here: Path, row: dict[str, Any]) -> None:
     found = told(CONTACT, *_as_scenario(row), "--at-lag", "0", "--at-area", "1", "--at-wavenumber", "1")
     assert found["count"]["mean"] == pytest.approx(row["junction_count_mean"], rel=1e-10)

@@ -69,6 +69,7 @@ def _words(svg: str) -> str:
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.daily(3)
 def test_its_axes_have_units(drawn: Any, name: str) -> None:
     words = _words(drawn(name)["svg"].decode())
     assert "µm" in words

@@ -101,6 +101,7 @@ def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name
 
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in MOTION])
 @pytest.mark.parametrize("kind", ["svg", pytest.param("png", marks=pytest.mark.torture)])
+@pytest.mark.daily(5)
 def test_odd_contacts_are_drawn_too(odd: Stretch, name: str, kind: Any) -> None:
     assert len(picture(name, odd, kind)) > 5000
 

@@ -45,7 +45,7 @@ def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-@pytest.mark.daily(1)
+@pytest.mark.torture
 def test_it_is_the_same_each_time(kind: Format) -> None:
     model = _model(WITH_SLIDER)
     assert theory_picture(model, "x", kind) == theory_picture(model, "x", kind)

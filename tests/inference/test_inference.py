@@ -397,7 +397,7 @@ def test_a_walk_moves_the_means_of_quarters_as_the_test_of_steadiness_says(norma
 
 
 @pytest.mark.parametrize("zero", ["known", "unknown"])
-@pytest.mark.daily(1)
+@pytest.mark.torture
 def test_a_right_trace_that_drifts_is_not_flagged(normal: Signal, zero: Literal["known", "unknown"]) -> None:
     steps = np.random.default_rng(4).standard_normal(normal.values.size)
     drifting = replace(normal, values=normal.values + 0.02 * normal.values.std() * np.cumsum(steps))

@@ -164,7 +164,7 @@ def compare_statistics(name: str, fields: int, longer: float) -> None:
 
 
 @pytest.mark.parametrize("name", STATISTICS)
-@pytest.mark.daily(1)
+@pytest.mark.torture
 def test_statistics_are_the_simulators(name: str) -> None:
     compare_statistics(name, 8, 0.75)
 
@@ -282,7 +282,7 @@ return found;
 
 @pytest.mark.parametrize("births", ["poisson", "regular"])
 @pytest.mark.parametrize("place", [6.0, 60.0])
-@pytest.mark.daily(2)
+@pytest.mark.torture
 def test_behind_the_start_the_contact_is_what_it_is_elsewhere(births: str, place: float) -> None:
     """Its mean and variance, nearer and further than a life; and nothing jumps at the start."""
     world = world_with(births=births, spread=1.5, meanCount=4.0)

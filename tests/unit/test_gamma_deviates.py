@@ -31,7 +31,7 @@ def test_deviates_invert_the_distribution_function(shape):
 
 
 @pytest.mark.parametrize("shape", ["0.1111111", "25", "1e20"])
-@pytest.mark.daily(1)
+@pytest.mark.torture
 def test_finer_pieces_and_more_terms_change_nothing_but_rounding(shape, monkeypatch):
     as_is = gamma_deviates(UNIFORM, mpmath.mpf(shape))
     module._table.cache_clear()

@@ -72,6 +72,7 @@ def test_the_polynomials_near_the_ends_hold_to_the_last_digits(target: object) -
         assert abs(beyond - 1) > 1e-12
 
 
+@pytest.mark.torture
 def test_one_changed_digit_is_seen_and_written_back(tmp_path: Path, kernel_text: str) -> None:
     first = repr(generated_constants(kernel_text)["AREA_COEFFICIENTS"][0])  # type: ignore[index]
     changed = tmp_path / "kernels.py"

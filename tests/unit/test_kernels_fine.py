@@ -77,7 +77,7 @@ BOUNDS = np.array([[1e-14], [1e-13], [5e-12]])
 
 @pytest.mark.parametrize("place", [0.0, 12_345.678, 1e6])
 @pytest.mark.parametrize("ticks", [FINEST, 110.5, 127.0, 513.3])
-@pytest.mark.daily(5)
+@pytest.mark.daily(2)
 def test_area_and_moments_of_one_life(ticks: float, place: float) -> None:
     # Positions are multiples of a power of two, and none is rounded.
     spacing, diameter = 0.0625, 0.0625 * ticks

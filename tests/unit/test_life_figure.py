@@ -78,6 +78,7 @@ def test_colours_are_told_apart_in_grey() -> None:
     assert np.diff(greys).min() > 0.08
 
 
+@pytest.mark.torture
 def test_the_same_life_gives_the_same_picture_whatever_is_set(lives: list[Life]) -> None:
     with mpl.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
         assert life_png(lives[2]) == life_png(lives[2])

@@ -220,6 +220,7 @@ def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.Mo
         for engine in ("events", "batch")
     ],
 )
+@pytest.mark.daily(1)
 def test_a_process_needs_the_memory_that_was_foretold(tmp_path: Path, name: str, engine: str) -> None:
     changes = (*RUNS[name], f"run.engine={engine}")
     (tmp_path / "run.toml").write_text(WHOLE, encoding="utf-8")

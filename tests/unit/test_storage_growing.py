@@ -267,6 +267,7 @@ def test_without_its_rows_or_its_journal_a_part_begins_at_the_start(tmp_path: Pa
 
 
 @pytest.mark.parametrize("garbage", [b"", b"rng1", b"rng1\xff\0\0\0" + bytes(5000), bytes(20_000), b"x" * 20_000])
+@pytest.mark.daily(2)
 def test_a_file_of_rows_that_is_none_counts_as_without(tmp_path: Path, garbage: bytes) -> None:
     stopped_after(tmp_path / "x.h5", 5)
     (tmp_path / "x.h5.part.rows").write_bytes(garbage)

@@ -183,6 +183,7 @@ def fewer_rows(trace: h5py.Group, name: str) -> None:
         (fewer_rows, "another number of rows"),
     ],
 )
+@pytest.mark.daily(6)
 def test_a_column_that_is_not_as_the_schema_says_is_refused(
     path: Path, make: Callable[[h5py.Group, str], None], reason: str
 ) -> None:

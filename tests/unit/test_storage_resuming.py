@@ -93,7 +93,7 @@ def stop_after(path: Path, run: Scenario, blocks: int, number: int = 2) -> str:
 
 @pytest.mark.parametrize("blocks", [1, 9, 17])
 @pytest.mark.parametrize(("begun", "gone_on"), [("batch", "events"), ("events", "batch")])
-@pytest.mark.daily(4)
+@pytest.mark.daily(2)
 def test_a_run_stopped_in_any_block_goes_on_by_either_engine(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], blocks: int, begun: str, gone_on: str
 ) -> None:
@@ -275,6 +275,7 @@ def test_a_journal_of_another_run_is_left_out_of_account(
         (scenario(output={"tick": "2 um", "compression": "gzip"}), 'output.compression is "none" there and "gzip"'),
     ],
 )
+@pytest.mark.daily(2)
 def test_another_run_is_refused_with_the_difference(tmp_path: Path, other: Scenario, said: str) -> None:
     path = tmp_path / "x.h5"
     stop_after(path, WHOLE, 2)

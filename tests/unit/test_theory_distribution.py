@@ -79,7 +79,7 @@ def cumulants_of(moments: list[float]) -> list[float]:
 @pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
 @pytest.mark.parametrize("spread", SPREADS)
 @pytest.mark.parametrize("count", COUNTS)
-@pytest.mark.daily(11)
+@pytest.mark.daily(3)
 def test_mass_and_four_cumulants_by_the_density(count: float, spread: str, pulse: Pulse) -> None:
     model = contact(count, spread, pulse)
     law, exact = distribution(model), area_cumulants(model)
@@ -95,7 +95,7 @@ def test_mass_and_four_cumulants_by_the_density(count: float, spread: str, pulse
 
 @pytest.mark.parametrize("spread", SPREADS)
 @pytest.mark.parametrize("count", COUNTS)
-@pytest.mark.daily(7)
+@pytest.mark.daily(2)
 def test_four_moments_by_the_distribution_function(count: float, spread: str) -> None:
     """E[A^n] = int_0^inf n a^(n-1) P(A > a) da."""
     model = contact(count, spread)
@@ -259,7 +259,7 @@ def test_few_lenses_of_one_size_at_birth_and_at_their_peak() -> None:
 
 
 @pytest.mark.parametrize(("count", "spread"), [(0.01, "none"), (0.5, "none"), (5.0, "150 %"), (5000.0, "20 %")])
-@pytest.mark.daily(2)
+@pytest.mark.daily(1)
 def test_any_area_may_be_asked_for(count: float, spread: str) -> None:
     law = distribution(contact(count, spread))
     out = [-inf, -1e300, -1.0, -5e-324, 0.0, 1e12, 1e300, inf, nan]

@@ -103,6 +103,7 @@ def pair_by_hand(x: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("x", [0.01, 1.0, 3.0, 3.3, 5.0, 6.2])
+@pytest.mark.daily(2)
 def test_two_lenses_of_one_size(x: float) -> None:
     cdf, density = pair_area(live_area(ONE_SIZE, LENS))
     expected = pair_by_hand(x)

@@ -200,6 +200,7 @@ def test_every_column_has_its_check(result: Path) -> None:
 
 
 @pytest.mark.parametrize("column", LOWEST_BIT)
+@pytest.mark.daily(9)
 def test_one_bit_of_one_value_is_seen_though_its_hash_is_right(result: Path, column: str) -> None:
     row = middle(result, column)
     flip(result, column, row)
@@ -213,6 +214,7 @@ def test_one_bit_of_one_value_is_seen_though_its_hash_is_right(result: Path, col
 
 
 @pytest.mark.parametrize("column", LOWEST_BIT)
+@pytest.mark.daily(9)
 def test_one_bit_of_one_value_is_seen_by_its_hash(result: Path, column: str) -> None:
     flip(result, column, middle(result, column), seal=False)
     first = asked(result).different[0]
@@ -318,6 +320,7 @@ def test_a_life_moved_by_a_rounding_is_missed_where_it_is_made_again(unequal: Pa
         ("blocks/birth_distance", 0, float("inf"), "blocks"),
     ],
 )
+@pytest.mark.daily(6)
 def test_what_cannot_be_is_told_and_breaks_nothing(
     unequal: Path, column: str, row: int, value: float, check: str
 ) -> None:

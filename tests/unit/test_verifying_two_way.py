@@ -102,6 +102,7 @@ def said(path: Path) -> str:
 
 @pytest.mark.parametrize("column", ["time", "distance", "displacement", "velocity", "force_before", "force_after"])
 @pytest.mark.parametrize("kind", [0, 1])
+@pytest.mark.daily(4)
 def test_a_landmark_moved_by_a_millionth_is_named(result: Path, column: str, kind: int) -> None:
     row = landmark(result, kind)
     change(result, f"landmarks/{column}", times(1.0 + 1e-6, row))

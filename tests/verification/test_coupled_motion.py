@@ -87,7 +87,7 @@ def test_cases_at_random(case: int) -> None:
         "slow",
     ],
 )
-@pytest.mark.daily(4)
+@pytest.mark.daily(2)
 def test_cases_of_a_kind(run: Model, start: float | None, end: float, kinds: set[int]) -> None:
     found = coupled(run, 5, displacement=start)
     early = found.landmarks["time"] < end

@@ -64,6 +64,7 @@ def distance(areas: Doubles, law: Law) -> float:
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=LONG.get(name, ())) for name in CASES])
+@pytest.mark.daily(1)
 def test_areas_of_a_long_run_have_the_exact_distribution(name: str) -> None:
     model, areas = run(name)
     law = distribution(model)

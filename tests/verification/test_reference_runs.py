@@ -51,7 +51,7 @@ def label(row: dict[str, Any]) -> str:
     "row",
     [pytest.param(row, id=label(row), marks=() if n % 3 == 0 else pytest.mark.torture) for n, row in enumerate(ROWS)],
 )
-@pytest.mark.daily(4)
+@pytest.mark.daily(2)
 def test_a_run_has_the_moments_of_the_reference(row: dict[str, Any]) -> None:
     model = reference_model(row)
     assert max(relative_errors(model, row)) <= PRECISION

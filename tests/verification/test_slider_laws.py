@@ -43,6 +43,7 @@ def reference(run: Model, record: MemoryRecord) -> Motion:
 
 @pytest.mark.parametrize("speed", [1e2, 1e3, 1e5, 1e7])
 @pytest.mark.parametrize("name", DAMPING_RATIOS)
+@pytest.mark.daily(4)
 def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, speed: float) -> None:
     run = model(DAMPING_RATIOS[name], speed=speed, distance=12.0, tick=0.05)
     record = recorded(run, seed_of("triangle speeds"))
@@ -73,6 +74,7 @@ def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, s
         "nine regular lenses", "unequal", "unequal lenses", "Rabinowicz with his fluctuation",
     ],
 )  # fmt: skip
+@pytest.mark.daily(5)
 def test_the_promise_holds_for_other_laws(run: Model) -> None:
     record = recorded(run, seed_of("laws"))
     assert difference(record, reference(run, record)) < PROMISED

@@ -116,6 +116,7 @@ def of_figure_5() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("place", BRIEF, ids=lambda place: f"{1e-3 * place[0]:g} mm/s, {place[1]}")
+@pytest.mark.daily(2)
 def test_a_few_fields_agree_with_the_reference(place: tuple[float, int]) -> None:
     point = next(each for each in POINTS if (each["speed"], each["junctions"]) == place)
     found = figures_of(case_of(point, BRIEF[place]), FIELDS)
