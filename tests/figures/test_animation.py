@@ -16,8 +16,9 @@ import rubnoise
 from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.errors import Refused, RubnoiseError
 from rubnoise.figures import animation, film, style
-from rubnoise.figures.animation import BORN, LEAD, MOST_AT_ONCE, Film, Stage, shades, stage_of
+from rubnoise.figures.animation import Film
 from rubnoise.figures.film import check_film, write_film
+from rubnoise.figures.stage import BORN, LEAD, MOST_AT_ONCE, Stage, shades, stage_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
 

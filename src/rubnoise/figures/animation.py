@@ -2,32 +2,19 @@
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.analysis.selection import neighbours
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import area_of
 from rubnoise.errors import Refused
 from rubnoise.figures.area import COUNT
 from rubnoise.figures.motion import Motion
+from rubnoise.figures.stage import Stage, set_scene, stage_of
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import (
-    AREA,
-    BLUE,
-    DISTANCE,
-    FAINT,
-    INK,
-    PALE,
-    add_title,
-    exact_band,
-    house_style,
-    legend_above,
-    new_figure,
-)
+from rubnoise.figures.style import AREA, BLUE, DISTANCE, add_title, exact_band, house_style, legend_above, new_figure
 from rubnoise.record.rows import Phase
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.exact import exact
@@ -35,191 +22,6 @@ from rubnoise.theory.exact import exact
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
-    from matplotlib.colors import Colormap
-
-MOST_AT_ONCE: Final = 400
-"""Pairs that a stage can show apart."""
-
-LEAD: Final = 0.15
-"""How long, in diameters, a pair is seen before it touches and after it has parted, then with the sign of a death."""
-
-BORN: Final = 0.3
-"""How long, in diameters, a birth has its sign."""
-
-CELL: Final = (2.9, 1.12)
-"""Width and height of a pair's place, in diameters of the largest."""
-
-MARGINS: Final = (0.6, 0.4, 0.2)
-"""From the edge to the first pair, of every second row to the right, and above the last row, in places."""
-
-SPARE: Final = 1.05
-ARC_POINTS: Final = 25
-GOLDEN: Final = (sqrt(5.0) - 1.0) / 2.0
-SHADES: Final = ("#c9dfee", "#0072b2", "#04213a")
-"""From little area to much; a grey printer keeps them in order."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stage:
-    """Junctions and where their lower circles stand, in um; the model has no places, so these are for the eye alone."""
-
-    junctions: Neighbours
-    x: Doubles
-    y: Doubles
-    width: float
-    height: float
-    largest_area: float
-
-    def draw(self, axes: "Axes", distance: float) -> list[Any]:
-        """Draw the pairs that are near each other at a distance in um, and return what was drawn."""
-        from matplotlib.collections import PolyCollection
-
-        pairs = self.junctions
-        shift = distance - pairs.birth - pairs.half_life
-        lead = LEAD * pairs.diameter
-        near = np.flatnonzero((distance >= pairs.birth - lead) & (distance < pairs.death + lead))
-        touching = np.flatnonzero((distance >= pairs.birth) & (distance < pairs.death))
-        aside = None if pairs.offset is None else pairs.offset[touching]
-        areas = area_of(pairs.pulse, distance - pairs.birth[touching], pairs.diameter[touching], aside)
-        lenses = [self._lens(i, float(shift[i])) for i in touching.tolist()]
-        overlap = PolyCollection(lenses, array=areas, cmap=_shades(), clim=(0.0, self.largest_area), lw=0.0, zorder=2)
-        drawn = [
-            axes.add_collection(self._circles(near, 0.0 * shift, -0.5, facecolor=PALE, edgecolor=FAINT, zorder=1)),
-            axes.add_collection(overlap),
-            axes.add_collection(self._circles(near, shift, 0.5, facecolor="none", edgecolor=INK, zorder=3)),
-        ]
-        drawn += self._signs(axes, pairs.birth, BORN, distance, marker="o", mfc="white", ms=5.0)
-        drawn += self._signs(axes, pairs.death, LEAD, distance, marker="x", ms=6.0)
-        return [*drawn, *_edge_marks(axes, self.width, self.height, distance)]
-
-    def _signs(self, axes: "Axes", events: Doubles, lasting: float, distance: float, **look: Any) -> list[Any]:
-        """Mark where pairs first or last touched, or were parted, from then on for some diameters."""
-        pairs = self.junctions
-        which = (events <= distance) & (distance < events + lasting * pairs.diameter)
-        middle = self.x + 0.5 * (events - pairs.birth - pairs.half_life)
-        return axes.plot(middle[which], self.y[which], ls="", color=INK, mew=1.2, zorder=4, **look)
-
-    def _circles(self, which: NDArray[np.int64], shift: Doubles, aside: float, **look: Any) -> Any:
-        """Return circles ``shift`` um along the motion and a part of their offsets across it."""
-        from matplotlib.collections import PolyCollection
-
-        turn = np.linspace(0.0, 2.0 * pi, 2 * ARC_POINTS, endpoint=False)
-        radius = 0.5 * self.junctions.diameter[which][:, np.newaxis]
-        x = (self.x + shift)[which][:, np.newaxis] + radius * np.cos(turn)
-        across = 0.0 if self.junctions.offset is None else aside * self.junctions.offset[which][:, np.newaxis]
-        y = self.y[which][:, np.newaxis] + across + radius * np.sin(turn)
-        return PolyCollection(list(np.stack([x, y], axis=-1)), lw=0.7, **look)
-
-    def _lens(self, row: int, shift: float) -> Doubles:
-        """Return the outline of what both circles of a pair cover, their centres ``shift`` um apart along it."""
-        radius = 0.5 * float(self.junctions.diameter[row])
-        if self.junctions.offset is not None:
-            return self._turned_lens(row, shift, radius)
-        half = np.arccos(min(abs(shift) / (2.0 * radius), 1.0))
-        arc = np.linspace(-half, half, ARC_POINTS)
-        # The right edge is that of the circle farther left, and the other way round.
-        left, right = min(shift, 0.0), max(shift, 0.0)
-        x = np.concatenate([left + radius * np.cos(arc), right - radius * np.cos(arc)])
-        y = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
-        return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
-
-    def _turned_lens(self, row: int, shift: float, radius: float) -> Doubles:
-        """Return the same for a pair whose centres are apart across the motion, too."""
-        across = 0.0 if self.junctions.offset is None else float(self.junctions.offset[row])
-        apart, turn = np.hypot(shift, across), np.arctan2(across, shift)
-        half = np.arccos(min(apart / (2.0 * radius), 1.0))
-        arc = np.linspace(-half, half, ARC_POINTS)
-        along = np.concatenate([radius * np.cos(arc) - 0.5 * apart, 0.5 * apart - radius * np.cos(arc)])
-        beside = np.concatenate([radius * np.sin(arc), -radius * np.sin(arc)])
-        x = 0.5 * shift + along * np.cos(turn) - beside * np.sin(turn)
-        y = along * np.sin(turn) + beside * np.cos(turn)
-        return np.stack([self.x[row] + x, self.y[row] + y], axis=-1)
-
-
-def stage_of(junctions: Neighbours, aspect: float) -> Stage:
-    """Return a stage of a width over height, on which no two pairs that are seen at once have the same place.
-
-    Raises Refused where more of them are there at once than a picture shows.
-    """
-    largest = float(junctions.diameter.max(initial=1.0))
-    order, slots = _places(junctions)
-    if slots > MOST_AT_ONCE:
-        raise Refused(f"{slots:,} junctions are there at once, of which a film shows {MOST_AT_ONCE} at most")
-    cells = ceil(SPARE * max(slots, 1))
-    spread = 1.0 if junctions.offset is None else 2.0  # circles lie on either side of the line of motion
-    wide, high = CELL[0] * largest, spread * CELL[1] * largest
-    columns = min(range(1, cells + 1), key=lambda count: _height(cells, count, aspect, spread))
-    rows = ceil(cells / columns)
-    cell = _spread_order(columns * rows)[order]
-    row, column = np.divmod(cell, columns)
-    return Stage(
-        junctions=junctions,
-        x=(column + MARGINS[0] + MARGINS[1] * (row % 2)) * wide,
-        y=(row + MARGINS[0]) * high,
-        width=_columns_width(columns) * wide,
-        height=(rows + MARGINS[2]) * high,
-        largest_area=float(0.25 * pi * largest**2),
-    )
-
-
-def _columns_width(columns: int) -> float:
-    return columns - 1.0 + 2.0 * MARGINS[0] + MARGINS[1]
-
-
-def _height(cells: int, columns: int, aspect: float, spread: float) -> float:
-    """Return how high, in diameters, a view of this width over height is that holds the places in so many columns.
-
-    Places are ``spread`` times as high as those of centred passes.
-    """
-    return max((ceil(cells / columns) + MARGINS[2]) * spread * CELL[1], _columns_width(columns) * CELL[0] / aspect)
-
-
-def shades(count: int) -> NDArray[np.uint8]:
-    """Return the colours of areas from none to the largest, a row of red, green and blue each."""
-    colours: NDArray[np.uint8] = _shades()(np.linspace(0.0, 1.0, count), bytes=True)[:, :3]
-    return colours
-
-
-def _places(junctions: Neighbours) -> tuple[NDArray[np.int64], int]:
-    """Return a number for each junction, unlike that of any other there at once, and how many are there at once."""
-    lead = LEAD * junctions.diameter
-    free_from: list[float] = []
-    numbers = np.empty(junctions.rows.size, dtype=np.int64)
-    for i in np.argsort(junctions.birth - lead, kind="stable").tolist():
-        begins, ends = float(junctions.birth[i] - lead[i]), float(junctions.death[i] + lead[i])
-        # The place that has been empty longest, so that births are seen all over the stage.
-        emptiest = min(range(len(free_from)), key=free_from.__getitem__, default=-1)
-        if emptiest < 0 or free_from[emptiest] > begins:
-            emptiest = len(free_from)
-            free_from.append(ends)
-        free_from[emptiest] = ends
-        numbers[i] = emptiest
-    return numbers, len(free_from)
-
-
-def _spread_order(count: int) -> NDArray[np.int64]:
-    """Return 0 ... count - 1 in an order that leaves no corner empty for long (multiples of the golden section)."""
-    return np.argsort(np.arange(1, count + 1) * GOLDEN % 1.0, kind="stable")
-
-
-def _edge_marks(axes: "Axes", width: float, height: float, distance: float) -> list[Any]:
-    """Draw marks along both edges, those of the upper surface moving with it."""
-    from matplotlib.collections import LineCollection
-
-    spacing, length = width / 24.0, 0.035 * height
-    drawn = []
-    for edge, inwards, shift, colour in ((height, -length, distance % spacing, INK), (0.0, length, 0.0, FAINT)):
-        places = np.arange(0.0, width, spacing) + shift
-        marks = [[(x, edge), (x, edge + inwards)] for x in places.tolist()]
-        drawn.append(axes.add_collection(LineCollection(marks, colors=colour, lw=1.0)))
-    return drawn
-
-
-def _shades() -> "Colormap":
-    from matplotlib.colors import LinearSegmentedColormap
-
-    return LinearSegmentedColormap.from_list("area", SHADES)
-
 
 LIVES: Final = 3.0
 STICKS: Final = 4
@@ -283,7 +85,7 @@ class Film:
             panes = figure.subplot_mosaic(rows, height_ratios=[2.3, 1.0], width_ratios=[1.6, 1.0])
             traces = _area_trace(panes["area"], self.stretch), _count_trace(panes["count"], self.stretch)
             stage = panes["stage"]
-            _set_scene(stage, self.stage)
+            set_scene(stage, self.stage)
             drawn = self._draw(stage, traces, float(self.distances[0]), self.labels[0])
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # what is laid out once stays where it is
@@ -379,29 +181,3 @@ def _frames_of(stretch: Stretch, count: int) -> tuple[Doubles, tuple[str, ...]]:
         for place, phase in zip(places.tolist(), phases, strict=True)
     )
     return begin + (places - rows) * (end - begin), tuple(labels)
-
-
-def _set_scene(axes: "Axes", stage: Stage) -> None:
-    axes.set_aspect("equal")
-    axes.set_xlim(0.0, stage.width)
-    axes.set_ylim(0.0, stage.height)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for side in ("left", "bottom"):
-        axes.spines[side].set_visible(False)
-    _add_key(axes, stage)
-
-
-def _add_key(axes: "Axes", stage: Stage) -> None:
-    """Say what outlines and signs mean, and which shade is how much area."""
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    shown: dict[str, Any] = {"ls": "", "color": INK}
-    upper = "upper surface, sliding \N{RIGHTWARDS ARROW}"
-    axes.plot([], [], marker="o", ms=8.0, mfc="none", mew=0.7, label=upper, **shown)
-    axes.plot([], [], marker="o", ms=5.0, mfc="white", mew=1.2, label="birth", **shown)
-    axes.plot([], [], marker="x", ms=6.0, mew=1.2, label="death", **shown)
-    legend_above(axes)
-    scale = ScalarMappable(Normalize(0.0, stage.largest_area), _shades())
-    axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")

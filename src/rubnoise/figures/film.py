@@ -72,7 +72,7 @@ def _palette(film: Film, first: "Image") -> "Image":
     """Return an image that holds the colours of the film: those of a frame, and every shade of area."""
     from PIL import Image
 
-    from rubnoise.figures.animation import shades
+    from rubnoise.figures.stage import shades
 
     width = film.size[0]
     bar = Image.fromarray(shades(width)[None, :, :].repeat(film.size[1] // 8, axis=0))
