@@ -1,21 +1,16 @@
 """Where examples run: a folder with what the README has made by then, the scenarios and fig5.h5.
 
-The daily tests leave two things to other folders: they do not evaluate claims again (tests/verification), and a film
-repeats its first frame (tests/figures). --all does both.
+The daily tests do not evaluate claims again, which is left to tests/verification; --all does.
 """
 
 import os
 import sys
-from collections.abc import Iterator
-from itertools import repeat
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import rubnoise
 from rubnoise.claims import catalogue, ledger
-from rubnoise.figures.animation import Film
 from tests.architecture.sources import ROOT
 from tests.cli.test_json_contract import A_CLAIM, A_ROW
 from tests.wishes import Wishes
@@ -48,13 +43,4 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     if not Wishes.everything:
         monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
         monkeypatch.setattr(ledger, "evaluate_field", lambda _: (A_ROW,))
-        monkeypatch.setattr(Film, "frames", _first_frames)
     return here
-
-
-FRAMES = Film.frames
-
-
-def _first_frames(film: Film) -> Iterator[Any]:
-    """Yield the first frame of a film as often as it has frames."""
-    yield from repeat(next(FRAMES(film)), film.distances.size)
