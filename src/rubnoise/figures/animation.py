@@ -12,7 +12,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.figures.area import COUNT
 from rubnoise.figures.motion import Motion
-from rubnoise.figures.stage import Stage, set_scene, stage_of
+from rubnoise.figures.stage import Stage, stage_of
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import AREA, BLUE, DISTANCE, add_title, exact_band, house_style, legend_above, new_figure
 from rubnoise.record.rows import Phase
@@ -85,7 +85,7 @@ class Film:
             panes = figure.subplot_mosaic(rows, height_ratios=[2.3, 1.0], width_ratios=[1.6, 1.0])
             traces = _area_trace(panes["area"], self.stretch), _count_trace(panes["count"], self.stretch)
             stage = panes["stage"]
-            set_scene(stage, self.stage)
+            self.stage.set_up(stage)
             drawn = self._draw(stage, traces, float(self.distances[0]), self.labels[0])
             figure.draw_without_rendering()
             figure.set_layout_engine("none")  # what is laid out once stays where it is
@@ -94,12 +94,12 @@ class Film:
             changing = [stage.set_title(""), *traces[0].changing, *traces[1].changing]
             for each in changing:
                 each.set_animated(True)
-            # What stays is drawn once, which is most of a figure: frames are drawn over a copy of it.
+            # Most of a figure stays the same: it is drawn once, and each frame over a copy of it.
             canvas.draw()
-            still, renderer = canvas.copy_from_bbox(figure.bbox), canvas.get_renderer()
+            background, renderer = canvas.copy_from_bbox(figure.bbox), canvas.get_renderer()
             for distance, label in zip(self.distances.tolist(), self.labels, strict=True):
                 drawn = self._draw(stage, traces, distance, label)
-                canvas.restore_region(still)
+                canvas.restore_region(background)
                 for each in sorted([*changing, *drawn], key=lambda artist: artist.get_zorder()):
                     each.draw(renderer)
                 yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()

@@ -50,6 +50,17 @@ class Stage:
     height: float
     largest_area: float
 
+    def set_up(self, axes: "Axes") -> None:
+        """Give axes the size of the stage and a key, and take their ticks and edges away."""
+        axes.set_aspect("equal")
+        axes.set_xlim(0.0, self.width)
+        axes.set_ylim(0.0, self.height)
+        axes.set_xticks([])
+        axes.set_yticks([])
+        for side in ("left", "bottom"):
+            axes.spines[side].set_visible(False)
+        _add_key(axes, self.largest_area)
+
     def draw(self, axes: "Axes", distance: float) -> list[Any]:
         """Draw the pairs that are near each other at a distance in um, and return what was drawn."""
         from matplotlib.collections import PolyCollection
@@ -201,19 +212,7 @@ def _shades() -> "Colormap":
     return LinearSegmentedColormap.from_list("area", SHADES)
 
 
-def set_scene(axes: "Axes", stage: Stage) -> None:
-    """Set up axes for a stage, with a key and without ticks."""
-    axes.set_aspect("equal")
-    axes.set_xlim(0.0, stage.width)
-    axes.set_ylim(0.0, stage.height)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    for side in ("left", "bottom"):
-        axes.spines[side].set_visible(False)
-    _add_key(axes, stage)
-
-
-def _add_key(axes: "Axes", stage: Stage) -> None:
+def _add_key(axes: "Axes", largest_area: float) -> None:
     """Say what outlines and signs mean, and which shade is how much area."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -224,5 +223,5 @@ def _add_key(axes: "Axes", stage: Stage) -> None:
     axes.plot([], [], marker="o", ms=5.0, mfc="white", mew=1.2, label="birth", **shown)
     axes.plot([], [], marker="x", ms=6.0, mew=1.2, label="death", **shown)
     legend_above(axes)
-    scale = ScalarMappable(Normalize(0.0, stage.largest_area), _shades())
+    scale = ScalarMappable(Normalize(0.0, largest_area), _shades())
     axes.figure.colorbar(scale, ax=axes, pad=0.01, aspect=25.0, label="area of a junction (µm²)")

@@ -195,7 +195,7 @@ _BARE_QUANTITY = re.compile(
 )
 _BARE_WORD = re.compile(r"=\s*([A-Za-z][A-Za-z-]*)\s*(?:#.*)?$")
 # A part of a dotted key: possessive, so that no text makes the search go back. A long string is not: before 3.11.5
-# Python finds no match where something possessive looks ahead (CPython issue 106052). There is one way to read it.
+# Python finds no match where something possessive looks ahead (CPython issue 106052). It matches in one way only.
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
 _TOKENS = re.compile(
     rf"""

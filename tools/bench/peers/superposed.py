@@ -47,11 +47,11 @@ class Junctions(ForcingGenerator):  # type: ignore[misc]
 
     def set_amplitude_distribution(self, amplitude_distribution_function: Callable[[int], Doubles]) -> None:
         """Refuse: the amplitudes are given."""
-        raise NotImplementedError
+        raise NotImplementedError("amplitudes are those of the junctions")
 
     def set_duration_distribution(self, duration_distribution_function: Callable[[int], Doubles]) -> None:
         """Refuse: the durations are given."""
-        raise NotImplementedError
+        raise NotImplementedError("durations are those of the junctions")
 
 
 def superpose(case: Case, birth: Doubles, diameter: Doubles) -> Doubles:
