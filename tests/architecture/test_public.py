@@ -43,7 +43,7 @@ def test_who_opens_a_result_does_not_wait_for_what_runs_one() -> None:
 
 
 def test_what_only_reads_loads_no_compiler(tmp_path: Path) -> None:
-    rubnoise.run(rubnoise.example("paper/fig4").replace(distance=50.0), tmp_path / "x.h5").close()
+    rubnoise.run(rubnoise.example("paper/fig4").replace(distance="50 um"), tmp_path / "x.h5").close()
     info = f"""
 import contextlib, io
 from rubnoise.cli.app import main

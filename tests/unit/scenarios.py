@@ -65,8 +65,8 @@ def without(*lines: str, text: str = WHOLE) -> str:
 
 
 def refusal(text: str, *overrides: str) -> str:
-    """Return the report on a text that must be refused."""
+    """Return the report on a text of which no run must be possible."""
     with pytest.raises(ScenarioRefused) as refused:
-        loads(text, "run.toml", overrides)
+        loads(text, "run.toml", overrides).check_size()
     assert refused.value.exit_code == 2
     return str(refused.value)

@@ -51,7 +51,7 @@ def test_an_intervention_is_kept_in_what_is_saved(tmp_path: Path) -> None:
         yield env.timeout(50.0)
         live.end(next(iter(live)).number)
 
-    record = rubnoise.simulate(SCENARIO.replace(distance=200.0), intervene=end_one)
+    record = rubnoise.simulate(SCENARIO.replace(distance="200 um"), intervene=end_one)
     with record.save(tmp_path / "x.h5") as saved:
         assert "end_one" in str(saved.provenance["intervention"])
         assert (saved.junctions["state"][:] & 4).any()

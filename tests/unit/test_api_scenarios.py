@@ -58,14 +58,14 @@ def test_defaults_follow_what_is_replaced() -> None:
             "sliding": {"distance": 50.0},
         }
     )
-    larger = bare.replace(mean_real_contact_area=800.0)
+    larger = bare.replace(mean_real_contact_area="800 um^2")
     assert float(larger.output.tick) == pytest.approx(2.0 * float(bare.output.tick))
     assert BASE.replace(damping_ratio=0.1).slider.damping is None
     two_way = BASE.replace(coupling="two-way")
     assert (two_way.slider.tolerance, two_way.replace(coupling="one-way").resolved()) == (1e-9, BASE.resolved())
     assert BASE.replace(slider=None).slider is None
     assert BASE.replace(slider={"mass": "6 g"}).slider.mass == 0.006
-    assert BASE.replace(seed=8).replace(speed=500.0).run.seed == 8
+    assert BASE.replace(seed=8).replace(speed="0.5 mm/s").run.seed == 8
 
 
 @pytest.mark.parametrize(
@@ -74,8 +74,13 @@ def test_defaults_follow_what_is_replaced() -> None:
         ({"sped": 3}, "no key sped; did you mean speed?"),
         ({"spread": "1 um"}, '"diameter.spread" or "strength.spread"'),
         ({"sliding.speed": "2 mm"}, r"sliding\.speed: .mm. is the unit of a length"),
+        ({"sliding.speed": 2.0}, r"sliding\.speed: a number without a unit\n +right form: .2\.0 um/s."),
+        ({"speed": 2000}, r"sliding\.speed: a number without a unit"),
+        ({"speed": np.float64(2000.0)}, r"sliding\.speed: a number without a unit"),
+        ({"slider": {"mass": 0.005}}, r"slider\.mass: a number without a unit\n +right form: .0\.005 kg."),
+        ({"slider.mass": 0.005, "run.seed": -1}, r"run\.seed(.|\n)*slider\.mass|slider\.mass(.|\n)*run\.seed"),
         ({"sliding.sped": 2.0}, "did you mean speed"),
-        ({"sliding.speed": -1.0, "run.seed": -1}, r"run\.seed(.|\n)*sliding\.speed|sliding\.speed(.|\n)*run\.seed"),
+        ({"sliding.speed": "-1 um/s", "run.seed": -1}, r"run\.seed(.|\n)*sliding\.speed|sliding\.speed(.|\n)*run\.seed"),
         ({"damping": 0.1, "damping_ratio": 0.1}, "both damping and damping_ratio"),
         ({"slider.mass": 3 * UNIT.um}, "is the unit of a length"),
     ],
@@ -85,8 +90,8 @@ def test_a_wrong_change_is_refused_like_a_wrong_file(changes: dict[str, Any], to
         BASE.replace(changes)
 
 
-def test_numbers_of_numpy_and_quantities_of_pint_go_where_numbers_go() -> None:
-    plain = BASE.replace({"sliding.speed": 2000.0, "slider.stiffness": 250.0, "mean_junction_count": 30})
+def test_numbers_of_numpy_and_quantities_of_pint_go_where_they_fit() -> None:
+    plain = BASE.replace({"sliding.speed": "2 mm/s", "slider.stiffness": "250 N/m", "mean_junction_count": 30})
     fancy = BASE.replace(
         {
             "sliding.speed": UNIT.Quantity(2, "mm/s"),
@@ -98,7 +103,7 @@ def test_numbers_of_numpy_and_quantities_of_pint_go_where_numbers_go() -> None:
     assert BASE.replace(mean_junction_count=UNIT.Quantity(30, "")).interface.mean_junction_count == 30
     assert BASE.replace(distance=UNIT.Quantity(0.1, "inch")).sliding.distance == 2540.0
     assert BASE.replace({"diameter.spread": 4 * UNIT.percent}).diameter.spread.as_text() == "4 %"
-    record = rubnoise.simulate(BASE.replace(distance=np.float32(100.0)), seed=np.int64(3))
+    record = rubnoise.simulate(BASE.replace(distance="100 um"), seed=np.int64(3))
     junction = record.junction(np.int32(9))
     place = junction.birth_distance + junction.diameter
     assert junction.area(UNIT.Quantity(place / 1000.0, "mm")) == pytest.approx(junction.area(place), rel=1e-9)

@@ -31,7 +31,7 @@ def test_headers_carry_units_in_several_forms(tmp_path: Path, header: str, separ
 
 
 def test_what_export_writes_is_read(tmp_path: Path) -> None:
-    scenario = rubnoise.example("paper/fig5").replace(distance=100.0)
+    scenario = rubnoise.example("paper/fig5").replace(distance="100 um")
     rubnoise.run(scenario, tmp_path / "x.h5").close()
     assert (
         call("export", str(tmp_path / "x.h5"), "--to", "csv", "--group", "slider", "-o", str(tmp_path / "s.csv")).code

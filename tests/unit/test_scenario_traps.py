@@ -1,7 +1,11 @@
 """Every trap of a scenario file is refused, or warned of, with its line, a caret and advice."""
 
+from pathlib import Path
+
 import pytest
 
+import rubnoise
+from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import loads
 from rubnoise.scenario.fields import Line, Unfit
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole, without
@@ -269,6 +273,15 @@ def test_a_run_of_1e12_km_is_refused_from_expected_rows() -> None:
     head = DISTANCE + "too long a run: 1.81e+21 junctions and 1e+22 ticks expected; at most 2e+09 rows"
     hint = "make sliding.distance shorter or output.tick longer"
     assert refusal(whole(distance='"1e12 km"')) == shown(head, 'distance = "1e12 km"', '"1e12 km"', hint)
+
+
+def test_theory_does_not_ask_how_long_a_run_would_be(tmp_path: Path) -> None:
+    endless = loads(whole(distance='"1e12 km"'))
+    assert rubnoise.exact(endless).area.mean == rubnoise.exact(loads(whole())).area.mean
+    for start in (rubnoise.simulate, lambda scenario: rubnoise.run(scenario, tmp_path / "x.h5")):
+        with pytest.raises(ScenarioRefused, match="too long a run"):
+            start(endless)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_fine_tick_alone_may_be_too_much() -> None:

@@ -1,6 +1,6 @@
 """One scenario made from another by other values of some keys."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -8,7 +8,8 @@ from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import did_you_mean
 from rubnoise.scenario.keys import SECTIONS
-from rubnoise.scenario.reading import build
+from rubnoise.scenario.problems import Path
+from rubnoise.scenario.reading import build_changed
 from rubnoise.scenario.scenario import Scenario
 
 EITHER = {("slider", "damping"): "damping_ratio", ("slider", "damping_ratio"): "damping"}
@@ -33,7 +34,15 @@ def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
             if value is not None and (other := EITHER.get((table, key))) and other not in named:
                 values[table].pop(other, None)
             _set(values[table], key, value)
-    return build(values)
+    return build_changed(values, {path for place in places for path in _paths(*place)})
+
+
+def _paths(table: str, key: str, value: Any) -> Iterator[Path]:
+    """Yield each changed key with its table: of a table that is given as a whole, each key in it."""
+    if table:
+        yield table, key
+    elif isinstance(value, Mapping):
+        yield from ((key, inner) for inner in value)
 
 
 def _set(table: dict[str, Any], key: str, value: Any) -> None:

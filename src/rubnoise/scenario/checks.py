@@ -53,7 +53,7 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
 
 
 def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
-    """Return the model and its tick, or None and why there is none."""
+    """Return the model and its tick, or None and why there is none; and what forbids a run of the model."""
     if problems := list(_offset_problems(document, layers)):
         return None, None, problems
     try:
@@ -67,8 +67,7 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     if problems:
         return None, None, problems
     model = model_of(document, diameter, tick)
-    problems = [*_crowd_problems(layers, model), *_cost_problems(document, layers, model)]
-    return (None if problems else model), tick, problems
+    return model, tick, [*_crowd_problems(layers, model), *_cost_problems(document, layers, model)]
 
 
 def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -139,7 +138,7 @@ def _crowd_problems(layers: Layers, model: Model) -> Iterator[Problem]:
     if alive > limits.LIVE_JUNCTIONS:
         message = f"{alive:.3g} junctions alive at once expected; at most {limits.LIVE_JUNCTIONS:.0e}"
         hint = "fewer junctions or a smaller diameter.spread"
-        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint)
+        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint, forbids_run=True)
 
 
 def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
@@ -154,4 +153,4 @@ def _cost_problems(document: Document, layers: Layers, model: Model) -> Iterator
         f"at most {limits.RESULT_ROWS:.0e} rows"
     )
     hint = f"make sliding.distance shorter or output.tick longer{_where_from(document)}"
-    yield Problem(path=_DISTANCE, message=message, place=layers.value_place(_DISTANCE), hint=hint)
+    yield Problem(path=_DISTANCE, message=message, place=layers.value_place(_DISTANCE), hint=hint, forbids_run=True)

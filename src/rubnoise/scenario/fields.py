@@ -119,9 +119,13 @@ class Measure(Field):
                     return Quantity(Fraction(repr(float(in_unit(value, kind.unit)))), kind)
             raise Unfit(str(error), error.hint) from None
 
+    def refusal(self, value: Any) -> Unfit:
+        """Return why a value that is no text is no quantity, with the right form."""
+        return Unfit(*self._no_text(value))
+
     def _text(self, value: Any) -> Quantity:
         if not isinstance(value, str):
-            raise Unfit(*self._no_text(value))
+            raise self.refusal(value)
         try:
             return read_quantity(value, *self.kinds)
         except QuantityError as error:

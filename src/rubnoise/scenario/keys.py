@@ -1,6 +1,6 @@
 """What is wrong with keys: unknown, missing, out of place, or with a value that does not fit."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from rubnoise.contact.laws import LAWS, Entry
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
-from rubnoise.scenario.fields import FROM_PYTHON, Unfit, did_you_mean
+from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
 
@@ -68,6 +68,18 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Pr
             problems += _explained(layers, detail["loc"], detail["type"], detail.get("ctx", {}).get("error"))
         return None, problems
     return (None if problems else document), problems
+
+
+def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
+    """Return the problems of quantities at these keys that are numbers without a unit."""
+    problems = []
+    for table, key in paths:
+        about = SECTIONS[str(table)].model_fields.get(str(key)) if table in SECTIONS else None
+        measure = next((each for each in about.metadata if isinstance(each, Measure)), None) if about else None
+        value = _table(layers, str(table)).get(str(key))
+        if measure is not None and isinstance(value, int | float) and not isinstance(value, bool):
+            problems += _explained(layers, (table, key), "value_error", measure.refusal(value))
+    return problems
 
 
 def missing(layers: Layers, path: Path, reason: str = "missing") -> Problem:

@@ -23,13 +23,17 @@ class Place:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """One thing that is wrong (error) or doubtful (warning) about a key, with advice where there is any."""
+    """One thing that is wrong (error) or doubtful (warning) about a key, with advice if there is any.
+
+    ``forbids_run`` marks an error that stops a run, but not the theory of the scenario.
+    """
 
     path: Path
     message: str
     place: Place
     hint: str = ""
     severity: Literal["error", "warning"] = "error"
+    forbids_run: bool = False
 
     @property
     def key(self) -> str:

@@ -1,7 +1,7 @@
 """Reading a scenario: from a file, a text or Python values to a Scenario, or to all of its problems at once."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from rubnoise.errors import ScenarioRefused
@@ -11,7 +11,7 @@ from rubnoise.scenario.checks import modelled, plausibility
 from rubnoise.scenario.document import Document, SampledOutput, Slider
 from rubnoise.scenario.fields import FROM_PYTHON
 from rubnoise.scenario.layers import Layers
-from rubnoise.scenario.problems import Problem, in_order, report
+from rubnoise.scenario.problems import Path, Problem, in_order, report
 from rubnoise.scenario.scenario import TOLERANCE, Scenario
 from rubnoise.units import Quantity
 
@@ -42,12 +42,18 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
     return _checked(layers.from_values(values, name), from_python=True)
 
 
-def _checked(given: Layers, *, from_python: bool = False) -> Scenario:
+def build_changed(values: Mapping[str, Any], changed: Collection[Path], name: str = "<python>") -> Scenario:
+    """Return the scenario of values, as `build` does; a quantity at a ``changed`` key needs a unit, as in a file."""
+    given = layers.from_values(values, name)
+    return _checked(given, from_python=True, more=keys.without_unit(given, changed))
+
+
+def _checked(given: Layers, *, from_python: bool = False, more: Sequence[Problem] = ()) -> Scenario:
     if keys.SWEEP in given.data:
         raise ScenarioRefused(report([*given.problems, _many(given)]))
     scenario, problems = examined(given, from_python=from_python)
-    if scenario is None:
-        raise ScenarioRefused(report(problems))
+    if scenario is None or more:
+        raise ScenarioRefused(report([*problems, *more]))
     return scenario
 
 
@@ -68,7 +74,8 @@ def examined(given: Layers, *, from_python: bool = False) -> tuple[Scenario | No
     if document and not given.problems:
         model, tick, more = modelled(document, given)
         problems += [*plausibility(document, given), *more]
-    if document is None or model is None or tick is None or any(problem.severity == "error" for problem in problems):
+    wrong = any(problem.severity == "error" and not problem.forbids_run for problem in problems)
+    if document is None or model is None or tick is None or wrong:
         return None, problems
     return _scenario(given, document, model, tick, problems), problems
 
@@ -80,7 +87,7 @@ def _complete(slider: Slider | None) -> Slider | None:
     return slider.model_copy(update={"tolerance": TOLERANCE})
 
 
-def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, warnings: list[Problem]) -> Scenario:
+def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, problems: list[Problem]) -> Scenario:
     output = {"tick": tick, "compression": document.output.compression}
     return Scenario(
         title=document.title,
@@ -95,7 +102,8 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, w
         run=document.run,
         name=given.main.name,
         text=given.main.text,
-        warnings=tuple(map(str, in_order(warnings))),
+        warnings=tuple(str(each) for each in in_order(problems) if each.severity == "warning"),
+        too_large="\n".join(str(each) for each in in_order(problems) if each.forbids_run),
         physics=model,
         given=given.data,
     )

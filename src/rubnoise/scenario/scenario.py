@@ -11,6 +11,7 @@ from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import PULSES, Pulse
+from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.tables import as_html, shortened
@@ -22,7 +23,8 @@ class Scenario:
     """The sections of a scenario file, with values in um, s, kg, uN, MPa, N/m, N s/m and defaults filled in.
 
     ``text`` is the file as read, ``warnings`` what is allowed and doubtful, each ready to print, ``physics`` the model,
-    ``given`` the keys as they were given, without defaults.
+    ``given`` the keys as they were given, without defaults. ``too_large`` says why no run of it is possible; it is
+    empty if one is. Its theory is exact in both cases.
 
     >>> import rubnoise
     >>> scenario = rubnoise.load("paper/fig5")
@@ -44,19 +46,20 @@ class Scenario:
     text: str
     warnings: tuple[str, ...]
     physics: Model
+    too_large: str = field(default="", repr=False, compare=False)
     given: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> "Scenario":
         """Return the scenario with other values of some keys, checked like a file.
 
         ``replace(seed=3)`` and ``replace({"sliding.speed": "2 mm/s"})``: a key of only one table needs no dots. A value
-        is a text with a unit, a quantity of pint, or a number, in um, um^2, um/s, kg, MPa, N/m or N s/m. None takes a
-        key away, so that its default counts again. A mapping as the value of a table, such as ``slider``,
-        replaces the keys that it names. Raises ScenarioRefused with every problem.
+        is a text with a unit or a quantity of pint; a plain number is for keys without a unit. None takes a key away,
+        so that its default counts again. A mapping as the value of a table, such as ``slider``, replaces the keys that
+        it names. Raises ScenarioRefused with every problem.
 
         >>> import rubnoise
         >>> scenario = rubnoise.load("paper/fig5").replace({"sliding.distance": "5 mm"}, seed=3)
-        >>> scenario.run.seed, scenario.sliding.distance, scenario.replace(speed=2000.0).sliding.speed
+        >>> scenario.run.seed, scenario.sliding.distance, scenario.replace(speed="2 mm/s").sliding.speed
         (3, 5000.0, 2000.0)
         """
         from rubnoise.scenario.changes import replaced
@@ -66,6 +69,11 @@ class Scenario:
     def model(self) -> Model:
         """Return the physics of the run."""
         return self.physics
+
+    def check_size(self) -> None:
+        """Raise ScenarioRefused if a run would have more rows, or more live junctions, than rubnoise can write."""
+        if self.too_large:
+            raise ScenarioRefused(self.too_large)
 
     def resolved(self) -> dict[str, Any]:
         """Return every key with its value, defaults too, as a scenario of text, numbers and tables (JSON-able).

@@ -183,12 +183,20 @@ class Budget:
 
 
 def counted(scenario: Scenario) -> Budget:
-    """Return the budget of a run; its rows are counted exactly from its seed, which takes some 60 ns for each birth."""
+    """Return the budget of a run; its rows are counted exactly from its seed, which takes some 60 ns for each birth.
+
+    Raises ScenarioRefused for more rows than rubnoise can write, as `expected` does.
+    """
+    scenario.check_size()
     return _budget(scenario, extent(scenario.model(), scenario.run.seed))
 
 
 def expected(scenario: Scenario) -> Budget:
-    """Return the budget of a run with as many rows as are expected of any seed; nothing is drawn."""
+    """Return the budget of a run with as many rows as are expected of any seed; nothing is drawn.
+
+    Raises ScenarioRefused for more rows, or more live junctions, than rubnoise can write.
+    """
+    scenario.check_size()
     model = scenario.model()
     births = model.birth_rate * model.distance
     alive = model.birth_rate * model.pulse.mean_life * model.sizes.moment(1) if model.start == "stationary" else 0.0
