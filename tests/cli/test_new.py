@@ -42,10 +42,25 @@ def test_the_template_is_written_checked_and_run(here: Path) -> None:
 def test_what_is_set_beside_what_is_needed_is_the_default() -> None:
     bare = (
         'format = 1\n[interface]\nmean_real_contact_area = "200 um^2"\nmean_junction_count = 20\n'
-        '[strength]\nmean = "250 MPa"\n[sliding]\ndistance = "40 mm"\nspeed = "1 mm/s"\n'
-        '[slider]\nmass = "5 g"\nstiffness = "300 N/m"\ndamping = "0.05 N*s/m"\n'
+        '[strength]\nmean = "250 MPa"\n[sliding]\ndistance = "40 mm"\nspeed = "20 mm/s"\n'
+        '[slider]\nmass = "50 g"\nstiffness = "100 kN/m"\ndamping = "5 N*s/m"\n'
     )
     assert loads(template()).resolved() == loads(bare).resolved()
+
+
+@pytest.mark.parametrize("start", ["first/rubbing", "new.toml"])
+def test_a_newcomer_begins_with_a_contact_that_keeps_the_papers_assumption(here: Path, start: str) -> None:
+    assert call("new", "new.toml").code == 0
+    scenario = rubnoise.load(start)
+    assert rubnoise.exact(scenario).slider.one_way_validity < 0.1
+    ran = call("run", start, "--set", "sliding.distance=4 mm", "-o", "x.h5")
+    assert (ran.code, ran.err) == (0, "")
+
+
+def test_the_scenario_that_new_makes_is_the_first_one() -> None:
+    first, new = rubnoise.load("first/rubbing").resolved(), loads(_everything()).resolved()
+    for table in ("sliding", "slider", "output"):
+        assert new[table] == first[table]
 
 
 def test_every_key_is_there_with_its_meaning() -> None:
@@ -65,7 +80,7 @@ def test_every_optional_key_may_be_set() -> None:
     scenario = loads(_everything())
     assert scenario.slider is not None
     assert scenario.warnings == ()
-    ratio = _everything().replace('damping = "0.05 N*s/m"', "damping_ratio = 0.02")
+    ratio = _everything().replace('damping = "5 N*s/m"', "damping_ratio = 0.02")
     assert loads(ratio).model().slider != scenario.model().slider
 
 

@@ -53,7 +53,7 @@ SHORT = ("--set", "sliding.distance=3 mm", "--set", "output.tick=1 um")
 @pytest.fixture
 def part(here: Path) -> Path:
     """Return the part of a run that was stopped half-way."""
-    done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", *SHORT)
+    done = spawn_program(STOPPED, "run", SLIDER, "-o", "x.h5", "-q", *SHORT)
     assert (done.code, done.out) == (143, "")
     assert done.err == "stopped by a signal; rubnoise resume x.h5.part continues it\n"
     return here / "x.h5.part"

@@ -28,7 +28,7 @@ with watching(1.0, shown=False) as watcher:
 def test_a_signal_stops_a_run_and_an_older_result_stays(here: Path, number: signal.Signals, code: int) -> None:
     assert call("run", SLIDER, "-o", "short.h5", "-q").code == 0  # no kernel is left to be compiled
     (here / "x.h5").write_bytes(b"precious")
-    run = begin("run", SLIDER, "-o", "x.h5", "--force", *LONG, part=here / "x.h5.part.journal")
+    run = begin("run", SLIDER, "-o", "x.h5", "--force", "-q", *LONG, part=here / "x.h5.part.journal")
     answer = stop(run, number)
     assert (answer.code, answer.out) == (code, "")
     assert answer.err == "stopped by a signal; rubnoise resume x.h5.part continues it\n"

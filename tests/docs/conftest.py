@@ -20,7 +20,7 @@ sys.path.append(str(ROOT / "tools"))  # tools import each other by name
 
 @pytest.fixture(scope="session")
 def figure_5(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the result of the README's first command."""
+    """Return the result of Figure 5, which the README makes."""
     path = tmp_path_factory.mktemp("result") / "fig5.h5"
     rubnoise.run(rubnoise.load(ROOT / "scenarios" / "paper" / "fig5.toml"), path).close()
     return path

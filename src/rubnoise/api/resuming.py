@@ -66,9 +66,9 @@ def resume(
     return go_on(target, _begun(part), force=force, watch=watch, observe=observe, intervene=intervene)
 
 
-def distance_of(part: str | os.PathLike[str]) -> float:
-    """Return the sliding distance in um of a run that did not finish; refused as by `resume`."""
-    return _stored(_begun(part), str(part)).model().distance
+def unfinished_scenario(part: str | os.PathLike[str]) -> Scenario:
+    """Return the scenario of a run that did not finish; refused as by `resume`."""
+    return _stored(_begun(part), str(part))
 
 
 def _begun(part: str | os.PathLike[str]) -> RunDescription:

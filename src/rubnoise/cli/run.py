@@ -82,6 +82,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     prepare_kernels()
     if not force and not quiet:
         _announce_resume(scenario, path)
+    doubts = _doubts(scenario, quiet=quiet or as_json)
     shown = on_terminal() and not quiet and not as_json
     if shown:
         announce_compilation()
@@ -90,7 +91,8 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         watcher.counting()
         result = api.run(scenario, path, force=force, watch=watcher, command=["rubnoise", *sys.argv[1:]])
     with result:
-        print_result(result, path, time.monotonic() - began, warnings=scenario.warnings, as_json=as_json, quiet=quiet)
+        seconds, warnings = time.monotonic() - began, [*scenario.warnings, *doubts]
+        print_result(result, path, seconds, warnings=warnings, as_json=as_json, quiet=quiet)
 
 
 def _announce_resume(scenario: "Scenario", path: Path) -> None:
@@ -145,22 +147,24 @@ def resume(
     Example: rubnoise resume fig5.h5.part
     """
     from rubnoise import api
-    from rubnoise.api.resuming import distance_of
+    from rubnoise.api.resuming import unfinished_scenario
 
     prepare_kernels()
     shown = on_terminal() and not quiet and not as_json
     began = time.monotonic()
-    distance = distance_of(part)
+    scenario = unfinished_scenario(part)
+    doubts = _doubts(scenario, quiet=quiet or as_json)
     if shown:
         announce_compilation()
-    with watching(distance, shown=shown) as watcher:
+    with watching(scenario.model().distance, shown=shown) as watcher:
         result = api.resume(part, force=force, watch=watcher)
     with result:
-        print_result(result, part.with_suffix(""), time.monotonic() - began, as_json=as_json, quiet=quiet)
+        seconds = time.monotonic() - began
+        print_result(result, part.with_suffix(""), seconds, warnings=doubts, as_json=as_json, quiet=quiet)
 
 
 def print_result(
-    result: "Run", path: Path, seconds: float, *, warnings: Sequence[str] = (), as_json: bool, quiet: bool
+    result: "Run", path: Path, seconds: float, *, warnings: Sequence[str], as_json: bool, quiet: bool
 ) -> None:
     """Print what became of a run that took so many seconds and lies at a path."""
     if as_json:
@@ -175,18 +179,23 @@ def _print_result(result: "Run", path: Path, seconds: float) -> None:
     size = layout.size(path.stat().st_size)
     print(sentence(f"{path}: {rows} junctions, {ticks} ticks, {size}, in {seconds:.1f} s"))
     print("\n".join(layout.agreement_table(result.summary)))
-    for doubt in _doubts(result):
-        print(layout.remark(f"warning: {doubt}"), file=sys.stderr)
 
 
-def _doubts(result: "Run") -> list[str]:
-    """Return what makes the result doubtful, or what it is too short for."""
+def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
+    """Return what will make the result doubtful, or what it will be too short for; print it before the run."""
     from rubnoise.analysis.summary import missing_for_motion
+    from rubnoise.theory.response import response
 
-    spread = [figure.observed for figure in result.summary if figure.name == "one_way_validity"]
-    doubts = [layout.one_way_warning(validity) for validity in spread if validity > layout.WORTH_A_WARNING]
-    missing = missing_for_motion(result.scenario.model())
-    return doubts if missing is None else [*doubts, layout.too_short_for_motion(missing.decays, missing.needed)]
+    model, doubts = scenario.model(), []
+    if model.slider is not None and not model.is_two_way:
+        validity = response(model).one_way_validity
+        doubts += [layout.one_way_warning(validity)] if validity > layout.WORTH_A_WARNING else []
+    if missing := missing_for_motion(model):
+        doubts.append(layout.too_short_for_motion(missing.decays, missing.needed))
+    if not quiet:
+        for doubt in doubts:
+            print(layout.remark(f"warning: {doubt}"), file=sys.stderr)
+    return doubts
 
 
 def _print_json(result: "Run", path: Path, warnings: Sequence[str]) -> None:
@@ -200,7 +209,7 @@ def _print_json(result: "Run", path: Path, warnings: Sequence[str]) -> None:
         "ticks": len(result.trace),
         "bytes": path.stat().st_size,
         "summary": as_json(result.summary),
-        "warnings": [*warnings, *_doubts(result)],
+        "warnings": list(warnings),
     }
     print(json.dumps(answer))
 

@@ -23,21 +23,21 @@ EXTENDS: Final = "A scenario file to extend, relative to this one; keys in this 
 SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("interface", "mean_real_contact_area"): "200 um^2",
     ("interface", "mean_junction_count"): 20,
-    ("diameter", "spread"): "0.2 um",
+    ("diameter", "spread"): "10 %",
     **{(table, key): value for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     ("strength", "mean"): "250 MPa",
     ("strength", "spread"): "20 %",
     ("sliding", "distance"): "40 mm",
-    ("sliding", "speed"): "1 mm/s",
-    ("slider", "mass"): "5 g",
-    ("slider", "stiffness"): "300 N/m",
-    ("slider", "damping"): "0.05 N*s/m",
+    ("sliding", "speed"): "20 mm/s",
+    ("slider", "mass"): "50 g",
+    ("slider", "stiffness"): "100 kN/m",
+    ("slider", "damping"): "5 N*s/m",
     ("slider", "damping_ratio"): 0.02,
     ("slider", "tolerance"): 1e-9,
-    ("output", "tick"): "0.05 um",
+    ("output", "tick"): "0.1 um",
     (SWEEP, "precision"): 0.005,
 }
-"""A sensible value for every key that has no default: the contact of the paper's Figure 5."""
+"""A sensible value for every key that has no default: those of the scenario first/rubbing."""
 
 VARIED: Final = "Each value of a key is combined with each value of the others; lists of [sweep.zip] go in parallel."
 
