@@ -129,7 +129,7 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
     yield (
         f"{points[0].displacement.runs} runs of each, from independent seeds, with intervals of 95 % from their"
         " scatter. The change is computed run by run, over a one-way run on the same junctions. The columns r, Pi and"
-        " std x, one-way, are exact. The law is known while coupling is weak."
+        " std x, one-way, are exact. The law is of first order, and is given while coupling is weak."
     )
     yield ""
     yield "![Standard deviation of the displacement over the sliding speed](pictures/two-way/speeds.png)"

@@ -80,7 +80,10 @@ def test_defaults_follow_what_is_replaced() -> None:
         ({"slider": {"mass": 0.005}}, r"slider\.mass: a number without a unit\n +right form: .0\.005 kg."),
         ({"slider.mass": 0.005, "run.seed": -1}, r"run\.seed(.|\n)*slider\.mass|slider\.mass(.|\n)*run\.seed"),
         ({"sliding.sped": 2.0}, "did you mean speed"),
-        ({"sliding.speed": "-1 um/s", "run.seed": -1}, r"run\.seed(.|\n)*sliding\.speed|sliding\.speed(.|\n)*run\.seed"),
+        (
+            {"sliding.speed": "-1 um/s", "run.seed": -1},
+            r"run\.seed(.|\n)*sliding\.speed|sliding\.speed(.|\n)*run\.seed",
+        ),
         ({"damping": 0.1, "damping_ratio": 0.1}, "both damping and damping_ratio"),
         ({"slider.mass": 3 * UNIT.um}, "is the unit of a length"),
     ],

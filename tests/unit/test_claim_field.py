@@ -62,6 +62,12 @@ def test_without_a_published_number_there_is_nothing_to_compare() -> None:
     assert (agreement(row), as_range(None)) == ("", "")
 
 
+def test_numbers_that_agree_by_assumption_carry_no_verdict() -> None:
+    row = claim(cannot_fail=True)
+    assert (row.numbers_agree, row.verdict, agreement(row)) == (None, FieldVerdict.NOT_YET, "no test")
+    assert row.missing == "a number that could disagree"
+
+
 def test_an_exponent_has_the_error_of_both_its_points() -> None:
     near = Estimate(value=3.0, standard_error=0.3, runs=8)
     far = Estimate(value=12.0, standard_error=0.6, runs=4)

@@ -48,7 +48,7 @@ class FieldClaim:
 
     ``quantity`` is None where the model has no such number, ``published`` where the source gives none. ``lacks`` says
     what the model would need to speak of the subject at all, and is None where it does. ``scenario`` is that of the
-    runs.
+    runs. ``cannot_fail`` marks numbers that agree by assumption, whatever is measured: they test nothing.
     """
 
     id: str
@@ -60,11 +60,15 @@ class FieldClaim:
     published: Range | None = None
     lacks: str | None = None
     scenario: str | None = None
+    cannot_fail: bool = False
 
     @property
     def numbers_agree(self) -> bool | None:
-        """Whether the model's numbers lie among the published ones: the exact one, and some of the runs' interval."""
-        if self.quantity is None or self.published is None:
+        """Whether the model's numbers lie among the published ones: the exact one, and some of the runs' interval.
+
+        None if there is nothing to compare, or no comparison could fail.
+        """
+        if self.quantity is None or self.published is None or self.cannot_fail:
             return None
         low, high = self.published
         exact, simulated = self.quantity.exact, self.quantity.simulated.interval
@@ -84,6 +88,8 @@ class FieldClaim:
         """What a verdict waits for; None where there is one."""
         if self.verdict is not FieldVerdict.NOT_YET:
             return None
+        if self.cannot_fail:
+            return "a number that could disagree"
         if self.source.known not in _CARRIES_A_VERDICT:
             return f"a look at the original, which is known from {_KNOWN_FROM[self.source.known]}"
         return "a published number to compare with"

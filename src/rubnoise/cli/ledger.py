@@ -52,6 +52,8 @@ def format_ledger(claims: Sequence[FieldClaim]) -> list[str]:
             lines += [_numbers(claim.quantity)]
         if claim.published is not None:
             lines += [remark(f"Published: {as_range(claim.published)}; the numbers {agreement(claim)}.")]
+        if claim.cannot_fail:
+            lines += [remark("No test: these numbers cannot disagree.")]
         lines += [remark(claim.because), ""]
     return lines[:-1]
 

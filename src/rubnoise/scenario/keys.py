@@ -72,7 +72,7 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Pr
 
 def without_unit(layers: Layers, paths: Collection[Path]) -> list[Problem]:
     """Return the problems of quantities at these keys that are numbers without a unit."""
-    problems = []
+    problems: list[Problem] = []
     for table, key in paths:
         about = SECTIONS[str(table)].model_fields.get(str(key)) if table in SECTIONS else None
         measure = next((each for each in about.metadata if isinstance(each, Measure)), None) if about else None
