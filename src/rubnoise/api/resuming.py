@@ -174,7 +174,9 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
 def _stored(description: RunDescription, part: str) -> Scenario:
     """Return the scenario that a part keeps; raises RunFileRefused where it is none."""
     try:
-        return build(description.scenario_resolved)
+        scenario = build(description.scenario_resolved)
+        scenario.check_size()
+        return scenario
     except (ScenarioRefused, AttributeError, TypeError, ValueError) as problem:
         raise RunFileRefused(f"{part}: the scenario in the file is not valid") from problem
 
