@@ -2,7 +2,6 @@
 
 import gc
 import os
-from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,14 +9,15 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from tests import frozen, warm
+from tests import frozen, times, warm
 from tests.browser import browser
 from tests.wishes import Wishes
 
 __all__ = ["browser"]
 
-TORTURES = {Path(__file__).parent / name for name in ("survival", "fuzz", "setup", "bench")}
-"""Folders all of whose tests are tortures."""
+ROOT = Path(__file__).parents[1]
+TIMES = times.Times()
+"""What the cases of this process took."""
 
 # The same examples every time, and no clock: a test that fails on a slow machine says nothing.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
@@ -36,24 +36,32 @@ def warm_workers() -> Iterator[None]:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--all", action="store_true", help="run the tortures too, and work frozen values out anew")
-    parser.addoption("--tortures", action="store_true", help="run the tortures too")
+    parser.addoption("--all", action="store_true", help="run slow cases too, and work frozen values out anew")
+    parser.addoption("--slow", action="store_true", help="run slow cases too")
+    parser.addoption("--times", type=Path, metavar="FILE", help="write the CPU time of every case to a JSON file")
     parser.addoption("--freeze", action="store_true", help="write the frozen values that are asked for; with -n 0")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     if hasattr(config, "workerinput"):
-        config.option.tortures = config.workerinput["tortures"]
+        config.option.slow = config.workerinput["slow"]
     else:
         named = config.args_source is pytest.Config.ArgsSource.ARGS
-        config.option.tortures |= named or bool(config.option.markexpr) or config.option.all
+        config.option.slow |= named or config.option.all
     Wishes.everything, Wishes.freeze = config.option.all, config.option.freeze
+    config.pluginmanager.register(TIMES)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
     """Tell the workers of pytest-xdist, whose command line does not name the requested files."""
-    node.workerinput["tortures"] = node.config.option.tortures
+    node.workerinput["slow"] = node.config.option.slow
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    """Take over what a worker of pytest-xdist has measured; one that was killed tells nothing."""
+    TIMES.add(getattr(node, "workeroutput", {}).get("times", times.Times().as_json()))
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -69,7 +77,8 @@ def pytest_collection() -> None:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    del session
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["times"] = TIMES.as_json()
     if Wishes.freeze:
         frozen.write()
 
@@ -81,35 +90,41 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
-def pytest_report_header(config: pytest.Config) -> str:
-    return "" if config.option.tortures else "tortures are left out; --all runs them too"
+def pytest_report_header(config: pytest.Config) -> list[str]:
+    compiled = any(ROOT.joinpath("src").rglob("*.nbi"))
+    first = [] if compiled else ["the first run compiles machine code, which takes a minute longer"]
+    return first if config.option.slow else ["about 3 minutes on two cores; --all adds slow cases", *first]
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    return True if collection_path in TORTURES and not config.option.tortures else None
+    if config.option.slow or not collection_path.is_relative_to(ROOT):
+        return None
+    return times.is_slow(collection_path.relative_to(ROOT).as_posix()) or None
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    for item in items:
-        if TORTURES.intersection(item.path.parents):
-            item.add_marker("torture")
-    _leave_cases(items)
-    if not config.option.tortures:
-        left = [item for item in items if item.get_closest_marker("torture")]
+    if not config.option.slow:
+        left = [item for item in items if times.is_slow(item.nodeid)]
         config.hook.pytest_deselected(items=left)
-        items[:] = [item for item in items if not item.get_closest_marker("torture")]
+        items[:] = [item for item in items if not times.is_slow(item.nodeid)]
 
 
-def _leave_cases(items: list[pytest.Item]) -> None:
-    """Let the cases of a test that is marked `daily(N)` wait for `--all`, but for N of them, spread over their list."""
-    cases = defaultdict[str, list[pytest.Item]](list)
-    for item in items:
-        if item.get_closest_marker("daily") and not item.get_closest_marker("torture"):
-            cases[item.nodeid.partition("[")[0]].append(item)
-    for found in cases.values():
-        count = found[0].get_closest_marker("daily").args[0]
-        kept = {number * len(found) // count for number in range(count)}
-        for number, item in enumerate(found):
-            if number not in kept:
-                item.add_marker("torture")
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    if config.option.times:
+        TIMES.write(config.option.times)
+    if not config.option.slow:
+        terminalreporter.section("CPU time of the worst cases")
+        terminalreporter.write_line("\n".join(TIMES.worst()))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End with one line that needs no knowledge of pytest."""
+    reporter = config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is None or hasattr(config, "workerinput") or config.option.collectonly:
+        return
+    passed, failed, errors, skipped = (
+        len(reporter.stats.get(kind, ())) for kind in ("passed", "failed", "error", "skipped")
+    )
+    reporter.write_line(f"Tests: {passed} passed, {failed + errors} failed, {skipped} skipped")

@@ -1,4 +1,4 @@
-"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `sync`, `bench` or `docs`.
+"""Set the project up and work in it: `python3 tools/dev.py run FILE`, `test`, `lint`, `check`, `bench`, `docs`.
 
 The first call makes `.venv` (`.venv-bench` for the benchmark and `.venv-docs` for the site, whose packages stay out of
 it) and installs what the command needs; later calls find it there (tools/bootstrap.py). Nothing but Python 3.11 or
@@ -24,21 +24,33 @@ if TYPE_CHECKING:
 LOCKS = {
     "run": ("run",),
     "test": ("run", "sync", "test"),
+    "test --all": ("run", "sync", "test", "all"),
     "lint": ("run", "sync", "test"),
+    "check": ("run", "sync", "test"),
     "sync": ("run", "sync"),
-    "sync all": ("run", "sync", "test"),
+    "sync all": ("run", "sync", "test", "all"),
     "bench": ("run", "bench"),
     "docs": ("run", "docs"),
 }
 USAGE = """usage: python3 tools/dev.py COMMAND [ARGUMENTS]
 
   run [ARGUMENTS]    rubnoise run, with every argument passed on (try: run --help)
-  test [ARGUMENTS]   the tests, with every argument passed on to pytest; test --all adds what takes long
+  test [ARGUMENTS]   the tests, with every argument passed on to pytest; test --all adds slow ones
   lint               ruff and mypy
-  sync [all]         only install: what pictures and tables need too; with all, everything that tests need
+  check NAME         a long guard, named below; arguments behind the name go to it
+  sync [all]         only install: what pictures and tables need too; with all, everything that test --all needs
   bench [ARGUMENTS]  speed and errors beside everything else a user could pick; bench --quick takes a minute or two
   docs [FOLDER]      the site with all pages, the lesson and examples, into site/ or another folder
 """
+GUARDS = {
+    "times": ("check_times.py", "5 minutes: no everyday case is slow; --write (an hour) lists slow ones anew"),
+    "faults": ("mutants.py", "2 hours: each of the faults put into a copy of the program is noticed"),
+    "kills": ("survive.py", "10 minutes and more: kills, power cuts and full disks lose nothing"),
+    "damage": ("fuzz_results.py", "10 minutes: damaged results get a sentence"),
+    "bits": ("determinism.py", "10 minutes: equal bits on other processors, libraries, hash seeds and threads"),
+    "right-runs": ("right_runs.py", "15 minutes: how many of some thousands of right runs `compare` rejects"),
+}
+"""The program of each guard, how long it takes on two cores, and what it asks."""
 
 
 def main(arguments: list[str]) -> int:
@@ -46,14 +58,14 @@ def main(arguments: list[str]) -> int:
     command, rest = (arguments[0], arguments[1:]) if arguments else ("", [])
     if command not in LOCKS or " " in command:
         asked = command in ("-h", "--help", "help")
-        print(USAGE, end="", file=sys.stdout if asked else sys.stderr)
+        guards = "".join(f"  check {name:<12} {about}\n" for name, (_, about) in GUARDS.items())
+        print(f"{USAGE}\n{guards}", end="", file=sys.stdout if asked else sys.stderr)
         return 0 if asked else 2
     signal.signal(signal.SIGTERM, _terminated)
     try:
-        everything = (command, rest) == ("sync", ["all"])
-        locks = LOCKS["sync all" if everything else command]
-        set_up(locks, {"bench": BENCH, "docs": DOCS}.get(command, WORK))
-        commands = {"run": run, "test": test, "lint": lint, "sync": sync, "bench": bench, "docs": docs}
+        everything = next((word for word in ("all", "--all") if word in rest), None)
+        set_up(LOCKS.get(f"{command} {everything}", LOCKS[command]), {"bench": BENCH, "docs": DOCS}.get(command, WORK))
+        commands = {"run": run, "test": test, "lint": lint, "sync": sync, "check": check, "bench": bench, "docs": docs}
         return commands[command](rest)
     except SetupFailed as problem:
         print(f"dev.py: {problem}", file=sys.stderr)
@@ -91,6 +103,15 @@ def lint(arguments: list[str]) -> int:
         return 2
     checks = (["ruff", "check"], ["ruff", "format", "--check"], ["mypy"])
     return max([min(1, subprocess.call([str(WORK.python), "-m", *check], cwd=ROOT)) for check in checks])
+
+
+def check(arguments: list[str]) -> int:
+    """Call the guard that is named."""
+    if not arguments or arguments[0] not in GUARDS:
+        print(f"dev.py: check takes one of these names: {', '.join(GUARDS)}", file=sys.stderr)
+        return 2
+    program, _ = GUARDS[arguments[0]]
+    return subprocess.call([str(WORK.python), str(ROOT / "tools" / program), *arguments[1:]], cwd=ROOT)
 
 
 def sync(arguments: list[str]) -> int:

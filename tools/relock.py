@@ -1,8 +1,9 @@
-"""Resolve the dependencies of pyproject.toml into tools/run.lock, sync.lock, test.lock, bench.lock and docs.lock.
+"""Resolve the dependencies of pyproject.toml into tools/*.lock.
 
-`python3 tools/relock.py [run|sync|test|bench|docs ...] [--upgrade]`, with uv on the PATH; all of them if none is named.
+`python3 tools/relock.py [run|sync|test|all|bench|docs ...] [--upgrade]`, with uv on the PATH; without names, all six.
 They hold for every supported Python and platform, name neither an index nor a path, and carry the hashes of the files
-on the public index. All but the run's hold only what is needed on top of a run, the tests' on top of sync.
+on the public index. All but the run's hold only what is needed on top of a run, the tests' on top of sync,
+those of slow tests on top of these.
 """
 
 import os
@@ -14,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 COMPILE = ["uv", "pip", "compile", "pyproject.toml", "--no-config", "--default-index=https://pypi.org/simple"]
-LOCKS = ("run", "sync", "test", "bench", "docs")
+LOCKS = ("run", "sync", "test", "all", "bench", "docs")
 FOR_EVERYONE = ["--universal", "--python-version=3.11", "--generate-hashes", "--quiet"]
 
 
@@ -27,7 +28,13 @@ def main(arguments: list[str]) -> int:
     asked = [lock for lock in LOCKS if lock in arguments] or LOCKS
     if "run" in asked and (failed := resolve("run", ["--group=build", *options])):
         return failed
-    below = {"sync": ("run",), "test": ("run", "sync"), "bench": ("run",), "docs": ("run",)}
+    below = {
+        "sync": ("run",),
+        "test": ("run", "sync"),
+        "all": ("run", "sync", "test"),
+        "bench": ("run",),
+        "docs": ("run",),
+    }
     return max(
         [resolve(lock, [f"--group={lock}", *on_top_of(below[lock]), *options]) for lock in asked if lock != "run"],
         default=0,

@@ -4,7 +4,6 @@ import shutil
 from pathlib import Path
 
 import grimp
-import pytest
 
 from tests.architecture.sources import PACKAGE
 from tools import package_map
@@ -39,7 +38,6 @@ def test_every_arrow_goes_down() -> None:
     assert all(depth[room] < depth[end] for room, ends in drawn.items() for end in ends if depth[room] != depth[end])
 
 
-@pytest.mark.torture
 def test_a_new_import_draws_an_arrow(tmp_path: Path) -> None:
     shutil.copytree(PACKAGE, tmp_path / "rubnoise", ignore=shutil.ignore_patterns("__pycache__"))
     before = package_map.arrows(tmp_path / "rubnoise")

@@ -89,7 +89,7 @@ def test_without_matplotlib_it_is_told_what_to_install(
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     answer = call("animate", "x.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert "tools/dev.py sync" in answer.err
+    assert "tools/dev.py sync" in answer.err.replace("'", "")
     assert names(here) == ["x.h5"]
 
 

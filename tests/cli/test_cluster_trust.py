@@ -122,7 +122,6 @@ def test_the_scheduler_of_the_page_listens_on_one_address(started: Dask) -> None
     assert _listening([boss]) == {LOOPBACK}
 
 
-@pytest.mark.torture
 @pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
 def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
     _, processes = started.cluster(tls=False)
@@ -157,7 +156,6 @@ def _certificate(name: str) -> None:
 needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the keys, is missing")
 
 
-@pytest.mark.torture
 @needs_openssl
 def test_a_sweep_over_tls_gives_the_same_bits_and_lets_nobody_else_in(
     started: Dask, monkeypatch: pytest.MonkeyPatch

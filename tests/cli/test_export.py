@@ -310,7 +310,6 @@ def _interrupted() -> None:
     raise KeyboardInterrupt
 
 
-@pytest.mark.torture
 def test_a_signal_leaves_nothing_behind(here: Path) -> None:
     rubnoise.run(rubnoise.load("../given/contact.toml", ["sliding.distance=1 m", "output.tick=0.5 um"]), "x.h5")
     export_of_it: subprocess.Popen[str] = begin(

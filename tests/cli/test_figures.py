@@ -23,7 +23,6 @@ def test_a_figure_is_written_in_every_format(here: Path, papers: Path) -> None:
     assert names(here / "out") == ["fig3.pdf", "fig3.png", "fig3.svg"]
 
 
-@pytest.mark.torture
 def test_the_bytes_are_the_same_in_another_process(here: Path, papers: Path) -> None:
     assert call("figures", "fig2", "fig3", "-o", "one", "--scenarios", papers).code == 0
     assert spawn("figures", "fig3", "fig2", "-o", "two", "--scenarios", papers, PYTHONHASHSEED="7").code == 0

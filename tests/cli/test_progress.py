@@ -23,7 +23,6 @@ LINE = re.compile(
 )
 
 
-@pytest.mark.torture
 def test_a_terminal_sees_compilation_once_and_how_far_the_run_is(here: Path, tmp_path: Path) -> None:
     arguments = command("run", SLIDER, "--force", "--set", "sliding.distance=100 mm")
     code, first = shown_on_terminal(arguments, NUMBA_CACHE_DIR=str(tmp_path))

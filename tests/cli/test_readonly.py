@@ -21,7 +21,6 @@ def installed(tmp_path: Path) -> Path:
     return folder
 
 
-@pytest.mark.torture
 def test_a_run_works_where_kernels_cannot_be_kept(here: Path, installed: Path, unprivileged: tuple[str, ...]) -> None:
     environment = {name: text for name, text in os.environ.items() if not name.startswith(("NUMBA_", "XDG_"))}
     environment |= {"PYTHONPATH": str(installed), "HOME": str(installed / "nobody")}

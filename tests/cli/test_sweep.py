@@ -201,7 +201,6 @@ def _children(process: int) -> list[int]:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="children are found in /proc")
-@pytest.mark.torture
 def test_a_worker_that_is_killed_changes_nothing(file: Path, tmp_path: Path) -> None:
     begun = begin_sweep(Path("d"), "sweep", file, "-o", "d", "--jobs", "2", *SLOW, cold=True)
     os.kill(_children(begun.pid)[0], signal.SIGKILL)

@@ -56,7 +56,6 @@ def file(here: Path) -> Path:
     return path
 
 
-@pytest.mark.torture
 def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, Processes]) -> None:
     answer = spawn("sweep", file, "-o", "afar", "--cluster", scheduler[0])
     assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
@@ -64,7 +63,6 @@ def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, P
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
-@pytest.mark.torture
 def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (_, worker, _) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
@@ -75,7 +73,6 @@ def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, schedu
     assert runs_of(Path("afar")) == runs_of(Path("near"))
 
 
-@pytest.mark.torture
 def test_a_sweep_whose_scheduler_is_killed_is_gone_on_with(file: Path, scheduler: tuple[Path, Processes]) -> None:
     address, (boss, *workers) = scheduler
     begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)

@@ -134,7 +134,6 @@ def test_verify_holds_what_it_can_and_names_what_it_leaves_out(ran: Path) -> Non
         ("balance/time_stuck", 1e-9, "balance"),
     ],
 )
-@pytest.mark.daily(3)
 def test_rows_are_held_against_each_other(ran: Path, place: str, change: float, check: str) -> None:
     with h5py.File(ran, "r+") as file:
         row = int(np.flatnonzero(file["slider/phase"][:] == 1)[40]) if place.startswith("slider") else 20
@@ -148,7 +147,6 @@ def test_rows_are_held_against_each_other(ran: Path, place: str, change: float, 
 
 @pytest.mark.parametrize("tolerance", ["1e-4", "1e-12"])
 @pytest.mark.parametrize("count", ["1", "20"])
-@pytest.mark.daily(2)
 def test_a_right_run_keeps_all_of_it(here: Path, count: str, tolerance: str) -> None:
     changes = (f"interface.mean_junction_count={count}", f"slider.tolerance={tolerance}", "interface.calibration=exact")
     words = [word for change in changes for word in ("--set", change)]
@@ -159,7 +157,6 @@ def test_a_right_run_keeps_all_of_it(here: Path, count: str, tolerance: str) -> 
 
 
 @pytest.mark.parametrize("place", ["slider/phase", "landmarks/kind", "junctions/birth_time", "junctions/death_time"])
-@pytest.mark.daily(3)
 def test_verify_finds_a_changed_row(ran: Path, place: str) -> None:
     with h5py.File(ran, "r+") as file:
         row = file[place].size - 20
@@ -253,7 +250,6 @@ def test_a_lesson_is_made_of_it(ran: Path, here: Path) -> None:
     assert (here / "page.html").stat().st_size > 100_000
 
 
-@pytest.mark.torture
 def test_it_is_drawn_and_laid_over_the_one_way_run(ran: Path, here: Path) -> None:
     for what in ("trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase", "landmarks"):
         assert call("plot", ran, what).out == f"x_{what}.png\n"

@@ -145,7 +145,6 @@ def _rounded(text: str) -> str:
     return re.sub(r"-?\d+\.\d+(?:e[-+]\d+)?", lambda number: f"{float(number[0]):.6g}", text)
 
 
-@pytest.mark.torture
 def test_commands_answer_as_with_posix_and_runs_are_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
     check = ("check", "slider.toml", "--json")

@@ -32,13 +32,11 @@ def test_every_fault_has_a_row() -> None:
 
 
 @pytest.mark.parametrize("name", BY_NAME)
-@pytest.mark.daily(4)
 def test_a_row_is_what_theory_says(name: str) -> None:
     assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/generate_detection.py"
 
 
 @pytest.mark.parametrize("name", BY_NAME)
-@pytest.mark.daily(4)
 def test_a_row_says_how_it_was_tried(name: str) -> None:
     _, length = detection.first_shown(BY_NAME[name])
     whole, quarter = (TRIED.fullmatch(cell) for cell in ROWS[name][2:])

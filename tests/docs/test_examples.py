@@ -38,7 +38,6 @@ def test_the_readme_can_be_followed(workplace: Path) -> None:
     _follow("README.md")
 
 
-@pytest.mark.torture
 def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
     for page in PAGES:
         _follow(page)

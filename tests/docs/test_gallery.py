@@ -73,7 +73,6 @@ def test_a_small_picture_looks_like_the_large_one() -> None:
     assert np.abs(seen.astype(int) - many[::-1]).mean() > 40.0, "another picture is noticed"
 
 
-@pytest.mark.torture  # it draws them all
 def test_its_pictures_are_what_its_commands_draw(tmp_path: Path) -> None:
     tool.draw(tmp_path, tmp_path / "pictures")
     for path in (tmp_path / "pictures" / "gallery").iterdir():

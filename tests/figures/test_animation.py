@@ -219,7 +219,6 @@ def test_a_gif_lasts_as_long_as_it_should_and_repeats(stretch: Stretch, tmp_path
     assert set(durations) == {80, 90}
 
 
-@pytest.mark.torture
 def test_a_gif_has_the_same_bytes_each_time_and_a_white_ground(stretch: Stretch, tmp_path: Path) -> None:
     for name in "ab":
         write_film(tmp_path / name, _short(stretch), "gif", lambda: None)

@@ -37,7 +37,6 @@ def test_the_figures_are_those_of_the_paper() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.daily(2)
 def test_a_figure_is_whole(drawn: Any, name: str) -> None:
     pixels = _pixels(drawn(name)["png"])
     assert pixels.shape[1] == 7.2 * style.DOTS_PER_INCH
@@ -47,7 +46,6 @@ def test_a_figure_is_whole(drawn: Any, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES[1:])
-@pytest.mark.daily(2)
 def test_a_figure_shows_simulation_and_theory(drawn: Any, name: str) -> None:
     svg = drawn(name)["svg"].decode()
     blues = {style.BLUE, *(colour for colour, _ in style.SERIES)}
@@ -69,7 +67,6 @@ def _words(svg: str) -> str:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.daily(3)
 def test_its_axes_have_units(drawn: Any, name: str) -> None:
     words = _words(drawn(name)["svg"].decode())
     assert "µm" in words
@@ -77,10 +74,7 @@ def test_its_axes_have_units(drawn: Any, name: str) -> None:
         assert re.search(r"\((?:µm²?|mN|mm/s|s|1/µm²|rad/µm|rad|1/rad)\)|µm⁴ per rad/µm", words)
 
 
-@pytest.mark.parametrize(
-    "name", ["fig3", "fig8", *(pytest.param(name, marks=pytest.mark.torture) for name in ("fig6", "fig7"))]
-)
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("name", ["fig3", "fig8", "fig6", "fig7"])
 def test_a_figure_is_the_same_again_and_whatever_is_set(drawn: Any, name: str, tmp_path: Path) -> None:
     with mpl.rc_context({"font.size": 20.0, "axes.facecolor": "red", "svg.hashsalt": "x"}):
         again = paper_figure(name, style.FORMATS, Sources(folder=short_papers(tmp_path)))

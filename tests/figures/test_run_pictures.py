@@ -88,7 +88,6 @@ def _of_colour(pixels: np.ndarray, colour: str) -> int:
 
 
 @pytest.mark.parametrize("name", [name for name in PICTURES if name != "landmarks"])
-@pytest.mark.daily(2)
 def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: str) -> None:
     png = picture(name, full, "png")
     pixels = _pixels(png)
@@ -100,8 +99,7 @@ def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name
 
 
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in MOTION])
-@pytest.mark.parametrize("kind", ["svg", pytest.param("png", marks=pytest.mark.torture)])
-@pytest.mark.daily(5)
+@pytest.mark.parametrize("kind", ["svg", "png"])
 def test_odd_contacts_are_drawn_too(odd: Stretch, name: str, kind: Any) -> None:
     assert len(picture(name, odd, kind)) > 5000
 
@@ -142,7 +140,6 @@ def test_a_slider_is_drawn_only_where_there_is_one(odd: Stretch) -> None:
 
 
 @pytest.mark.parametrize("name", ["trace", "lives", "count", "slider"])
-@pytest.mark.daily(1)
 def test_another_stretch_makes_another_picture(full: Stretch, name: str) -> None:
     elsewhere = Stretch.of(full.file, 1000.0, 1040.0)
     assert picture(name, elsewhere, "png") != picture(name, full, "png")

@@ -222,7 +222,6 @@ def test_the_axis_has_the_unit_in_which_values_are_written() -> None:
     assert (shares.unit, shares.scale) == ("%", pytest.approx(100.0))
 
 
-@pytest.mark.torture
 def test_the_law_of_weak_coupling_is_not_called_exact() -> None:
     speeds = {SPEED: ["60 mm/s", "100 mm/s"], "slider.coupling": ["one-way", "two-way"]}
     assert {"exact", "law of weak coupling"} <= _texts(_study(speeds, "displacement_std"))
@@ -241,7 +240,6 @@ def test_a_picture_says_what_it_shows() -> None:
 
 
 @pytest.mark.parametrize("runs", [1, 2])
-@pytest.mark.daily(1)
 def test_the_same_study_is_the_same_picture(runs: int) -> None:
     first, again = (study_picture(_study({COUNT: [10, 20, 40]}, runs=runs), "svg") for _ in range(2))
     assert first == again

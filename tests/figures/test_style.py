@@ -27,7 +27,6 @@ def drawn(kind: Format) -> bytes:
         return as_bytes(figure, kind)
 
 
-@pytest.mark.torture  # tests/cli/test_figures.py asks this of whole figures
 def test_a_figure_is_the_same_in_another_process() -> None:
     done = subprocess.run([sys.executable, "-c", ANEW], capture_output=True, text=True, check=True)
     assert done.stdout.split() == [hashlib.sha256(drawn(kind)).hexdigest() for kind in FORMATS]

@@ -34,7 +34,6 @@ def _model(values: dict[str, Any]) -> Model:
 
 
 @pytest.mark.parametrize("values", EVERY.values(), ids=EVERY)
-@pytest.mark.daily(2)
 def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]) -> None:
     png = theory_picture(_model(values), "a contact", "png")
     pixels = np.asarray(matplotlib.image.imread(BytesIO(png)))[:, :, :3]
@@ -45,7 +44,6 @@ def test_every_contact_has_a_picture_with_nothing_cut_off(values: dict[str, Any]
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-@pytest.mark.torture
 def test_it_is_the_same_each_time(kind: Format) -> None:
     model = _model(WITH_SLIDER)
     assert theory_picture(model, "x", kind) == theory_picture(model, "x", kind)

@@ -364,7 +364,6 @@ def test_one_run_is_laid_over_another_at_the_same_times(one_way: Stretch, two_wa
 
 
 @pytest.mark.parametrize("name", ["slider", "phase", "landmarks"])
-@pytest.mark.daily(1)
 def test_they_are_drawn_to_files_and_cut_nothing_off(two_way: Stretch, name: str) -> None:
     pixels = np.asarray(matplotlib.image.imread(BytesIO(picture(name, two_way, "png"))))[:, :, :3]
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
@@ -432,7 +431,6 @@ def swept(folder: Path) -> Iterator[rubnoise.SweepResult]:
         ("one_way_validity", ["one-way", "exact"], "velocity over sliding speed"),
     ],
 )
-@pytest.mark.torture
 def test_a_sweep_shows_only_what_a_coupling_has(
     swept: rubnoise.SweepResult, quantity: str, legend: list[str], label: str
 ) -> None:

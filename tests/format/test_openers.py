@@ -211,7 +211,6 @@ def test_h5dump_opens_a_full_scenario_and_a_run_without_junctions(tmp_path: Path
 
 
 @pytest.mark.parametrize("units", sorted({column.units for group in GROUPS for column in group.columns}))
-@pytest.mark.daily(3)
 def test_pint_reads_every_unit(units: str) -> None:
     base = {"um": 1e-6, "um^2": 1e-12, "MPa": 1e6, "s": 1.0, "um/s": 1e-6, "uN": 1e-6, "1": 1.0}
     base |= {"um*s": 1e-6, "um^2*s": 1e-12, "um^2/s": 1e-12, "uN*um": 1e-12}

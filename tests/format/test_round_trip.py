@@ -172,7 +172,7 @@ def peak_bytes(path: Path, blocks: int, compression: Compression) -> int:
     return peak
 
 
-@pytest.mark.parametrize("compression", ["none", pytest.param("gzip", marks=pytest.mark.torture)])
+@pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_memory_does_not_grow_with_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression
 ) -> None:

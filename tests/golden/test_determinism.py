@@ -29,7 +29,7 @@ TOGETHER = ("PYTHONHASHSEED=4242", "threads: 2", "numpy without SIMD")
     "names",
     [
         [name for name in TOGETHER if name in HARMLESS],
-        *(pytest.param([name], marks=pytest.mark.torture) for name in HARMLESS),
+        *([name] for name in HARMLESS),
     ],
     ids=", ".join,
 )

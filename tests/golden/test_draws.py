@@ -37,7 +37,6 @@ def test_every_law_has_its_golden_bits() -> None:
     assert len(set(EXPECTED.values())) == len(EXPECTED) - 1  # one size alone is the same among the living
 
 
-@pytest.mark.torture
 def test_no_bit_depends_on_the_instructions_of_the_processor() -> None:
     assert json.loads(in_plain_arithmetic("-m", "tests.golden.draws")) == EXPECTED
 

@@ -47,7 +47,6 @@ def test_one_bit_changes_a_hash() -> None:
     assert changed == [("trace", "real_contact_area")]
 
 
-@pytest.mark.torture
 def test_kernels_for_a_plain_processor_give_the_same_bits(tmp_path: Path) -> None:
     """Compiled without vectors of eight and without an instruction that multiplies and adds at once."""
     plain = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": str(tmp_path)}

@@ -287,7 +287,6 @@ def _other(kind: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("kind", ["white noise", "sine", "lorentzian", "exponential pulses"])
-@pytest.mark.daily(2)
 def test_what_is_no_contact_is_flagged_or_refused(kind: str) -> None:
     got = infer_signal(Signal(values=_other(kind), tick=0.17, unit="uN", scale=1.0))
     assert got.flags or got.refused_because
@@ -397,7 +396,6 @@ def test_a_walk_moves_the_means_of_quarters_as_the_test_of_steadiness_says(norma
 
 
 @pytest.mark.parametrize("zero", ["known", "unknown"])
-@pytest.mark.torture
 def test_a_right_trace_that_drifts_is_not_flagged(normal: Signal, zero: Literal["known", "unknown"]) -> None:
     steps = np.random.default_rng(4).standard_normal(normal.values.size)
     drifting = replace(normal, values=normal.values + 0.02 * normal.values.std() * np.cumsum(steps))
@@ -412,7 +410,6 @@ def test_a_right_trace_that_drifts_is_not_flagged(normal: Signal, zero: Literal[
         assert abs(z(got, "junction_count", 20.0)) <= BOUND
 
 
-@pytest.mark.torture
 def test_a_long_trace_takes_a_few_bytes_a_sample(normal: Signal) -> None:
     peaks = []
     for copies in (100, 300):
@@ -425,7 +422,6 @@ def test_a_long_trace_takes_a_few_bytes_a_sample(normal: Signal) -> None:
     assert peaks[0] < 24.0 * 100 * normal.values.size + 200e6
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("law", ["normal", "lognormal", "exponential"])
 def test_errors_are_as_large_as_they_say(law: str) -> None:
     """z over independent traces has mean 0 and variance 1: bounds 4/sqrt(n) and 4 sqrt(2/n) (1 + 1/2 for its tails)."""

@@ -276,7 +276,6 @@ def test_what_was_found_simulates_and_is_found_again(contact_csv: Path, tmp_path
         assert abs(np.log(second.value / first.value)) <= 4.0 * error, name
 
 
-@pytest.mark.torture
 def test_the_bootstrap_agrees_with_the_errors(contact_csv: Path) -> None:
     found = infer(contact_csv, speed="1 mm/s", zero="known", law="normal", bootstrap=12)
     for name in ("junction_count", "diameter", "shear_strength"):

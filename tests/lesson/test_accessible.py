@@ -30,8 +30,7 @@ def objections(page: Any, judge: str) -> list[str]:
     return list(page.evaluate(FOUND))
 
 
-@pytest.mark.parametrize("screen", [0, 1, *(pytest.param(each, marks=pytest.mark.torture) for each in (2, 3))], ids=str)
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("screen", range(4), ids=str)
 def test_axe_has_no_objection_to_any_lesson(browser: Any, lesson_file: str, judge: str, screen: int) -> None:
     """Each screen is judged with two lessons, which between them are all."""
     width, scheme = SCREENS[screen]

@@ -54,7 +54,6 @@ def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
 
 
 @pytest.mark.parametrize("title", PAIRS)
-@pytest.mark.daily(1)
 def test_two_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: str) -> None:
     first, second = PAIRS[title]
     walk.open(title)
@@ -84,7 +83,6 @@ def test_two_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: s
         assert side["births"][0] < places[80]
 
 
-@pytest.mark.torture
 def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
     walk.open("8. Many small")
     walk.predict()
@@ -103,7 +101,6 @@ def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
     assert walk.page.evaluate(SIDES) != there
 
 
-@pytest.mark.torture
 def test_the_last_two_runs_are_the_ones_on_show(walk: Walk) -> None:
     walk.open("5. The sum")
     walk.predict()
@@ -169,7 +166,6 @@ def test_thirty_swings_are_on_show(walk: Walk) -> None:
 
 
 @pytest.mark.parametrize("count", [20, 400])
-@pytest.mark.daily(1)
 def test_a_jump_leaves_no_stripe(walk: Walk, count: int) -> None:
     """Layers are kept in a ring; what is drawn in strides after a jump ends at the ring's edge."""
     walk.page.evaluate(f"rub.set({{ meanCount: {count} }}), rub.show('area'), rub.fitAll()")

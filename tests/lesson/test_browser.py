@@ -54,7 +54,6 @@ def test_it_opens_and_plays_by_itself_without_much_work(browser: Any, lesson_fil
         assert page.locator("#play").inner_text() == "❚❚ pause"
 
 
-@pytest.mark.torture
 def test_frames_are_light_with_two_hundred_junctions_and_stay_so(browser: Any, lesson_file: str) -> None:
     """Also where much has been seen: a frame that went through the whole run would have ever more to do."""
     with opened(browser, f"{lesson_file}#meanCount=200&meanArea=1000", init=COUNTED) as page:
@@ -68,7 +67,6 @@ def test_frames_are_light_with_two_hundred_junctions_and_stay_so(browser: Any, l
 
 
 @pytest.mark.parametrize("births", ["poisson", "regular"])
-@pytest.mark.daily(1)
 def test_a_run_of_the_page_is_the_model(browser: Any, lesson_file: str, births: str) -> None:
     seed = seed_of(f"a run of the page, births {births}")
     model = rubnoise.exact(scenario_of(world_with(births=births), distance=20000.0)).model
@@ -110,7 +108,6 @@ def test_the_spectrum_so_far_is_the_exact_one(browser: Any, lesson_file: str) ->
     assert abs(sum(means) / len(means) - 1.0) < 4.0 * error + 0.01
 
 
-@pytest.mark.torture
 def test_memory_ends_with_a_life(browser: Any, lesson_file: str) -> None:
     with opened(browser, lesson_file, **CALM) as page:
         page.evaluate("rub.run.goTo(rub.run.end)")
@@ -122,7 +119,6 @@ def test_memory_ends_with_a_life(browser: Any, lesson_file: str) -> None:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.daily(1)
 def test_it_fits(browser: Any, lesson_file: str, scheme: str) -> None:
     with opened(browser, lesson_file, viewport={"width": 360, "height": 740}, color_scheme=scheme, **CALM) as page:
         for width, height in ((360, 740), (820, 1180), (1400, 900), (1920, 1080)):

@@ -29,7 +29,6 @@ ANSWERS = """rub.lessons.list.map((lesson) => {
 
 
 @pytest.mark.parametrize(("width", "height"), [(1024, 768), (1920, 1080)])
-@pytest.mark.daily(1)
 def test_a_projector_shows_larger_type_and_lines(browser: Any, lesson_file: str, width: int, height: int) -> None:
     screen = {"width": width, "height": height}
     with opened(browser, lesson_file, init=UNHURRIED, viewport=screen, **CALM) as page:

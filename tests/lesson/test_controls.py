@@ -59,7 +59,6 @@ def test_a_knob_changes_what_it_should(page: Any) -> None:
 
 
 @pytest.mark.parametrize(("knob", "value"), [("births", "regular"), ("pulse", "triangle"), ("offset", "uniform")])
-@pytest.mark.torture
 def test_a_choice_changes_the_contact(page: Any, knob: str, value: str) -> None:
     before = page.evaluate(PREDICTIONS)
     page.locator(f"#knob-{knob}").select_option(value)
@@ -157,7 +156,6 @@ def test_births_and_deaths_are_told_once_each(page: Any) -> None:
     assert sorted(map(tuple, told)) == sorted(expected)
 
 
-@pytest.mark.torture
 def test_back_and_forth_the_same_is_seen(page: Any) -> None:
     there = page.evaluate("rub.run.goTo(300), [rub.run.living.map((row) => row.id), rub.run.moments()]")
     page.evaluate("rub.run.goTo(1500)")
@@ -217,7 +215,6 @@ def test_the_scrubber_goes_anywhere(page: Any) -> None:
 
 
 @pytest.mark.parametrize("name", ["gaps", "sizes", "spectrum", "memory"])
-@pytest.mark.daily(1)
 def test_every_picture_can_be_shown(page: Any, name: str) -> None:
     page.evaluate("rub.run.goTo(500)")
     page.evaluate(f"rub.show('{name}')")
@@ -229,7 +226,6 @@ def test_every_picture_can_be_shown(page: Any, name: str) -> None:
     assert page.locator("#panel-area").get_attribute("class") == "shown"
 
 
-@pytest.mark.torture
 def test_the_exact_law_follows_a_knob_that_has_come_to_rest(page: Any) -> None:
     until(page, "rub.histogram.density !== null")
     first = page.evaluate("rub.histogram.density[120]")
@@ -240,7 +236,6 @@ def test_the_exact_law_follows_a_knob_that_has_come_to_rest(page: Any) -> None:
 
 
 @pytest.mark.parametrize("what", ["velocity", "force"])
-@pytest.mark.daily(1)
 def test_the_ear_hears_the_trace(page: Any, what: str) -> None:
     page.locator("#sound-what").select_option(what)
     made = page.evaluate(SAMPLES)
@@ -259,7 +254,6 @@ def test_the_ear_hears_the_trace(page: Any, what: str) -> None:
     assert page.evaluate("rub.sound.samples(48000).factor") == 1
 
 
-@pytest.mark.torture
 def test_what_is_heard_is_said(page: Any) -> None:
     page.locator("#sound-play").click()
     told = page.locator("#sound-mapping").inner_text()

@@ -10,7 +10,6 @@ from tests.lesson.teaching import lessons
 from tests.lesson.walk import Walk
 
 SCREENS = {1024: 768, 1366: 768, 1440: 900, 1920: 1080, 390: 844}
-EVERYDAY = (390, 1366)
 LEAST = 0.6  # of the stage
 TITLES = tuple(lesson.title for lesson in lessons())
 IN_SIGHT = """(() => {
@@ -46,10 +45,7 @@ def play(page: Any, titles: tuple[str, ...] = TITLES) -> dict[str, float]:
     return found
 
 
-@pytest.mark.parametrize(
-    "width", [pytest.param(each, marks=[] if each in EVERYDAY else pytest.mark.torture) for each in SCREENS]
-)
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("width", SCREENS)
 def test_the_stage_is_in_sight_after_every_press(browser: Any, lesson_file: str, width: int) -> None:
     screen = {"width": width, "height": SCREENS[width]}
     with opened(browser, lesson_file, init=UNHURRIED, viewport=screen, **CALM) as page:
@@ -58,7 +54,6 @@ def test_the_stage_is_in_sight_after_every_press(browser: Any, lesson_file: str,
         assert {run: share for run, share in shares.items() if share < LEAST} == {}
 
 
-@pytest.mark.torture
 def test_a_stage_that_is_scrolled_away_would_be_noticed(browser: Any, lesson_file: str) -> None:
     with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
         page.evaluate("document.getElementById('pictures').style.position = 'static'")
@@ -66,7 +61,6 @@ def test_a_stage_that_is_scrolled_away_would_be_noticed(browser: Any, lesson_fil
         assert min(play(page, TITLES[1:3]).values()) < LEAST
 
 
-@pytest.mark.torture
 def test_all_traces_unfold_under_the_stage(browser: Any, lesson_file: str) -> None:
     with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 1366, "height": 768}, **CALM) as page:
         walk = Walk(page)

@@ -37,7 +37,6 @@ def test_the_answers_of_the_teachers_page_are_right_and_the_mistakes_are_not(wal
 
 
 @pytest.mark.parametrize(("run", "answer"), [(1, "13.75 %"), (2, "6,15 %")])
-@pytest.mark.daily(1)
 def test_what_is_asked_follows_the_knobs(walk, run, answer):
     walk.open("5. The sum")
     walk.to_the_checks()
@@ -46,7 +45,6 @@ def test_what_is_asked_follows_the_knobs(walk, run, answer):
     assert walk.answer(0, answer)[0]
 
 
-@pytest.mark.torture
 def test_an_answer_to_other_knobs_stands_no_more(walk):
     walk.open("5. The sum")
     walk.to_the_checks()
@@ -56,7 +54,6 @@ def test_an_answer_to_other_knobs_stands_no_more(walk):
     assert walk.forms.nth(0).get_by_role("status").inner_text() == ""
 
 
-@pytest.mark.torture
 def test_a_question_is_not_judged_under_other_births(walk):
     walk.open("3. The live count")
     walk.to_the_checks()
@@ -110,7 +107,6 @@ def test_a_prediction_is_held_against_what_is_right(walk):
     assert "What is right: the shortest ones." in walk.article.inner_text()
 
 
-@pytest.mark.torture
 def test_what_is_seen_is_asked_when_enough_has_been_seen(walk):
     walk.open("2. Births")
     walk.predict()
@@ -147,7 +143,6 @@ def test_progress_is_kept_in_the_address_where_storage_is_off(browser, lesson_fi
     context.close()
 
 
-@pytest.mark.torture
 def test_another_address_opens_another_lesson(walk, lesson_file):
     walk.open("1. One life")
     walk.predict()
@@ -158,7 +153,6 @@ def test_another_address_opens_another_lesson(walk, lesson_file):
 
 
 @pytest.mark.parametrize("address", ["#lesson=nothing&progress=9z.x", "#progress=3q.2a99.1", "#lesson=sum&progress=3"])
-@pytest.mark.daily(1)
 def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, address):
     page = browser.new_page()
     failures = []
@@ -172,7 +166,6 @@ def test_an_address_that_says_nonsense_opens_what_it_can(browser, lesson_file, a
     page.close()
 
 
-@pytest.mark.torture
 def test_a_phone_shows_every_lesson_without_scrolling_sideways(browser, lesson_file):
     context = browser.new_context(**PHONE)
     context.add_init_script(UNHURRIED)

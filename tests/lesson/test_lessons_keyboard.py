@@ -23,7 +23,6 @@ def focused(page):
     return page.evaluate("document.activeElement.id || document.activeElement.textContent")
 
 
-@pytest.mark.torture
 def test_a_lesson_from_the_list_to_the_last_answer(walk):
     page = walk.page
     go_to(page, '[data-open="1"]')
@@ -66,7 +65,6 @@ def test_a_choice_is_made_with_the_arrows(walk):
     assert page.locator("#check-bell-verdict").inner_text() == "Right."
 
 
-@pytest.mark.torture
 def test_typing_an_answer_moves_nothing_else(walk):
     """Letters that are keys of the stage are letters in an answer."""
     page = walk.page

@@ -119,7 +119,6 @@ def table(exact):
 
 
 @pytest.mark.parametrize(("lesson", "offset"), [(4, "none"), (7, "none"), (8, "none"), (5, "uniform")])
-@pytest.mark.daily(1)
 def test_the_numbers_on_the_page_are_those_of_theory(walk, lesson, offset):
     """Twenty numbers, as they can be read, of three lessons and of passes off the centre line."""
     walk.page.evaluate(f"rub.set(rub.lessons.list[{lesson - 1}].experiment.runs[0].set)")
@@ -169,7 +168,6 @@ def figures(found):
 
 
 @pytest.mark.parametrize("spread_of_sizes", [0.0, 2.0])
-@pytest.mark.daily(1)
 def test_what_is_seen_follows_from_the_rows(walk, spread_of_sizes):
     seed = seed_of(f"lesson rows {spread_of_sizes}") % 2**48
     settings = {"spread": spread_of_sizes, "calibration": "matched", "births": "poisson", "seed": seed}
@@ -194,7 +192,6 @@ def squared_error(settings):
     return of_variance / 4 + of_mean
 
 
-@pytest.mark.torture
 def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
     seed = seed_of("lesson bet") % 2**48
     sides = [
@@ -209,7 +206,6 @@ def test_the_bet_is_settled_by_runs_that_obey_the_law(walk):
 
 
 @pytest.mark.parametrize(("option", "outcome"), [("four", "You win 7 chips!"), ("sixteen", "Your 7 chips are lost.")])
-@pytest.mark.daily(1)
 def test_chips_are_won_and_lost(walk, option, outcome):
     walk.open("8. Many small")
     walk.article.locator(f"#prediction-{option}").check()

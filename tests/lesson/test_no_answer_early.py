@@ -58,7 +58,6 @@ def test_an_answer_that_leaks_would_be_noticed(browser: Any, lesson_file: str) -
 
 
 @pytest.mark.parametrize("lesson", ["3. The live count", "5. The sum"])
-@pytest.mark.daily(1)
 def test_the_lines_of_the_law_wait_for_the_prediction(browser: Any, lesson_file: str, lesson: str) -> None:
     inked = "document.getElementById('count').toDataURL()"
     with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:

@@ -102,7 +102,6 @@ def replayed(world: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
     ],
     ids=str,
 )
-@pytest.mark.daily(2)
 def test_a_replayed_run_is_the_run(changes: dict[str, Any], tmp_path: Path) -> None:
     page, run = replayed(world_with(**changes), tmp_path)
     assert page["end"] == 400.0

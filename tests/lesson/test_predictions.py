@@ -52,7 +52,6 @@ def told_apart(world: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)
-@pytest.mark.daily(6)
 def test_numbers_are_those_of_the_package(world: dict[str, Any]) -> None:
     found, wanted = answer(NUMBERS, world=world), expected(world)
     assert found.keys() == wanted.keys()
@@ -61,7 +60,6 @@ def test_numbers_are_those_of_the_package(world: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("world", WORLDS, ids=told_apart)
-@pytest.mark.daily(6)
 def test_spectrum_and_autocovariance_are_those_of_the_package(world: dict[str, Any]) -> None:
     theory = rubnoise.exact(scenario_of(world))
     d = theory.model.calibrated_diameter
@@ -114,7 +112,6 @@ OFF_CENTRE = [
 @pytest.mark.parametrize(
     "world", [WORLDS[0], WORLDS[1], WORLDS[3], WORLDS[4], WORLDS[6], *FEW, *OFF_CENTRE], ids=told_apart
 )
-@pytest.mark.daily(5)
 def test_the_distribution_is_that_of_the_package(world: dict[str, Any]) -> None:
     found, expected, atom, wanted = densities(world)
     assert atom == pytest.approx(wanted, rel=1e-9)

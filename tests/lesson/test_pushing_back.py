@@ -80,7 +80,6 @@ def test_nothing_is_given_away_before_the_prediction(walk: Walk) -> None:
     assert all(word in said(walk) for word in GIVEAWAYS)
 
 
-@pytest.mark.torture
 def test_the_second_half_waits_for_the_first(walk: Walk) -> None:
     walk.open(TITLE)
     assert walk.article.locator("#further-predict").count() == 0
@@ -122,7 +121,6 @@ def test_its_answers_are_right_and_the_mistakes_are_not(walk: Walk) -> None:
         assert all(len(answers[text][1]) > len("Not yet. ") for text in row.wrong), "a refusal says why"
 
 
-@pytest.mark.torture
 def test_the_address_keeps_it(walk: Walk, browser: Any) -> None:
     to_the_switch(walk)
     assert "2aA" in walk.page.url
@@ -135,7 +133,6 @@ def test_the_address_keeps_it(walk: Walk, browser: Any) -> None:
         assert other.evaluate("rub.run.motion !== null")
 
 
-@pytest.mark.torture
 def test_other_experiments_turn_the_switch_back(walk: Walk) -> None:
     to_the_switch(walk)
     walk.article.locator('[data-further="run"]').click()
@@ -153,7 +150,6 @@ def test_a_two_way_scenario_opens_with_the_switch_turned(page: Any) -> None:
     assert page.evaluate("rub.run.motion !== null")
 
 
-@pytest.mark.torture
 def test_sticks_are_shaded_and_the_velocity_is_clipped(page: Any) -> None:
     page.locator("#unfold").click()
     page.locator("#reveal").click()
@@ -173,7 +169,6 @@ def test_sticks_are_shaded_and_the_velocity_is_clipped(page: Any) -> None:
     assert page.locator("#number-displacement-std td").first.inner_text() == "\u2013"
 
 
-@pytest.mark.torture
 def test_back_and_forth_the_same_is_seen(page: Any) -> None:
     there = page.evaluate("rub.run.goTo(200), [rub.run.time, rub.run.distance, rub.run.moments()]")
     page.evaluate("rub.run.goTo(400), rub.run.goTo(0), rub.run.goTo(200)")
@@ -184,7 +179,6 @@ def test_back_and_forth_the_same_is_seen(page: Any) -> None:
         assert page.evaluate("rub.run.distance") > before
 
 
-@pytest.mark.torture
 def test_a_jump_too_far_for_one_frame_is_gone_on_with(page: Any) -> None:
     page.evaluate("rub.run.goTo(rub.run.end)")
     assert page.evaluate("rub.run.goal") == page.evaluate("rub.run.end")
@@ -195,7 +189,6 @@ def test_a_jump_too_far_for_one_frame_is_gone_on_with(page: Any) -> None:
     assert page.evaluate("[rub.run.goal, rub.run.distance]") == [-1, 10]
 
 
-@pytest.mark.torture
 def test_births_and_deaths_are_told_once_where_the_slider_turns_back(page: Any) -> None:
     page.evaluate("""() => {
       rub.set({ meanCount: 5, speed: 20000, damping: 0.001, mass: 0.05 });
@@ -213,7 +206,6 @@ def test_births_and_deaths_are_told_once_where_the_slider_turns_back(page: Any) 
 
 
 @pytest.mark.parametrize("what", ["velocity", "force"])
-@pytest.mark.daily(1)
 def test_it_can_be_heard(page: Any, what: str) -> None:
     page.locator("#sound-what").select_option(what)
     page.locator("#sound-speed").select_option("0.25")
@@ -240,7 +232,6 @@ def test_a_two_way_run_is_replayed(browser: Any, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1024, 1440])
-@pytest.mark.daily(1)
 def test_it_fits_and_says_nothing(browser: Any, two_way_file: str, width: int, scheme: str) -> None:
     address = f"{two_way_file}#lesson=slider&progress=0.0.0.0.0.0.2bCr.0"
     with opened(browser, address, viewport={"width": width, "height": 900}, color_scheme=scheme) as page:

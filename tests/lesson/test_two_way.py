@@ -84,7 +84,6 @@ PATHS = {
 
 
 @pytest.mark.parametrize("name", PATHS)
-@pytest.mark.daily(2)
 def test_on_the_same_field_the_landmarks_are_the_simulators(name: str) -> None:
     """Errors grow by up to fifty from slip to slip, so that for ten landmarks the field is finer than on the page."""
     changes, distance = PATHS[name]
@@ -164,12 +163,10 @@ def compare_statistics(name: str, fields: int, longer: float) -> None:
 
 
 @pytest.mark.parametrize("name", STATISTICS)
-@pytest.mark.torture
 def test_statistics_are_the_simulators(name: str) -> None:
     compare_statistics(name, 8, 0.75)
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("name", STATISTICS)
 def test_statistics_of_many_long_runs_are_the_simulators(name: str) -> None:
     compare_statistics(name, 24, 3.0)
@@ -241,7 +238,6 @@ return { once, isOver: motion.isOver, size: motion.size, finite: [time, displace
 
 
 @pytest.mark.parametrize("changes", HARD, ids=str)
-@pytest.mark.daily(3)
 def test_wherever_the_knobs_stand_it_comes_to_its_end(changes: dict[str, Any]) -> None:
     found = answer(LIMITED, world=world_with(**changes))
     assert found["once"] < 1500
@@ -282,7 +278,6 @@ return found;
 
 @pytest.mark.parametrize("births", ["poisson", "regular"])
 @pytest.mark.parametrize("place", [6.0, 60.0])
-@pytest.mark.torture
 def test_behind_the_start_the_contact_is_what_it_is_elsewhere(births: str, place: float) -> None:
     """Its mean and variance, nearer and further than a life; and nothing jumps at the start."""
     world = world_with(births=births, spread=1.5, meanCount=4.0)

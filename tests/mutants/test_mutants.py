@@ -83,14 +83,12 @@ def test_a_tenth_that_is_none_is_refused(asked: str) -> None:
         mutants.tenth(asked, MUTANTS)
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("mutant", mutants.tenth("today", MUTANTS), ids=lambda mutant: mutant.name)
 def test_each_fault_whose_turn_it_is_is_noticed(copy: Path, mutant: Mutant) -> None:
     verdict = mutants.judged(mutant, copy)
     assert verdict.killed, verdict.evidence
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("name", ["spread 5 % too wide", "off-by-one tick"])
 def test_a_fault_is_noticed(copy: Path, name: str) -> None:
     verdict = mutants.judged(BY_NAME[name], copy)
@@ -98,7 +96,6 @@ def test_a_fault_is_noticed(copy: Path, name: str) -> None:
     assert verdict.evidence.startswith("z = +3" if BY_NAME[name].chance else "asserted")
 
 
-@pytest.mark.torture
 def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
     harmless = Mutant("another comment", (Edit(TITLE, "# a comment"),), TICKS)
     assert mutants.judged(harmless, copy).evidence == "survives"

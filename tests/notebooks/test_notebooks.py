@@ -53,11 +53,7 @@ def code_of(cell: dict[str, Any]) -> list[str]:
     return list(cell["source"]) if cell["cell_type"] == "code" else []
 
 
-@pytest.mark.parametrize(
-    "notebook",
-    [pytest.param(path, marks=() if path.stem == "first_run" else pytest.mark.torture) for path in NOTEBOOKS],
-    ids=lambda path: path.stem,
-)
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_page_of_the_plain_notebook_has_its_results_and_loads_nothing(
     notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -71,7 +67,6 @@ def test_a_page_of_the_plain_notebook_has_its_results_and_loads_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_it_runs_as_a_script_and_leaves_nothing_behind(notebook: Path, tmp_path: Path) -> None:
     done = _run(notebook, tmp_path)
@@ -80,7 +75,6 @@ def test_it_runs_as_a_script_and_leaves_nothing_behind(notebook: Path, tmp_path:
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.torture
 def test_a_wrong_claim_stops_it(tmp_path: Path) -> None:
     text = (ROOT / "notebooks" / "lifetimes.py").read_text(encoding="utf-8")
     right, wrong = "theory.length_biased_mean_diameter) < 4.0", "theory.mean_diameter) < 4.0"
@@ -91,7 +85,6 @@ def test_a_wrong_claim_stops_it(tmp_path: Path) -> None:
     assert "AssertionError" in done.stderr
 
 
-@pytest.mark.torture
 def test_marimo_finds_nothing_wrong_with_their_cells() -> None:
     check = [sys.executable, "-m", "marimo", "check", "--strict", *NOTEBOOKS]
     done = subprocess.run(check, capture_output=True, text=True, check=False)

@@ -23,8 +23,6 @@ SLIDERS = {
 }
 AGREEMENT = 1e-12
 
-pytestmark = pytest.mark.torture  # the references are slow, and no change of the program changes them
-
 
 def slider(damping: float) -> Oscillator:
     return Oscillator(mass=MASS, stiffness=STIFFNESS, damping=damping)

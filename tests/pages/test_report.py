@@ -26,7 +26,6 @@ def test_a_report_has_figures_pictures_sound_and_film(text: str, one_way: Path) 
     assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
 
 
-@pytest.mark.torture
 def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: Path, tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.toml"
     found = re.search(r"<pre>(.*?)</pre>", text, re.DOTALL)
@@ -37,7 +36,6 @@ def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: P
         assert again.slider["displacement"][:].tobytes() == run.slider["displacement"][:].tobytes()
 
 
-@pytest.mark.torture
 def test_a_bare_run_has_a_report_without_what_it_lacks(tmp_path: Path) -> None:
     scenario = tmp_path / "bare.toml"
     scenario.write_text(
@@ -54,7 +52,6 @@ def test_a_bare_run_has_a_report_without_what_it_lacks(tmp_path: Path) -> None:
     assert "slider" not in unescape(text).split("How to repeat")[0].split("Pictures")[0]
 
 
-@pytest.mark.torture
 def test_a_sweep_has_a_report(sweep_folder: Path, tmp_path: Path) -> None:
     answer = call("report", sweep_folder, "-o", tmp_path / "sweep.html")
     assert answer.code == 0, answer.err

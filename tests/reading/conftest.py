@@ -13,7 +13,7 @@ sys.path.append(str(Path(__file__).parents[2] / "tools"))  # tools import each o
 FIG5 = Path(__file__).parents[2] / "scenarios" / "paper" / "fig5.toml"
 
 
-@pytest.fixture(scope="session", params=["none", pytest.param("gzip", marks=pytest.mark.torture)])
+@pytest.fixture(scope="session", params=["none", "gzip"])
 def kept_run(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     """Return the beginning of Figure 5: its first junctions are those of the whole run."""
     path = tmp_path_factory.mktemp("reading") / "fig5.h5"

@@ -21,7 +21,6 @@ def test_generated_parts_are_those_of_the_code(page: str) -> None:
     assert generate_docs.generated(text) == text, "python tools/generate_docs.py"
 
 
-@pytest.mark.torture
 def test_a_part_that_is_out_of_date_is_named_and_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -121,7 +121,6 @@ def test_every_block_of_the_page_has_its_reader() -> None:
 
 
 @pytest.mark.parametrize("name", READERS)
-@pytest.mark.daily(4)
 def test_a_reader_finds_the_junction(name: str, folder: Path) -> None:
     printed = _numbers(READERS[name], blocks()[name][1], folder)
     row, neighbour = _row(folder, JUNCTION), _row(folder, JUNCTION + 1)
@@ -135,7 +134,6 @@ def test_a_reader_finds_its_area(name: str, folder: Path) -> None:
     assert _holds(printed, AREA_AT_3_UM)
 
 
-@pytest.mark.torture
 def test_a_reader_draws_a_slider_that_pushes_back(two_way_folder: Path) -> None:
     name = "A slider that pushes back"
     code = blocks()[name][1]
@@ -149,7 +147,6 @@ def test_a_reader_draws_a_slider_that_pushes_back(two_way_folder: Path) -> None:
     assert (two_way_folder / "sticks.png").stat().st_size > 5000
 
 
-@pytest.mark.torture
 def test_a_reader_finds_landmarks(two_way_folder: Path) -> None:
     with h5py.File(two_way_folder / "fig5_two_way.h5") as file:
         kind, time = file["landmarks/kind"][:], file["landmarks/time"][:]

@@ -70,7 +70,14 @@ class Sandbox:
         (self.folder / "tools").mkdir(parents=True)
         for name in ("dev.py", "bootstrap.py"):
             shutil.copy(TOOLS / name, self.folder / "tools")
-        for name in ("tools/run.lock", "tools/sync.lock", "tools/test.lock", "tools/bench.lock", "pyproject.toml"):
+        for name in (
+            "tools/run.lock",
+            "tools/sync.lock",
+            "tools/test.lock",
+            "tools/all.lock",
+            "tools/bench.lock",
+            "pyproject.toml",
+        ):
             (self.folder / name).write_text(f"# {name}\n", encoding="utf-8")
         (self.folder / "pip.py").write_text(f"PROGRAM = {PROGRAM!r}\n{PIP}", encoding="utf-8")
 

@@ -56,7 +56,7 @@ def test_a_run_installs_its_own_lock_only(sandbox: Sandbox) -> None:
 
 
 def test_sync_installs_what_pictures_need_and_sync_all_everything(sandbox: Sandbox) -> None:
-    for words, locks in ((("sync",), ["run", "sync"]), (("sync", "all"), ["run", "sync", "test"])):
+    for words, locks in ((("sync",), ["run", "sync"]), (("sync", "all"), ["run", "sync", "test", "all"])):
         known = len(sandbox.pip_calls())
         code, output, _ = sandbox.dev(*words)
         packages = sandbox.pip_calls()[known]["arguments"]

@@ -25,13 +25,13 @@ def _names(requirements: list[str]) -> set[str]:
     return {re.split(r"[<>=!~;\[ ]", requirement)[0].lower() for requirement in requirements}
 
 
-@pytest.mark.parametrize("lock", ["run", "sync", "test", "bench", "docs"])
+@pytest.mark.parametrize("lock", ["run", "sync", "test", "all", "bench", "docs"])
 def test_a_lock_is_pins_and_hashes_and_nothing_else(lock: str) -> None:
     strange = [line for line in _lines(lock) if not (PIN.fullmatch(line) or HASH.fullmatch(line))]
     assert strange == []
 
 
-@pytest.mark.parametrize("lock", ["run", "sync", "test", "bench", "docs"])
+@pytest.mark.parametrize("lock", ["run", "sync", "test", "all", "bench", "docs"])
 def test_no_lock_names_an_index_or_a_path(lock: str) -> None:
     text = (ROOT / "tools" / f"{lock}.lock").read_text(encoding="utf-8")
     assert not re.search(r"://|file:| /|--index|--find-links|@ ", text)
@@ -46,11 +46,14 @@ def test_everything_the_project_asks_for_is_locked() -> None:
     sync = {name for name, _, _ in _pins("sync")}
     assert _names(groups["sync"]) <= run | sync
     assert _names(groups["test"]) <= run | sync | test
+    everything = {name for name, _, _ in _pins("all")}
+    assert _names(groups["all"]) <= run | sync | test | everything
     assert not sync & test
+    assert not (sync | test) & everything
     assert _names(groups["bench"]) <= run | {name for name, _, _ in _pins("bench")}
 
 
-@pytest.mark.parametrize("lock", ["sync", "test", "bench", "docs"])
+@pytest.mark.parametrize("lock", ["sync", "test", "all", "bench", "docs"])
 def test_the_other_locks_only_add(lock: str) -> None:
     assert not {name for name, _, _ in _pins("run")} & {name for name, _, _ in _pins(lock)}
 
@@ -58,7 +61,7 @@ def test_the_other_locks_only_add(lock: str) -> None:
 def test_what_the_benchmark_compares_with_is_in_no_other_lock() -> None:
     peers = {"ciw", "salabim", "superposed-pulses"}
     assert peers <= {name for name, _, _ in _pins("bench")}
-    assert not peers & {name for lock in ("run", "test") for name, _, _ in _pins(lock)}
+    assert not peers & {name for lock in ("run", "sync", "test", "all") for name, _, _ in _pins(lock)}
 
 
 def test_packages_that_dropped_an_old_python_are_pinned_twice() -> None:

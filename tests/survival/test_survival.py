@@ -1,4 +1,4 @@
-"""A little of each torture of `tools/survive.py`, and proof that the script would notice what is lost."""
+"""A little of what `tools/survive.py` tries, and proof that the script would notice what is lost."""
 
 from dataclasses import replace
 from pathlib import Path

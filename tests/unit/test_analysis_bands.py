@@ -35,7 +35,6 @@ def _of(run: Model, seed: int, expected: np.ndarray, count: int) -> list[Band]:
 
 
 @pytest.mark.parametrize(("run", "name"), [(TRIANGULAR, "triangle"), (LENS, "lens")], ids=["triangle", "lens"])
-@pytest.mark.torture
 def test_errors_are_the_spread_of_many_runs(run: Model, name: str) -> None:
     rows = bands(run, name)
     scores = np.array([[(band.observed - band.expected) / band.standard_error for band in row] for row in rows])

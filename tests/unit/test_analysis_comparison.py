@@ -59,7 +59,6 @@ def reason(found: Comparison, name: str) -> str:
 
 
 @pytest.mark.parametrize("name", RIGHT)
-@pytest.mark.daily(3)
 def test_right_runs_are_accepted(name: str) -> None:
     found = compared(name)
     assert found.outside == []
@@ -264,7 +263,6 @@ def test_a_wrong_constant_of_the_calibration_is_seen(calibration: str, spread: f
 
 @pytest.mark.parametrize("calibration", ["paper", "exact", "matched"])
 @pytest.mark.parametrize("spread", [Spread(absolute=0.0), Spread(relative=1.0), Spread(relative=0.3, law="lognormal")])
-@pytest.mark.daily(3)
 def test_what_is_asked_for_is_met_by_every_calibration(calibration: str, spread: Spread) -> None:
     right = bare(calibration=calibration, spread=spread, distance=6000.0, tick=1.0)
     found = compare(right, held(recorded(right, seed_of("comparison/asked"), engine="batch")))
@@ -348,7 +346,6 @@ def test_a_share_without_contact_that_a_run_is_too_short_for_is_left_out() -> No
     assert "junction_count_zero_share" not in {each.name for each in compared("figure 5").left_out}
 
 
-@pytest.mark.torture
 def test_scores_of_many_right_runs_are_unit_normals() -> None:
     short = bare(distance=1500.0, tick=0.2)
     seeds = range(seed_of("comparison/many"), seed_of("comparison/many") + 50)

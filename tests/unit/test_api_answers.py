@@ -39,7 +39,6 @@ def test_a_saved_record_is_the_run_that_run_writes(record: rubnoise.Record, path
     record.save(tmp_path / "saved.h5", force=True).close()
 
 
-@pytest.mark.torture
 def test_a_two_way_record_is_saved_whole(tmp_path: Path) -> None:
     scenario = rubnoise.example("paper/fig5_two_way").replace({"sliding.distance": "500 um"})
     with rubnoise.simulate(scenario).save(tmp_path / "x.h5") as saved:

@@ -1,5 +1,6 @@
 """Scenarios by path, name or object, and other values of their keys."""
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -138,11 +139,11 @@ def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:
 
 
 def test_advice_on_what_is_missing_works_where_it_is_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    tool = how_to_install("plot").split()[1]
+    tool = shlex.split(how_to_install("plot"))[1]
     assert Path(tool).is_file()
     assert how_to_install("cluster").endswith("sync all")
     monkeypatch.chdir(tmp_path)
     there = Path(rubnoise.__file__).parents[2] / "tools" / "dev.py"
-    assert Path(how_to_install("plot").split()[1]).samefile(there)
+    assert Path(shlex.split(how_to_install("plot"))[1]).samefile(there)
     monkeypatch.setattr("rubnoise.errors.__file__", str(tmp_path / "lib" / "site-packages" / "rubnoise" / "errors.py"))
     assert how_to_install("plot") == 'python -m pip install "rubnoise[plot]"'

@@ -25,7 +25,6 @@ print(sum(deposit.stats.cache_hits.values()), total[1] + total[2])
 """
 
 
-@pytest.mark.torture
 def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
     package = tmp_path / "rubnoise"
     shutil.copytree(Path(rubnoise.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
@@ -44,7 +43,6 @@ def test_a_changed_file_is_compiled_anew_into_others(tmp_path: Path) -> None:
     assert hits == "0"
 
 
-@pytest.mark.torture
 def test_of_two_processes_one_compiles_and_the_other_loads(tmp_path: Path) -> None:
     """As the workers of the tests do (tests/turns.py); without turns both would compile."""
     program = f"from tests.turns import take_turns\ntake_turns()\n{PROGRAM}"

@@ -24,14 +24,12 @@ def relative_errors(shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.daily(2)
 def test_deviates_invert_the_distribution_function(shape):
     with mpmath.workdps(30):
         assert max(map(abs, relative_errors(mpmath.mpf(shape)))) < 1e-15
 
 
 @pytest.mark.parametrize("shape", ["0.1111111", "25", "1e20"])
-@pytest.mark.torture
 def test_finer_pieces_and_more_terms_change_nothing_but_rounding(shape, monkeypatch):
     as_is = gamma_deviates(UNIFORM, mpmath.mpf(shape))
     module._table.cache_clear()

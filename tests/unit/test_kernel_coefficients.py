@@ -52,7 +52,6 @@ def constants(kernel_text: str) -> dict[str, object]:
     return generated_constants(kernel_text)
 
 
-@pytest.mark.torture
 def test_the_tool_writes_what_stands_in_the_kernels() -> None:
     assert tool.main(["--check", str(KERNELS)]) == 0
     assert tool.main(["--near", "--check", str(FINE)]) == 0
@@ -72,7 +71,6 @@ def test_the_polynomials_near_the_ends_hold_to_the_last_digits(target: object) -
         assert abs(beyond - 1) > 1e-12
 
 
-@pytest.mark.torture
 def test_one_changed_digit_is_seen_and_written_back(tmp_path: Path, kernel_text: str) -> None:
     first = repr(generated_constants(kernel_text)["AREA_COEFFICIENTS"][0])  # type: ignore[index]
     changed = tmp_path / "kernels.py"

@@ -77,7 +77,6 @@ BOUNDS = np.array([[1e-14], [1e-13], [5e-12]])
 
 @pytest.mark.parametrize("place", [0.0, 12_345.678, 1e6])
 @pytest.mark.parametrize("ticks", [FINEST, 110.5, 127.0, 513.3])
-@pytest.mark.daily(2)
 def test_area_and_moments_of_one_life(ticks: float, place: float) -> None:
     # Positions are multiples of a power of two, and none is rounded.
     spacing, diameter = 0.0625, 0.0625 * ticks
@@ -98,14 +97,7 @@ def test_area_and_moments_of_one_life(ticks: float, place: float) -> None:
     assert np.abs(cells[2, between]).max() > 1e-6
 
 
-@pytest.mark.parametrize(
-    "offset",
-    [
-        pytest.param(offset, marks=() if n % 4 == n // 8 % 4 else pytest.mark.torture)
-        for n, offset in enumerate(np.linspace(0.0, 8.0, 33).tolist())
-    ],
-)
-@pytest.mark.daily(4)
+@pytest.mark.parametrize("offset", np.linspace(0.0, 8.0, 33).tolist())
 def test_wherever_birth_and_mid_life_fall_between_panels(offset: float) -> None:
     spacing, diameter = 1.0, 101.0 + 0.37 * offset
     birth = 100.0 + offset

@@ -69,7 +69,6 @@ def test_moments_are_those_of_the_density(law, power):
 
 
 @every_law
-@pytest.mark.daily(8)
 def test_the_density_is_the_textbooks(law):
     values = law.draw(np.linspace(0.001, 0.999, 41))
     with mpmath.workdps(25):
@@ -104,7 +103,6 @@ def test_samples_have_the_exact_moments(law, power):
 
 
 @every_law
-@pytest.mark.daily(8)
 def test_live_junctions_weigh_by_diameter(law):
     generator = np.random.default_rng(seed_of(f"laws/live/{law}"))
     drawn = law.draw_length_biased(generator, COUNT)

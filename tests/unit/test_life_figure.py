@@ -35,7 +35,6 @@ def _of_colour(pixels: np.ndarray, colour: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("number", [0, 2, 3, 4, 7])
-@pytest.mark.daily(2)
 def test_every_life_can_be_drawn_with_nothing_cut_off(lives: list[Life], number: int) -> None:
     pixels = _pixels(life_png(lives[number], "x.h5"))
     assert pixels.shape == (840, 990, 3)
@@ -78,7 +77,6 @@ def test_colours_are_told_apart_in_grey() -> None:
     assert np.diff(greys).min() > 0.08
 
 
-@pytest.mark.torture
 def test_the_same_life_gives_the_same_picture_whatever_is_set(lives: list[Life]) -> None:
     with mpl.rc_context({"font.size": 30.0, "axes.facecolor": "red"}):
         assert life_png(lives[2]) == life_png(lives[2])
@@ -88,7 +86,6 @@ def test_the_same_life_gives_the_same_picture_whatever_is_set(lives: list[Life])
 
 
 @pytest.mark.parametrize("name", ["cost$5_{x", "表面.h5", "x" * 300])
-@pytest.mark.daily(1)
 def test_odd_names_are_drawn_as_they_are(lives: list[Life], name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")

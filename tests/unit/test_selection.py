@@ -49,7 +49,6 @@ def _expected(file: RunFile, chosen: NDArray[Any], *, descending: bool) -> NDArr
 
 @pytest.mark.parametrize("descending", [False, True])
 @pytest.mark.parametrize("text", [None, "diameter >= 4", "birth_distance > 0", "diameter > 99"])
-@pytest.mark.daily(6)
 def test_rows_come_in_a_stable_order(file: RunFile, text: str | None, *, descending: bool) -> None:
     where = None if text is None else condition(text)
     columns = {name: file.column("junctions", name) for name in file.columns["junctions"]}

@@ -45,8 +45,6 @@ RUNS = {
         "output.tick=1 nm",
     ),
 }
-EVERY_DAY = {("Figure 5", "events"), ("dense", "batch")}
-"""The daily runs; junctions take most of the memory of the second."""
 
 
 def _with(text: str, *overrides: str) -> Scenario:
@@ -212,15 +210,8 @@ def test_a_result_that_is_kept_in_memory_has_to_fit_there(monkeypatch: pytest.Mo
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of a process is read from /proc")
-@pytest.mark.parametrize(
-    ("name", "engine"),
-    [
-        pytest.param(name, engine, marks=() if (name, engine) in EVERY_DAY else pytest.mark.torture)
-        for name in RUNS
-        for engine in ("events", "batch")
-    ],
-)
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("engine", ["events", "batch"])
 def test_a_process_needs_the_memory_that_was_foretold(tmp_path: Path, name: str, engine: str) -> None:
     changes = (*RUNS[name], f"run.engine={engine}")
     (tmp_path / "run.toml").write_text(WHOLE, encoding="utf-8")

@@ -81,7 +81,6 @@ SCENARIOS = {
 
 
 @pytest.mark.parametrize("text", SCENARIOS, ids=range(len(SCENARIOS)))
-@pytest.mark.daily(4)
 def test_a_scenario_that_is_none_of_the_part_is_refused(part: Path, text: str) -> None:
     told(part, scenario_resolved=text)
     before = part.read_bytes()
@@ -127,7 +126,6 @@ ORIGINS: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("attributes", "said"), ORIGINS, ids=lambda each: str(each)[:40])
-@pytest.mark.daily(4)
 def test_an_origin_that_is_none_is_refused(part: Path, attributes: dict[str, Any], said: str) -> None:
     told(part, **attributes)
     before = part.read_bytes()

@@ -235,7 +235,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
-@pytest.mark.daily(2)
 def test_a_whole_part_that_somebody_changed_is_refused(
     tmp_path: Path, whole: Path, change: Callable[[h5py.File], None]
 ) -> None:

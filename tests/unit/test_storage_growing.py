@@ -184,7 +184,6 @@ def test_before_the_end_the_rows_lie_beside_the_part(tmp_path: Path) -> None:
     gone_on(tmp_path, description_of())
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, compression: Compression) -> None:
     with recorded(tmp_path / "run", compression) as recording:
@@ -201,7 +200,6 @@ def test_killed_between_any_two_calls_or_within_one_it_goes_on(tmp_path: Path, c
                 gone_on(folder, description_of(compression))
 
 
-@pytest.mark.torture
 def test_after_a_power_cut_the_growing_rows_that_were_committed_are_there(tmp_path: Path) -> None:
     random = Random(seed_of("power cut of growing rows"))  # noqa: S311  (chance, no secret)
     with recorded(tmp_path / "run") as recording:
@@ -267,7 +265,6 @@ def test_without_its_rows_or_its_journal_a_part_begins_at_the_start(tmp_path: Pa
 
 
 @pytest.mark.parametrize("garbage", [b"", b"rng1", b"rng1\xff\0\0\0" + bytes(5000), bytes(20_000), b"x" * 20_000])
-@pytest.mark.daily(2)
 def test_a_file_of_rows_that_is_none_counts_as_without(tmp_path: Path, garbage: bytes) -> None:
     stopped_after(tmp_path / "x.h5", 5)
     (tmp_path / "x.h5.part.rows").write_bytes(garbage)

@@ -64,7 +64,6 @@ def test_hdf5_of_others_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("compression", ["none", "gzip"])
-@pytest.mark.daily(1)
 def test_a_file_cut_short_anywhere_is_refused(tmp_path: Path, compression: Compression) -> None:
     description = describe(compression=compression)
     write_run(tmp_path / "run.h5", description, random_rows(description))
@@ -183,7 +182,6 @@ def fewer_rows(trace: h5py.Group, name: str) -> None:
         (fewer_rows, "another number of rows"),
     ],
 )
-@pytest.mark.daily(6)
 def test_a_column_that_is_not_as_the_schema_says_is_refused(
     path: Path, make: Callable[[h5py.Group, str], None], reason: str
 ) -> None:

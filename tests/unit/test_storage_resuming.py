@@ -93,7 +93,6 @@ def stop_after(path: Path, run: Scenario, blocks: int, number: int = 2) -> str:
 
 @pytest.mark.parametrize("blocks", [1, 9, 17])
 @pytest.mark.parametrize(("begun", "gone_on"), [("batch", "events"), ("events", "batch")])
-@pytest.mark.daily(2)
 def test_a_run_stopped_in_any_block_goes_on_by_either_engine(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], blocks: int, begun: str, gone_on: str
 ) -> None:
@@ -175,7 +174,6 @@ def gone_on(folder: Path, run: Scenario) -> dict[str, tuple[bytes, bytes]]:
     return datasets(path)
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("run", [BARE, GZIP], ids=["none", "gzip"])
 def test_killed_between_any_two_writes_it_goes_on(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]], run: Scenario
@@ -190,7 +188,6 @@ def test_killed_between_any_two_writes_it_goes_on(
             assert gone_on(tmp_path / f"{moment}", run) == expected["bare"], moment
 
 
-@pytest.mark.torture
 def test_after_a_power_cut_what_was_committed_is_there(
     tmp_path: Path, expected: dict[str, dict[str, tuple[bytes, bytes]]]
 ) -> None:
@@ -275,7 +272,6 @@ def test_a_journal_of_another_run_is_left_out_of_account(
         (scenario(output={"tick": "2 um", "compression": "gzip"}), 'output.compression is "none" there and "gzip"'),
     ],
 )
-@pytest.mark.daily(2)
 def test_another_run_is_refused_with_the_difference(tmp_path: Path, other: Scenario, said: str) -> None:
     path = tmp_path / "x.h5"
     stop_after(path, WHOLE, 2)

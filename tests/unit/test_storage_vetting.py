@@ -100,7 +100,6 @@ def test_an_answer_without_end_is_cut_off(descriptor: int, monkeypatch: pytest.M
 
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="only Linux limits the memory of a process")
-@pytest.mark.torture
 def test_memory_is_limited(descriptor: int) -> None:
     assert np.ones(GIGABYTE // 8).nbytes == GIGABYTE  # here there is as much
     assert "fails" in refusal(sandboxed(descriptor, lambda it: bytes(np.ones(GIGABYTE // 8)[:1])))

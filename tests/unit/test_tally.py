@@ -31,7 +31,6 @@ def _central(values: Doubles, power: int) -> Fraction:
 
 
 @given(st.lists(st.integers(0, 400), max_size=12), st.integers(0, 2**32))
-@pytest.mark.torture
 def test_moments_do_not_depend_on_the_panels(borders: list[int], seed: int) -> None:
     values = np.random.default_rng(seed).gamma(3.0, size=400)
     moments = _seen(values, borders)

@@ -16,7 +16,6 @@ LAWS = [Fixed(value=2.0), Normal(centre=2.0, std=0.4), Lognormal(mean=2.0, std=1
 @pytest.mark.parametrize("law", LAWS, ids=["one size", "normal", "lognormal"])
 @pytest.mark.parametrize("count", [0.3, 20.0, 800.0])
 @pytest.mark.parametrize("nats", [2.0, 8.0, 15.0])
-@pytest.mark.daily(6)
 def test_bounds_hold_and_are_near(law: Law, count: float, nats: float) -> None:
     """Near, that is, but for the lognormal, whose tail is heavier than any exponential."""
     model = model_of(law, law.moment(1), count)

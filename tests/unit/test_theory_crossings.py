@@ -152,7 +152,6 @@ def levels(model: Model) -> Doubles:
     ],
     ids=["nearly Gaussian", "damped", "slow", "few junctions"],
 )
-@pytest.mark.daily(1)
 def test_against_the_exact_joint_law(model: Model, skewness: float, error: float) -> None:
     expected = exact_rate(model, levels(model))
     assert motion_cumulants(model).skewness == pytest.approx(skewness, rel=0.15)

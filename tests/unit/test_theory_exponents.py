@@ -48,7 +48,6 @@ def sums(factor: float = 2.0, speed: float = 1000.0, **case: Any) -> list[float]
 
 
 @pytest.mark.parametrize(("shape", "law", "damping_ratio"), CASES)
-@pytest.mark.daily(5)
 def test_exponents_add_up_to_1_for_every_law_of_sizes_pulse_and_damping(
     shape: str, law: str, damping_ratio: float
 ) -> None:

@@ -39,7 +39,6 @@ def _curvature(model: Model) -> float:
 
 
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.daily(4)
 def test_the_variance_of_the_slope_is_the_curvature_of_the_autocovariance(name: str) -> None:
     assert force_slope_std(MODELS[name]) ** 2 == pytest.approx(_curvature(MODELS[name]), rel=5e-4)
 

@@ -52,7 +52,6 @@ def test_one_triangle_has_every_area_alike() -> None:
 
 
 @pytest.mark.parametrize("name", ["0.2 um", "20 %", "150 %", "exponential"])
-@pytest.mark.daily(2)
 def test_level_of_spread_sizes(name: str) -> None:
     law = LAWS[name]
     low, high = law.support
@@ -103,7 +102,6 @@ def pair_by_hand(x: float) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("x", [0.01, 1.0, 3.0, 3.3, 5.0, 6.2])
-@pytest.mark.daily(2)
 def test_two_lenses_of_one_size(x: float) -> None:
     cdf, density = pair_area(live_area(ONE_SIZE, LENS))
     expected = pair_by_hand(x)

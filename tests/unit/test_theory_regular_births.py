@@ -53,7 +53,6 @@ def test_ripple_of_other_counts_and_of_the_lens(count: float, pulse: Pulse, ripp
 
 @SHAPES
 @pytest.mark.parametrize("count", [0.5, 2.5, 7.0])
-@pytest.mark.daily(2)
 def test_cumulants_of_one_size_are_those_of_a_periodic_function(count: float, pulse: Pulse) -> None:
     model = regular(count, pulse=pulse)
     phase = (np.arange(2_000_000) + 0.5) / 2_000_000 * model.births.mean
@@ -143,7 +142,6 @@ def test_old_lives_may_be_left_out_of_the_ripple(count: float, spread: float, mo
 
 @SHAPES
 @pytest.mark.parametrize(("count", "spread"), [(0.5, 0.0), (2.5, 0.0), (20.0, 0.0), (2.5, 0.2), (20.0, 1.5)])
-@pytest.mark.daily(2)
 def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pulse) -> None:
     model = regular(count, spread, pulse)
     found, probabilities = ripple(model)

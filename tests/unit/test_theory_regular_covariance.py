@@ -39,7 +39,6 @@ def score(first: Doubles, second: Doubles, means: float, covariance: float, allo
 
 @SHAPES
 @CASES
-@pytest.mark.daily(3)
 def test_covariances_of_area_and_count(count: float, spread: float, pulse: Pulse) -> None:
     model = replace(regular(count, spread, pulse), strengths=None)
     generator = np.random.default_rng(seed_of(f"regular covariance {count} {spread} {pulse.shape}"))
@@ -52,7 +51,6 @@ def test_covariances_of_area_and_count(count: float, spread: float, pulse: Pulse
 
 @SHAPES
 @CASES
-@pytest.mark.daily(4)
 def test_variance_is_the_covariance_at_no_lag(count: float, spread: float, pulse: Pulse) -> None:
     model = regular(count, spread, pulse)
     assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-10)
@@ -78,7 +76,6 @@ def test_lives_of_many_spacings_are_summed_as_lines(spread: float, monkeypatch: 
 
 @SHAPES
 @pytest.mark.parametrize(("count", "spread"), [(2.5, 0.2), (20.0, 0.2), (6.0, 6.0)])
-@pytest.mark.daily(1)
 def test_continuous_spectrum_is_the_transform_of_what_the_phase_does_not_tell(
     count: float, spread: float, pulse: Pulse
 ) -> None:
@@ -127,7 +124,6 @@ def records(model: Model, draws: int, generator: np.random.Generator) -> tuple[D
 @SHAPES
 @pytest.mark.parametrize(("count", "spread"), [(0.5, 0.2), (2.5, 0.0), (2.5, 0.2), (6.0, 2.0)])
 @pytest.mark.parametrize(("tick", "ticks"), [(1.7, 12), (4.424, 9)])
-@pytest.mark.daily(1)
 def test_error_of_a_mean_over_ticks(count: float, spread: float, pulse: Pulse, tick: float, ticks: int) -> None:
     """Ticks of 4.424 um meet births 2.212 um apart in the same phase for ever."""
     model = replace(regular(count, spread, pulse), tick=tick, tick_count=ticks - 1, strengths=None)
@@ -173,7 +169,6 @@ def test_slider_under_a_periodic_force(count: float, pulse: Pulse, speed: float)
 
 
 @pytest.mark.parametrize("strengths", [None, Lognormal(mean=250.0, std=75.0)], ids=["equal", "unequal"])
-@pytest.mark.torture
 def test_slow_slider_under_sizes_and_strengths_that_differ(strengths: Lognormal | None) -> None:
     """Over-damped and slow, Var x = int R_F(tau) exp(-k |tau| / (c V)) dtau / (2 c k V), the lines by themselves."""
     slider = replace(FIG5_SLIDER, mass=1e-9, damping=3.0)

@@ -63,7 +63,6 @@ def long_records() -> Records:
     return records(one_size(), 200, 8, seed=12)
 
 
-@pytest.mark.torture
 def test_errors_of_all_four_moments(long_records: Records) -> None:
     trace, model = long_records
     errors = standard_errors(model)

@@ -95,7 +95,6 @@ def test_few_junctions_make_all_bins_move_together() -> None:
     assert variance_score(values[:, bins].mean(axis=1), gaussian.mean()) > 5.0
 
 
-@pytest.mark.torture
 def test_leakage_of_a_boxcar_binds_all_high_bins_together() -> None:
     cut = replace(CUT, window=BOXCAR)
     values = estimates(one_size(), cut, 3000, "boxcar")[:, 20:60].mean(axis=1)

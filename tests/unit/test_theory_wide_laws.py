@@ -80,7 +80,6 @@ def test_covariances_at_no_lag_and_over_all_lags(name: str) -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("tick", [0.5, 2.0, 30.0])
-@pytest.mark.daily(2)
 def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, tick: float) -> None:
     model = replace(MODELS[name], tick=tick, tick_count=4_999)
     lags = np.arange(5000.0)
@@ -107,7 +106,6 @@ def test_an_empty_start_ends_in_the_mean(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.daily(1)
 def test_variance_of_a_slow_slider_from_the_covariance(name: str) -> None:
     """Over-damped and slow, x follows a first-order law: Var x = int R(tau) exp(-k|tau|/cV) dtau / (2 c k V) psi^2."""
     slider = replace(FIG5_SLIDER, mass=1e-9, damping=3.0)

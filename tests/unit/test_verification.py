@@ -115,7 +115,6 @@ def unequal(kept: Path, tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.daily(4)
 def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, name: str) -> None:
     found = asked(fresh(kept, tmp_path, name), 3)
     assert [str(check.first) for check in found.different] == []
@@ -200,7 +199,6 @@ def test_every_column_has_its_check(result: Path) -> None:
 
 
 @pytest.mark.parametrize("column", LOWEST_BIT)
-@pytest.mark.daily(9)
 def test_one_bit_of_one_value_is_seen_though_its_hash_is_right(result: Path, column: str) -> None:
     row = middle(result, column)
     flip(result, column, row)
@@ -214,7 +212,6 @@ def test_one_bit_of_one_value_is_seen_though_its_hash_is_right(result: Path, col
 
 
 @pytest.mark.parametrize("column", LOWEST_BIT)
-@pytest.mark.daily(9)
 def test_one_bit_of_one_value_is_seen_by_its_hash(result: Path, column: str) -> None:
     flip(result, column, middle(result, column), seal=False)
     first = asked(result).different[0]
@@ -249,7 +246,6 @@ def test_a_sum_that_is_off_by_little_is_seen_without_making_it_again(
 
 @pytest.mark.parametrize("name", ["everything", "slow", "overdamped", "coarse ticks", "triangles"])
 @pytest.mark.parametrize("column", ["slider/displacement", "slider/velocity"])
-@pytest.mark.daily(3)
 def test_a_motion_off_by_a_thousandth_of_a_millionth_is_seen_where_it_is(
     kept: Path, tmp_path: Path, name: str, column: str
 ) -> None:
@@ -320,7 +316,6 @@ def test_a_life_moved_by_a_rounding_is_missed_where_it_is_made_again(unequal: Pa
         ("blocks/birth_distance", 0, float("inf"), "blocks"),
     ],
 )
-@pytest.mark.daily(6)
 def test_what_cannot_be_is_told_and_breaks_nothing(
     unequal: Path, column: str, row: int, value: float, check: str
 ) -> None:

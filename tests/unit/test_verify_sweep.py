@@ -144,7 +144,6 @@ def test_a_right_folder_is_verified(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("name", CHANGES)
-@pytest.mark.daily(2)
 def test_a_change_is_named(folder: Path, name: str) -> None:
     change, check, place = CHANGES[name]
     change(folder)

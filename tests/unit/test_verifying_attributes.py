@@ -113,7 +113,6 @@ CHANGES: dict[str, tuple[Change, str, str]] = {
 
 
 @pytest.mark.parametrize("name", CHANGES)
-@pytest.mark.daily(4)
 def test_a_change_is_named(result: Path, name: str) -> None:
     change, check, place = CHANGES[name]
     assert told(result) == {}

@@ -69,7 +69,6 @@ def result(kept: Path, tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.daily(4)
 def test_every_kind_comes_out_again(tmp_path: Path, name: str) -> None:
     found = asked(two_way(tmp_path / "x.h5", **KINDS[name]), regenerate=99)
     assert [str(check.first) for check in found.different] == []
@@ -102,7 +101,6 @@ def said(path: Path) -> str:
 
 @pytest.mark.parametrize("column", ["time", "distance", "displacement", "velocity", "force_before", "force_after"])
 @pytest.mark.parametrize("kind", [0, 1])
-@pytest.mark.daily(4)
 def test_a_landmark_moved_by_a_millionth_is_named(result: Path, column: str, kind: int) -> None:
     row = landmark(result, kind)
     change(result, f"landmarks/{column}", times(1.0 + 1e-6, row))
@@ -298,7 +296,6 @@ def test_some_blocks_are_made_again_from_the_start(kept: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("column", ["time", "distance", "phase", "displacement", "velocity"])
-@pytest.mark.daily(2)
 def test_how_a_block_was_come_to_is_seen_to_the_bit(tmp_path: Path, column: str) -> None:
     path = two_way(tmp_path / "x.h5", sliding={"distance": "1500 um"}, output={"tick": "2 um"})
     change(path, f"blocks/{column}", lambda values: values + np.array([0, 1, 0]).astype(values.dtype))

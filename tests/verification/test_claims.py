@@ -15,8 +15,6 @@ from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
 from tools import generate_paper
 
-pytestmark = pytest.mark.torture  # its claims are simulated by the first test that asks for them
-
 VERDICTS = {
     "life_mean": Verdict.CORRECTED,
     "rabinowicz": Verdict.CORRECTED,

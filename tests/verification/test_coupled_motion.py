@@ -50,7 +50,6 @@ def agree(found: CoupledRun, expected: coupled_slider.Coupled, end: float = np.i
 
 
 @pytest.mark.parametrize("case", range(examples(4, 10)))
-@pytest.mark.daily(1)
 def test_cases_at_random(case: int) -> None:
     draw = np.random.default_rng(seed_of(f"two-way/{case}")).random(8)
     mass, stiffness = 10.0 ** (-3.0 + draw[0]), 10.0 ** (2.0 + draw[1])
@@ -87,7 +86,6 @@ def test_cases_at_random(case: int) -> None:
         "slow",
     ],
 )
-@pytest.mark.daily(2)
 def test_cases_of_a_kind(run: Model, start: float | None, end: float, kinds: set[int]) -> None:
     found = coupled(run, 5, displacement=start)
     early = found.landmarks["time"] < end

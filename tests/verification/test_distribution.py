@@ -36,7 +36,6 @@ CASES: dict[str, tuple[int, dict[str, Any]]] = {
     "fifty": (1_000_000, {"count": 50.0, "spread": Spread(relative=0.2), "calibration": "exact"}),
     "three triangles": (300_000, {"count": 3.0, "spread": Spread(absolute=0.2), "pulse": TRIANGLE}),
 }
-LONG = dict.fromkeys(("fig5", "half a junction", "five, widely spread", "fifty"), pytest.mark.torture)
 
 
 def spaced(junctions: int, contact: dict[str, Any]) -> Model:
@@ -63,8 +62,7 @@ def distance(areas: Doubles, law: Law) -> float:
     return float(max(apart) * sqrt(areas.size))
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=LONG.get(name, ())) for name in CASES])
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("name", CASES)
 def test_areas_of_a_long_run_have_the_exact_distribution(name: str) -> None:
     model, areas = run(name)
     law = distribution(model)
@@ -101,19 +99,16 @@ def as_the_paper_has_it(model: Model) -> Law:
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
-        pytest.param(name, wrong, marks=LONG.get(name, ()))
-        for name, wrong in (
-            ("fig5", normal_of),
-            ("fig5", squares_of),
-            ("fig5", as_the_paper_has_it),
-            ("half a junction", normal_of),
-            ("half a junction", squares_of),
-            ("half a junction", without_atom),
-            ("hardly a junction", without_atom),
-            ("five, widely spread", normal_of),
-            ("three triangles", squares_of),
-            ("fifty", as_the_paper_has_it),
-        )
+        ("fig5", normal_of),
+        ("fig5", squares_of),
+        ("fig5", as_the_paper_has_it),
+        ("half a junction", normal_of),
+        ("half a junction", squares_of),
+        ("half a junction", without_atom),
+        ("hardly a junction", without_atom),
+        ("five, widely spread", normal_of),
+        ("three triangles", squares_of),
+        ("fifty", as_the_paper_has_it),
     ],
 )
 def test_a_wrong_law_is_found_out(name: str, wrong: Callable[[Model], Law]) -> None:
@@ -121,7 +116,6 @@ def test_a_wrong_law_is_found_out(name: str, wrong: Callable[[Model], Law]) -> N
     assert distance(areas, wrong(model)) > 1.5 * KS_BOUND
 
 
-@pytest.mark.torture
 def test_lenses_are_no_triangles() -> None:
     """Of the same mean and count, a run of lenses is told from triangles, which vary less."""
     model, areas = run("half a junction")

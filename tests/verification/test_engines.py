@@ -115,7 +115,6 @@ def datasets(path: Path) -> dict[str, tuple[bytes, bytes]]:
 
 @pytest.mark.parametrize("births", ["poisson", "regular"])
 @pytest.mark.parametrize("count", [0.01, 0.5, 20.0, 5000.0])
-@pytest.mark.daily(3)
 def test_thin_and_dense_contacts_over_several_blocks(count: float, births: str) -> None:
     life = 2.0 * (600.0 / count) ** 0.5
     run = model(

@@ -15,8 +15,6 @@ from rubnoise.cli.ledger import row_as_json
 from rubnoise.scenario.shipped import shipped
 from tests.architecture.sources import ROOT
 
-pytestmark = pytest.mark.torture  # its rows are worked out and simulated by the first test that asks for them
-
 KEYS = {
     "id",
     "source",

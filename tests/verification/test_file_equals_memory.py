@@ -77,7 +77,6 @@ RUNS = {
 
 
 @pytest.mark.parametrize("name", RUNS)
-@pytest.mark.daily(4)
 def test_a_file_holds_what_memory_holds(tmp_path: Path, name: str) -> None:
     given = loads(RUNS[name])
     record = rubnoise.simulate(given)

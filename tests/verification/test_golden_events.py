@@ -34,9 +34,7 @@ def test_event_count(name):
     assert (state.block, state.junctions, state.events) == expected[:3]
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.torture if name == "dense" else ()) for name in GOLDEN]
-)
+@pytest.mark.parametrize("name", GOLDEN)
 def test_event_count_with_an_observer(name):
     """Births and deaths are observed without another event, mid-lives with one each."""
     run, expected = GOLDEN[name]

@@ -89,8 +89,7 @@ def test_ticks_of_a_file_are_where_they_were_asked_for(figure_5: h5py.File) -> N
     assert np.array_equal(figure_5["slider"]["friction_force"][:], figure_5["trace"]["friction_force"][:])
 
 
-@pytest.mark.parametrize("quarter", [0, 3, *(pytest.param(middle, marks=pytest.mark.torture) for middle in (1, 2))])
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("quarter", range(4))
 def test_every_tick_of_a_file_follows_from_its_rows(figure_5: h5py.File, quarter: int) -> None:
     rows, trace = rows_of(figure_5), figure_5["trace"]
     ticks = slice(50_000 * quarter, 50_000 * (quarter + 1) + 1)

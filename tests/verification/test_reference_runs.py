@@ -47,11 +47,7 @@ def label(row: dict[str, Any]) -> str:
     return "-".join(f"{row[key]}" for key in keys)
 
 
-@pytest.mark.parametrize(
-    "row",
-    [pytest.param(row, id=label(row), marks=() if n % 3 == 0 else pytest.mark.torture) for n, row in enumerate(ROWS)],
-)
-@pytest.mark.daily(2)
+@pytest.mark.parametrize("row", ROWS, ids=label)
 def test_a_run_has_the_moments_of_the_reference(row: dict[str, Any]) -> None:
     model = reference_model(row)
     assert max(relative_errors(model, row)) <= PRECISION
@@ -90,7 +86,6 @@ def precise() -> Model:
     return bare(count=200.0, distance=14_000.0, tick=0.25)
 
 
-@pytest.mark.torture
 def test_a_life_mean_of_0_327_is_rejected(precise: Model) -> None:
     found = scores(measured(precise, seed_of("precise")), expected(precise), errors_of(precise))
     assert not outside(found)
@@ -98,14 +93,12 @@ def test_a_life_mean_of_0_327_is_rejected(precise: Model) -> None:
     assert found["area_mean"] + away > REJECTED
 
 
-@pytest.mark.torture
 def test_births_a_hundredth_too_rare_are_rejected(precise: Model) -> None:
     wrong = replace(precise, births=PoissonBirths(mean_spacing=1.01 * precise.births.mean))
     found = scores(measured(wrong, seed_of("rare births")), expected(precise), errors_of(precise))
     assert found["junction_count_mean"] < -REJECTED
 
 
-@pytest.mark.torture
 def test_death_at_1_98_diameters_is_rejected(precise: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     live_on = junctions.junction
 

@@ -43,7 +43,6 @@ def reference(run: Model, record: MemoryRecord) -> Motion:
 
 @pytest.mark.parametrize("speed", [1e2, 1e3, 1e5, 1e7])
 @pytest.mark.parametrize("name", DAMPING_RATIOS)
-@pytest.mark.daily(4)
 def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, speed: float) -> None:
     run = model(DAMPING_RATIOS[name], speed=speed, distance=12.0, tick=0.05)
     record = recorded(run, seed_of("triangle speeds"))
@@ -74,7 +73,6 @@ def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, s
         "nine regular lenses", "unequal", "unequal lenses", "Rabinowicz with his fluctuation",
     ],
 )  # fmt: skip
-@pytest.mark.daily(5)
 def test_the_promise_holds_for_other_laws(run: Model) -> None:
     record = recorded(run, seed_of("laws"))
     assert difference(record, reference(run, record)) < PROMISED
@@ -92,7 +90,6 @@ def test_an_adaptive_integrator_agrees() -> None:
 
 
 @pytest.mark.parametrize("speed", [1000.0, 20.0])
-@pytest.mark.daily(1)
 def test_triangles_that_end_early_act_until_then(speed: float) -> None:
     run = model(distance=30.0, tick=0.1, speed=speed)
     assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)

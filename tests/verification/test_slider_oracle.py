@@ -21,8 +21,6 @@ from tests.verification.test_interrupts import ends
 MASS, STIFFNESS = FIG5_SLIDER.mass, FIG5_SLIDER.stiffness
 CRITICAL = 2.0 * math.sqrt(MASS * STIFFNESS)
 DAMPING_RATIOS = {"figure 5": 0.05 / CRITICAL, "nearly undamped": 1e-3, "critical": 1.0, "over-damped": 20.0}
-SOME_RATIOS = ("figure 5", "over-damped")
-"""The daily cases of the slower reference."""
 
 SPEEDS = {
     "0.01 mm/s": 10.0,
@@ -81,14 +79,7 @@ def test_figure_5(tick: float, bound: float, start: str) -> None:
     assert difference(record, reference(run, record)) < bound
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *SOME_RATIOS,
-        *(pytest.param(name, marks=pytest.mark.torture) for name in DAMPING_RATIOS if name not in SOME_RATIOS),
-    ],
-)
-@pytest.mark.daily(1)
+@pytest.mark.parametrize("name", DAMPING_RATIOS)
 def test_an_adaptive_integrator_agrees(name: str) -> None:
     run = sliding(DAMPING_RATIOS[name], distance=40.0, tick=0.05)
     record = recorded(run, seed_of("dop853"))

@@ -116,7 +116,6 @@ def of_figure_5() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("place", BRIEF, ids=lambda place: f"{1e-3 * place[0]:g} mm/s, {place[1]}")
-@pytest.mark.daily(2)
 def test_a_few_fields_agree_with_the_reference(place: tuple[float, int]) -> None:
     point = next(each for each in POINTS if (each["speed"], each["junctions"]) == place)
     found = figures_of(case_of(point, BRIEF[place]), FIELDS)
@@ -132,7 +131,6 @@ def test_another_slider_is_told_from_that_of_the_reference() -> None:
     assert not _score("displacement_std", point["displacement_std"], pooled("displacement_std", one_way)).agrees
 
 
-@pytest.mark.torture
 @pytest.mark.parametrize("point", POINTS, ids=NAMES)
 def test_fields_as_long_agree_with_the_reference(point: dict[str, Any]) -> None:
     distance = point["seconds"] * point["speed"] / point["runs"]

@@ -176,9 +176,9 @@ def _stored(description: RunDescription, part: str) -> Scenario:
     try:
         scenario = build(description.scenario_resolved)
         scenario.check_size()
-        return scenario
     except (ScenarioRefused, AttributeError, TypeError, ValueError) as problem:
         raise RunFileRefused(f"{part}: the scenario in the file is not valid") from problem
+    return scenario
 
 
 def _obstacles(scenario: Scenario, description: RunDescription) -> Iterator[str]:

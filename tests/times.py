@@ -1,0 +1,144 @@
+"""How much CPU each case takes with all processes that it starts, and which cases are slow: tests/slow.txt.
+
+What makes a fixture that cases share is measured apart, and divided among the cases that ask for it.
+"""
+
+import json
+import os
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+SLOW = Path(__file__).with_name("slow.txt")
+LIMIT = 0.5
+"""A case that takes more CPU than this (s) is slow: it runs with --all, or if its file is named."""
+WORST = 10
+"""So many cases are printed after a run."""
+TICKS = os.sysconf("SC_CLK_TCK")
+
+
+@cache
+def slow() -> frozenset[str]:
+    """Return the cases, tests, files and folders that are slow, by their names for pytest."""
+    lines = SLOW.read_text(encoding="utf-8").splitlines() if SLOW.exists() else []
+    return frozenset(line for line in lines if not line.startswith("#"))
+
+
+def is_slow(name: str) -> bool:
+    """Return whether a case, a file or a folder waits for --all, by its name for pytest."""
+    return any(part in slow() for part in parts(name))
+
+
+def parts(name: str) -> list[str]:
+    """Return the name of a case, of its test, of its file and of the folders around it, smallest first."""
+    test = name.partition("[")[0]
+    path = Path(test.partition("::")[0])
+    return [name, test, *(place.as_posix() for place in (path, *path.parents))]
+
+
+def cpu_seconds() -> float:
+    """Return the CPU time of this process and of every process below it, alive or gone."""
+    return _below(os.getpid()) if Path("/proc/self/stat").exists() else sum(os.times()[:4])
+
+
+def _below(process: int) -> float:
+    folder, ticks = Path("/proc", str(process)), 0.0
+    with suppress(OSError):  # it may end while it is looked at: its time is then its parent's
+        fields = folder.joinpath("stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
+        ticks = sum(map(int, fields[11:15])) / TICKS
+        for thread in folder.joinpath("task").iterdir():
+            ticks += sum(_below(int(child)) for child in (thread / "children").read_text().split())
+    return ticks
+
+
+@dataclass(eq=False)
+class Times:
+    """A plugin of pytest that measures every case of one process."""
+
+    cases: dict[str, float] = field(default_factory=dict)
+    made: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    users: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
+    shared: float = 0.0
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: Any) -> Iterator[None]:
+        self.shared, before = 0.0, cpu_seconds()
+        try:
+            return (yield)
+        finally:
+            self.cases[item.nodeid] = max(0.0, cpu_seconds() - before - self.shared)
+            for name, definitions in item._fixtureinfo.name2fixturedefs.items():
+                if definitions[-1].scope != "function":
+                    number = getattr(getattr(item, "callspec", None), "indices", {}).get(name, 0)
+                    self.users[_key(definitions[-1], number)].add(item.nodeid)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[Any], request: Any) -> Iterator[Any]:
+        if fixturedef.scope == "function":
+            return (yield)
+        outer, self.shared, before = self.shared, 0.0, cpu_seconds()
+        try:
+            return (yield)
+        finally:
+            whole = cpu_seconds() - before
+            self.made[_key(fixturedef, request.param_index)].append(max(0.0, whole - self.shared))
+            self.shared = outer + whole
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what was measured, for a file or for another process."""
+        return {
+            "cases": self.cases,
+            "made": dict(self.made),
+            "users": {key: sorted(users) for key, users in self.users.items()},
+        }
+
+    def add(self, other: dict[str, Any]) -> None:
+        """Take in what another process, or another run of other cases, has measured."""
+        self.cases |= other["cases"]
+        for key, costs in other["made"].items():
+            self.made[key] += costs
+        for key, users in other["users"].items():
+            self.users[key] |= set(users)
+
+    @classmethod
+    def read(cls, path: Path) -> "Times":
+        """Return what a run of tests has written to a file."""
+        times = cls()
+        times.add(json.loads(path.read_text(encoding="utf-8")))
+        return times
+
+    def write(self, path: Path) -> None:
+        """Write what was measured to a file."""
+        path.write_text(json.dumps(self.as_json()), encoding="utf-8")
+
+    def seconds(self, left: frozenset[str] = frozenset()) -> dict[str, float]:
+        """Return the CPU time of each case, with its share of what it shares; cases that are left out share nothing."""
+        seconds = {case: cost for case, cost in self.cases.items() if case not in left}
+        for key, costs in self.made.items():
+            users = self.users[key] & seconds.keys()
+            for case in users:
+                seconds[case] += sum(costs) / len(costs) / len(users)
+        return seconds
+
+    def above(self, limit: float) -> dict[str, float]:
+        """Return the cases above a limit, and those that come above it because others no longer share with them."""
+        found: dict[str, float] = {}
+        while more := {case: cost for case, cost in self.seconds(frozenset(found)).items() if cost > limit}:
+            found |= more
+        return found
+
+    def worst(self) -> list[str]:
+        """Return a line each for the cases that took most."""
+        seconds = self.seconds()
+        cases = sorted(seconds, key=seconds.__getitem__, reverse=True)
+        return [f"{seconds[case]:6.2f} s  {case}" for case in cases[:WORST]]
+
+
+def _key(definition: pytest.FixtureDef[Any], number: int) -> str:
+    return f"{definition.baseid}::{definition.argname}[{number}]"
