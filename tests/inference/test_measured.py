@@ -13,7 +13,7 @@ from scipy.io import savemat, wavfile
 import rubnoise
 from rubnoise.api.inferring import found_scenario, infer
 from rubnoise.errors import Refused, in_shell
-from rubnoise.storage import measured, measured_text
+from rubnoise.storage import measured, text_lines
 from rubnoise.storage.measured import read_measured
 from tests.cli.terminal import call, spawn
 from tests.inference.traces import contact, signal
@@ -64,11 +64,11 @@ def test_headers_say_units_and_places(
             "line 4: time grows by 0.2 s where the usual step is 0.1",
         ),
         ("time (s),force (mN)\n0,1\n0.1,nan\n0.2,3\n", "line 3: force is nan"),
-        ("time (s),force (mN)\n0,1\n0.1,x\n0.2,3\n", "line 3: 'x' is no number"),
+        ("time (s),force (mN)\n0,1\n0.1,x\n0.2,3\n", "line 3: force: 'x' is no number"),
         ("time (s),force (mN)\n0,1\n0.1\n0.2,3\n", "line 3: 1 cells; there are 2 names"),
         ("time (s),force (mN),lift (mN)\n0,1,2\n0.1,1,2\n0.2,3,4\n", "column= takes one of: force, lift"),
-        ("0,1\n0.1,2\n0.2,3\n", "a first line of names is needed"),
-        ("time (s),force (mN)\n0,1\n", "has 2 lines"),
+        ("0,1\n0.1,2\n0.2,3\n", 'line 1: has no line of names above its numbers; column=2, rate="10 kHz" and unit="N"'),
+        ("time (s),force (mN)\n0,1\n", "1 rows below the names"),
         ("time (s),force (mN)\n0.2,1\n0.1,2\n0,3\n", "time does not grow"),
     ],
 )
@@ -93,7 +93,7 @@ ROWS = [f"{0.1 * n:.1f},{50.0 + np.sin(n):.4f}" for n in range(200)]
             {},
             "line 10: force is nan; every sample needs a number",
         ),
-        ([*ROWS[:7], "0.7,", *ROWS[8:]], "time (s),force (mN)", {}, "line 10: '' is no number"),
+        ([*ROWS[:7], "0.7,", *ROWS[8:]], "time (s),force (mN)", {}, "line 10: force: '' is no number"),
         (
             [f"{0.1 * n:.1f},{min(np.sin(0.05 * n), 0.5):.4f}" for n in range(200)],
             "time (s),force (mN)",
@@ -130,7 +130,7 @@ def test_a_bad_trace_is_refused_by_name_and_line(
 
 def test_a_text_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Lines keep their numbers and steps are compared across pieces."""
-    monkeypatch.setattr(measured_text, "_PIECE_BYTES", 100)
+    monkeypatch.setattr(text_lines, "_PIECE_BYTES", 100)
     head = ["# a comment", "time (s),force (mN)"]
     rows = [*ROWS[:50], "# a pause", "", *ROWS[50:]]
     read = read_measured(written(tmp_path / "a.csv", "\n".join([*head, *rows])))
@@ -157,7 +157,7 @@ def test_a_dataset_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert read.step == pytest.approx(0.01)
     with h5py.File(path, "r+") as file:
         file["time"][14:] += 0.01
-    with pytest.raises(Refused, match=r"line 15: /time grows by 0\.02 s"):
+    with pytest.raises(Refused, match=r"row 15: /time grows by 0\.02 s"):
         read_measured(f"{path}:force")
 
 
@@ -227,7 +227,7 @@ def test_a_program_with_threads_reads_it_too(tmp_path: Path) -> None:
         ({}, "speed= is needed"),
         ({"speed": "-1 mm/s"}, "not above 0"),
         ({"speed": "1 mm"}, "is the unit of a length"),
-        ({"speed": "1 mm/s", "rate": "1 kHz"}, "rate=: the trace says itself"),
+        ({"speed": "1 mm/s", "rate": "1 kHz"}, "rate=: "),
         ({"speed": "1 mm/s", "strength": "250 m"}, "strength=: 250 m: "),
         ({"speed": "1 mm/s", "unit": "V", "strength": "250 MPa"}, "no force"),
         ({"speed": "1 mm/s", "mask": "50 um"}, 'mask=: 50 um: "um" is the unit of a length'),

@@ -19,7 +19,7 @@ from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
 from rubnoise.storage.measured import read_measured
-from rubnoise.storage.samples import Measured, chosen_column
+from rubnoise.storage.samples import UNEVEN, Measured, chosen_column
 from rubnoise.units import FREQUENCY, SPEED, STRESS
 
 MOST_BOOTSTRAPS: Final = 10_000
@@ -62,7 +62,7 @@ def infer(
     often, left_out = keywords.quantity("rate", rate, FREQUENCY), keywords.frequencies("mask", mask)
     if unit is not None:
         keywords.scale_of(unit, "unit=")
-    measured = _measured(trace, column)
+    measured = _measured(trace, column, often)
     signal = _signal(measured, velocity, unit, often)
     _check_sensor(measured, zero)
     if strength is not None and signal.scale is None:
@@ -80,13 +80,13 @@ def infer(
     )
 
 
-def _measured(trace: Any, column: str | int | None) -> Measured:
+def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measured:
     column = (
         column if column is None or isinstance(column, str) else str(keywords.count("column", column, MOST_COLUMNS))
     )
     if isinstance(trace, str | os.PathLike):
         own = _own_result(trace, column)
-        return read_measured(trace, column) if own is None else own
+        return read_measured(trace, column, rate) if own is None else own
     if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
         names = list(trace.columns)
         name = names[chosen_column(getattr(trace, "name", "trace"), names, column, names.index(trace.place))]
@@ -147,9 +147,13 @@ def _check_sensor(measured: Measured, zero: str) -> None:
 
 
 def _signal(measured: Measured, speed: float | None, unit: Any, rate: float | None) -> Signal:
-    step = measured.step if rate is None else 1.0 / rate
-    if rate is not None and measured.step is not None:
+    if (
+        rate is not None
+        and measured.step is not None
+        and (measured.along != "time" or abs(measured.step * rate - 1.0) > UNEVEN)
+    ):
         raise Refused(f"rate=: the trace says itself how its samples lie, every {measured.step:g}")
+    step = measured.step if rate is None else 1.0 / rate
     if step is None:
         raise Refused('the trace has no time and no distance; rate="20 kHz" says how often it was sampled')
     if measured.along == "time":

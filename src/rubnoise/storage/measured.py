@@ -7,6 +7,8 @@ import json
 import os
 import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -18,7 +20,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.regular_file import open_regular, read_at_most
 from rubnoise.storage.measured_text import read_text
-from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_finite, chosen_column, even_step
+from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
 
 LARGEST: Final = 2 * 1024**3
 """Bytes of a file of text, sound or MATLAB."""
@@ -31,7 +33,17 @@ _HDF5: Final = b"\x89HDF"
 _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_dataset()"
 
 
-def read_measured(trace: str | os.PathLike[str], column: str | None = None) -> Measured:
+@contextmanager
+def refusing_files(path: object) -> Iterator[None]:
+    """Turn what the system says of a file into a refusal that names it."""
+    try:
+        yield
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+        raise Refused(f"{path}: {reason[:1].lower()}{reason[1:]}") from problem
+
+
+def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate: float | None = None) -> Measured:
     """Return a column of a file; raises Refused, by name and line, for what is no trace.
 
     ``FILE.h5:PATH`` is a dataset. Without a ``column`` there has to be one that is neither time nor distance.
@@ -49,7 +61,7 @@ def read_measured(trace: str | os.PathLike[str], column: str | None = None) -> M
         return _of_wave(path, column)
     if kind == ".mat":
         return _of_matlab(path, column)
-    return read_text(path, column)
+    return read_text(path, column, rate)
 
 
 def _split(text: str) -> tuple[Path, str]:
@@ -77,7 +89,7 @@ def _of_wave(path: Path, wanted: str | None) -> Measured:
         full = float(np.iinfo(samples.dtype).max) + 1.0
         values /= full if samples.dtype.kind == "i" else 0.5 * full
         values -= 0.0 if samples.dtype.kind == "i" else 1.0
-    check_finite(values, f"{path}: channel {names[chosen]}")
+    check_values(values, f"{path}: channel {names[chosen]}")
     return Measured(
         name=f"channel {names[chosen]}", values=values, unit="", step=1.0 / rate, along="time", where=str(path)
     )
@@ -101,9 +113,9 @@ def _of_matlab(path: Path, wanted: str | None) -> Measured:
     chosen = names[chosen_column(path, names, wanted, place)]
     step = None
     if places and rows[places[0]].size == rows[chosen].size:
-        step = even_step(rows[places[0]].astype(np.float64), (places[0], "s"), path)
+        step = even_step(rows[places[0]].astype(np.float64), places[0], "s", str(path))
     values = rows[chosen].astype(np.float64)
-    check_finite(values, f"{path}: {chosen}")
+    check_values(values, f"{path}: {chosen}")
     return Measured(name=chosen, values=values, unit="", step=step, along="time", where=str(path))
 
 
@@ -123,7 +135,7 @@ def _of_dataset(path: Path, name: str) -> Measured:
             values, places = both[: found["here"]], both[found["here"] :]
             if count == 0:
                 along = along_of(found["place"].rpartition("/")[2], found["place_unit"])
-                even = EvenSteps((found["place"], found["place_unit"]), path, 0.0) if along else None
+                even = EvenSteps(found["place"], found["place_unit"], str(path), word="row") if along else None
             if even is not None:
                 even.add(places, range(count + 1, count + 1 + values.size))
             kept.append(values)
@@ -133,7 +145,7 @@ def _of_dataset(path: Path, name: str) -> Measured:
     finally:
         os.close(descriptor)
     whole = np.concatenate(kept)
-    check_finite(whole, f"{path}: {name}")
+    check_values(whole, f"{path}: {name}")
     return Measured(
         name=name,
         values=whole,
