@@ -10,7 +10,7 @@ from rubnoise.api import keywords
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import Inference, infer_signal
@@ -18,9 +18,9 @@ from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
-from rubnoise.storage.measured import read_measured
-from rubnoise.storage.samples import UNEVEN, Measured, chosen_column
-from rubnoise.units import FREQUENCY, SPEED, STRESS
+from rubnoise.storage.measured import read_measured, refusing_files
+from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column, real_numbers
+from rubnoise.units import FREQUENCY, SPEED, STRESS, is_of_pint
 
 MOST_BOOTSTRAPS: Final = 10_000
 MOST_COLUMNS: Final = 100_000
@@ -85,18 +85,22 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
         column if column is None or isinstance(column, str) else str(keywords.count("column", column, MOST_COLUMNS))
     )
     if isinstance(trace, str | os.PathLike):
-        own = _own_result(trace, column)
-        return read_measured(trace, column, rate) if own is None else own
+        with refusing_files(trace):
+            own = _own_result(trace, column)
+            return read_measured(trace, column, rate) if own is None else own
     if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
         names = list(trace.columns)
         name = names[chosen_column(getattr(trace, "name", "trace"), names, column, names.index(trace.place))]
         along = "time" if trace.units[trace.place] == "s" else "distance"
-        values = np.asarray(trace.columns[name], dtype=np.float64)
+        values = real_numbers(trace.columns[name], name)
+        check_values(values, name)
         return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
-    values = np.asarray(trace, dtype=np.float64)
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise Refused("a trace is one row of finite numbers")
-    return Measured(name="trace", values=values, unit="", step=None, along="time")
+    of_pint = is_of_pint(trace)
+    values = real_numbers(trace.magnitude if of_pint else trace, "trace")
+    if values.ndim != 1 or not values.size:
+        raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
+    check_values(values, "trace")
+    return Measured(name="trace", values=values, unit=f"{trace.units:~C}" if of_pint else "", step=None, along="time")
 
 
 def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
@@ -108,7 +112,11 @@ def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured |
         return None
     from rubnoise.api.result import open as open_result
 
-    with open_result(path) as run:
+    try:
+        opened = open_result(path)
+    except RunFileRefused as problem:
+        raise Refused(f"{problem}; of a file of another program, {path}:PATH names a dataset") from problem
+    with opened as run:
         there = run.trace
         name = column or ("friction_force" if "friction_force" in there else "real_contact_area")
         if name not in there or name not in {"friction_force", "real_contact_area"}:
@@ -133,6 +141,8 @@ def _named(measured: Measured) -> str:
 def _check_sensor(measured: Measured, zero: str) -> None:
     """Raise Refused for a sensor at its end, and for a force that points the wrong way."""
     values = measured.values
+    if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
+        raise Refused(f"{_named(measured)}: its largest value is {largest:g}; give the values in a smaller unit")
     if end := clipped(values):
         raise Refused(
             f"{_named(measured)}: the sensor was clipped: {end.samples:,} samples are at the largest value,"

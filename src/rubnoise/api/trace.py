@@ -21,7 +21,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.storage.measured import refusing_files
 from rubnoise.storage.measured_text import Table
-from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step
+from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step, real_numbers
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import FREQUENCY, KINDS, parse_unit
@@ -98,7 +98,7 @@ class Trace:
     @classmethod
     def from_arrays(cls, columns: Mapping[str, ArrayLike], *, place: str | None = None, name: str = "<python>") -> Self:
         """Make a trace of arrays of equal length, with headers as names; raises Refused as `from_csv` does."""
-        arrays = [_numbers(values, f"{name}: {header}") for header, values in columns.items()]
+        arrays = [real_numbers(values, f"{name}: {header}") for header, values in columns.items()]
         if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
             raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
         heads = [head_of(str(header)) for header in columns]
@@ -252,11 +252,3 @@ def _in_working_units(unit: str, what: str) -> tuple[str, float]:
     if working is None:
         return unit, 1.0
     return working, float(read.size / parse_unit(working).size)
-
-
-def _numbers(values: ArrayLike, what: str) -> Doubles:
-    """Return values as doubles; raises Refused for texts, complex numbers and whatever else is no real number."""
-    found = np.asarray(values)
-    if found.dtype.kind not in "fiub":
-        raise Refused(f"{what}: holds {found.dtype}; numbers are needed")
-    return found.astype(np.float64)

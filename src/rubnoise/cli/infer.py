@@ -116,22 +116,19 @@ def command(
             check_output(path, force=force)
     if output is not None and report is not None and output.absolute() == report.absolute():
         raise Refused(f"{output}: -o and --report name the same file")
-    try:
-        found = infer(
-            trace,
-            speed=speed,
-            column=column,
-            unit=unit,
-            rate=rate,
-            zero=zero.value,
-            strength=strength,
-            law=law.value,
-            mask=tuple(mask or ()),
-            drift=drift,
-            bootstrap=bootstrap,
-        )
-    except FileNotFoundError as problem:
-        raise Refused(f"{trace}: no such file") from problem
+    found = infer(
+        trace,
+        speed=speed,
+        column=column,
+        unit=unit,
+        rate=rate,
+        zero=zero.value,
+        strength=strength,
+        law=law.value,
+        mask=tuple(mask or ()),
+        drift=drift,
+        bootstrap=bootstrap,
+    )
     texts: dict[Path, str] = {}
     if output is not None and found.refused_because is None:
         texts[output] = found_scenario(found, speed=speed, strength=strength)
