@@ -22,7 +22,7 @@ from tests.cli.terminal import call
 VALUES = 50.0 + np.sin(np.arange(400.0))
 
 
-def wave(  # noqa: PLR0913  (a header has so many fields)
+def wave(
     *,
     code: int = 1,
     channels: int = 1,
@@ -134,7 +134,7 @@ def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypat
             read_measured(path)
     savemat(path, {"a": VALUES})
     for end in (10, 128, 140, 300, 1000):
-        path.write_bytes(path.read_bytes()[:end] if end > 128 else path.read_bytes()[:end])
+        path.write_bytes(path.read_bytes()[:end])
         with pytest.raises(Refused, match=r"a\.mat: "):
             read_measured(path)
         savemat(path, {"a": VALUES})
@@ -174,7 +174,7 @@ def test_what_is_no_file_is_refused_by_its_name(tmp_path: Path, place: Callable[
         assert answer.err.startswith(str(path).partition(":/")[0][:200])
 
 
-def test_a_dataset_whose_scale_has_no_name_is_read(tmp_path: Path) -> None:
+def test_a_dataset_whose_scale_is_gone_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         file["force"], file["time"] = VALUES, 0.01 * np.arange(400.0)
@@ -182,12 +182,8 @@ def test_a_dataset_whose_scale_has_no_name_is_read(tmp_path: Path) -> None:
         file["time"].make_scale("time")
         file["force"].dims[0].attach_scale(file["time"])
         del file["time"]
-    try:
-        read = read_measured(f"{path}:force")
-        assert (read.step, read.along) == (pytest.approx(0.01), "time")
-    except Refused as refused:
-        assert "a.h5: " in str(refused)
-        assert "NoneType" not in str(refused)
+    with pytest.raises(Refused, match=r"a\.h5: damaged"):
+        read_measured(f"{path}:force")
 
 
 def test_a_file_of_another_program_needs_a_path_inside(tmp_path: Path) -> None:
@@ -222,7 +218,7 @@ def test_values_that_are_no_trace_are_refused(values: Any, problem: str) -> None
 
 
 def test_an_array_of_pint_keeps_its_unit() -> None:
-    units = pint.UnitRegistry()
+    units: Any = pint.UnitRegistry()
     found = rubnoise.infer(units.Quantity(VALUES, "mN"), rate="1 kHz", speed="1 mm/s")
     assert found.signal.scale == 1000.0
     with pytest.raises(Refused, match="trace: unit: m"):
