@@ -56,7 +56,7 @@ WAVES = {
     "byte rate": (wave(byte_rate=16000 // 3), "5333 bytes a second"),
     "cut header": (wave()[:30], "header is cut"),
     "cut before data": (wave()[:40], "header is cut"),
-    "cut data": (wave()[:-100], "is cut: its header tells of 800 bytes of samples, and 700 are there"),
+    "cut data": (wave()[:-100], "is cut: its header names 800 bytes of samples, and 700 are there"),
     "empty data": (wave()[:40] + bytes(4), "has no samples"),
     "empty": (b"", "does not begin as one"),
     "other": (b"RIFFxxxxAVI " + bytes(50), "does not begin as one"),

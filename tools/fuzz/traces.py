@@ -269,7 +269,8 @@ KINDS: Final = (table, table, table, table, sound, matlab, dataset, odd_path)
 def made(seed: int, number: int, folder: Path) -> Made:
     """Write the trace of a number, and return its name and the options with which it is read."""
     random = Random(f"{seed} {number}")  # noqa: S311  (damage is no secret)
-    return KINDS[number % len(KINDS)](random, folder)
+    with np.errstate(all="ignore"):
+        return KINDS[number % len(KINDS)](random, folder)
 
 
 def _written(random: Random, folder: Path, name: str, content: bytes) -> Made:

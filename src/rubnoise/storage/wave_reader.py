@@ -49,7 +49,7 @@ def read_wave(path: Path, wanted: str | None) -> tuple[str, Doubles, int]:
         frame = form.width * form.channels
         there = os.fstat(stream.fileno()).st_size - stream.tell()
         if size > there:
-            raise Refused(f"{path}: is cut: its header tells of {size:,} bytes of samples, and {there:,} are there")
+            raise Refused(f"{path}: is cut: its header names {size:,} bytes of samples, and {there:,} are there")
         if size < frame:
             raise Refused(f"{path}: has no samples")
         names = [str(channel + 1) for channel in range(form.channels)]
