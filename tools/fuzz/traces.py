@@ -10,6 +10,7 @@ from typing import Final
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 from scipy.io import savemat, wavfile
 
 Made = tuple[str, list[str]]
@@ -121,11 +122,11 @@ OPTIONS: Final = (
 )
 
 
-def _smooth(noise: "np.ndarray[tuple[int], np.dtype[np.float64]]", length: int) -> object:
+def _smooth(noise: "NDArray[np.float64]", length: int) -> "NDArray[np.float64]":
     return np.convolve(noise, np.ones(length), "same") if noise.size > length else noise
 
 
-def signal(random: Random) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+def signal(random: Random) -> "NDArray[np.float64]":
     """Return values of one of many kinds, some of which are nobody's friction."""
     draw = np.random.default_rng(random.getrandbits(32))
     count = random.choice((0, 1, 2, 3, 7, 63, 64, 65, 200, ROWS, ROWS))
