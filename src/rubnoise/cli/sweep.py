@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import grouped, printable, remark
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching_sweep
+from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
 from rubnoise.cli.run import engines
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ def command(
     sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
     shown = on_terminal() and not quiet and not as_json
-    if shown:
-        announce_compilation()
+    if not quiet and not as_json:
+        announce_compilation_by_workers()
     with watching_sweep(shown=shown) as watch:
         ending = carry_out(
             sweep,
