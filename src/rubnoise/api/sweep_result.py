@@ -4,6 +4,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -68,6 +69,10 @@ class SweepResult:
     ) -> None:
         """Close the index."""
         self.close()
+
+    def __copy__(self) -> Self:
+        """Return the same, opened once more: closing one leaves the other open."""
+        return deepcopy(self)
 
     def close(self) -> None:
         """Close the index; what was not read from it can be read no more."""
