@@ -69,7 +69,8 @@ def command(
         ),
     ] = None,
     merge: Annotated[
-        bool, typer.Option("--merge", help="At the end, write everything into one file, merged.h5.")
+        bool,
+        typer.Option("--merge", help="At the end, or that of the last shard, write all into one file, merged.h5."),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
@@ -101,7 +102,11 @@ def command(
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
-    _print_outcome(sweep, place, ending, merged=_merged(place) if merge else None, as_json=as_json, quiet=quiet)
+    # Of shards that end one after another the last one merges, when no run is left for the others.
+    merged = _merged(place) if merge and (shard is None or not ending.known.count("planned")) else None
+    _print_outcome(sweep, place, ending, merged=merged, as_json=as_json, quiet=quiet)
+    if merge and merged is None and not quiet and not as_json:
+        print(remark("not merged yet: the shard that ends last does that"))
     if ending.known.count("failed"):
         raise typer.Exit(1)
 

@@ -126,7 +126,7 @@ class Cluster:
         self._client.close()
 
     def _check_versions(self) -> None:
-        """Raise Refused for a worker of other versions than this process's; of later ones their work comes back empty."""
+        """Raise Refused for a worker of other versions than this process's; later workers return their work undone."""
         ours = versions()
         for worker, theirs in self._client.run(versions, on_error="return").items():
             if theirs != ours:

@@ -208,9 +208,9 @@ class IndexRefresh:
 def merge(folder: SweepFolder) -> Path:
     """Write the index of a folder and every result of it, by value, into merged.h5, and return its path.
 
-    An older one is replaced. Raises RunFileRefused where there is no index or a result cannot be read, RubnoiseError
-    where the disk fails.
+    An older one is replaced. Another process that merges or writes the index ends first. Raises RunFileRefused where
+    there is no index or a result cannot be read, RubnoiseError where the disk fails.
     """
-    with open_index(folder.index), whole_file(folder.merged, force=True) as path:
+    with folder.alone_at("index"), open_index(folder.index), whole_file(folder.merged, force=True) as path:
         write_merged(path, folder.index)
     return folder.merged
