@@ -50,7 +50,10 @@ def _changed_line(folder: Path, random: Random) -> str:
     lines = (folder / "journal" / "runs.jsonl").read_text("utf-8").splitlines()
     entry = json.loads(random.choice(lines).partition(" ")[2])
     if random.random() < 0.3:
-        entry |= {"arrays": {_odd(random) if random.random() < 0.3 else "spectrum": _odd_array(random)}}
+        kind = random.choice(("arrays", "of_point"))
+        known = [*entry.get("arrays", {}), *entry.get("of_point", {}), "spectrum"]
+        name = json.dumps(_odd(random)) if random.random() < 0.3 else random.choice(known)
+        entry[kind] = entry.get(kind, {}) | {name: _odd_array(random)}
     at, key = entry, random.choice(list(entry))
     while isinstance(at[key], dict) and at[key] and random.random() < 0.7:
         at, key = at[key], random.choice(list(at[key]))
