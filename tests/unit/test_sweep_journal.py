@@ -107,3 +107,12 @@ def test_a_line_of_another_shape_is_damaged_whatever_its_checksum(tmp_path: Path
     path, digest = tmp_path / "j", xxhash.xxh3_64_hexdigest(text.encode())
     path.write_bytes(_written(path, FAILED) + f"{digest} {text}\n".encode())
     assert list(numbered(path)) == [(1, FAILED), (2, "damaged")]
+
+
+def test_a_disk_that_is_full_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_descriptor: int, _data: memoryview) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(journals.disk, "append_all", full)
+    with Journal(tmp_path / "j") as journal, pytest.raises(OSError, match=r"No space left on device: '.*/j'"):
+        journal.add(FAILED)

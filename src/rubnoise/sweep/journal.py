@@ -89,6 +89,7 @@ class Journal:
         """Open a journal to go on at its end."""
         if path.exists() and not path.is_file():
             raise OutputRefused(f"{path}: exists and is not a regular file")
+        self._path = path
         self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         self._synced = time.monotonic()
         size = os.fstat(self._descriptor).st_size
@@ -116,7 +117,10 @@ class Journal:
         self._synced = time.monotonic()
 
     def _write(self, line: bytes) -> None:
-        disk.append_all(self._descriptor, memoryview(line))
+        try:
+            disk.append_all(self._descriptor, memoryview(line))
+        except OSError as problem:
+            raise OSError(problem.errno, problem.strerror, str(self._path)) from problem
 
 
 def entries(path: Path) -> Iterator[Entry]:
