@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from rubnoise.analysis.stored_model import stored_scenario
-from rubnoise.analysis.verifying.attributes import attribute_checks
+from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
 from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.analysis.verifying.blocks import block_check
 from rubnoise.analysis.verifying.contact import contact_checks
@@ -55,6 +55,7 @@ def verify(run: ResultFile, regenerate: int = 0) -> Verification:
         first = Difference(place=place, row=None, found=str(refusal), expected="the scenario of the run")
         return _stopped([hashes, Check(name="layout", values=1, different=1, first=first)], "there is no scenario")
     text, left_out = scenario_check(scenario, run.provenance)
+    left_out += clock_notes(run.provenance)
     layout = layout_check(scenario.model(), run)
     checks = [hashes, layout, *attribute_checks(scenario, run, run.inventory()), text]
     if not layout.holds:

@@ -5,6 +5,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
+from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import index
@@ -252,6 +253,10 @@ class Run(Contents):
     ) -> None:
         """Close the file."""
         self.close()
+
+    def __copy__(self) -> Self:
+        """Return the same, opened once more: closing one leaves the other open."""
+        return deepcopy(self)
 
     def close(self) -> None:
         """Close the file; nothing can be read any more."""

@@ -24,6 +24,7 @@ from rubnoise.scenario.points import Case, Point, points_of
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.storage.index import POINTS, RUNS, seal_of_index
+from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index
 from rubnoise.storage.inventory import expected_index
 from rubnoise.storage.reader import Unseen
@@ -96,6 +97,12 @@ def _hash_check(index: IndexFile) -> Check:
 
 def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: list[LeftOut]) -> Check:
     """Compare an index with one that is made again from the sweep and the journals, as far as it knew these."""
+    try:
+        check_index(index)
+    except RunFileRefused as refusal:
+        reason = str(refusal).removeprefix(f"{index.path}: ")
+        first = Difference(place=INDEX, row=None, found=reason, expected="an index as the program writes it")
+        return Check(name="index", values=1, different=1, first=first)
     notes, attributes = Notes("index", of=INDEX), index.attributes
     sides = {name: _list(attributes[name]) for name in ("grid", "side_by_side")}
     notes.say("swept keys", found=[*sides["grid"], *sides["side_by_side"]], expected=[*sweep.keys])

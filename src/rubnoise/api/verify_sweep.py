@@ -84,6 +84,9 @@ MANIFEST: Final = "sweep.json"
 OWN: Final = frozenset(("index.h5", "merged.h5", MANIFEST, "runs", "journal"))
 """What a sweep makes in its folder, beside locks and what is being written."""
 
+SHOWN: Final = 10
+"""How many names of one kind are listed; of others their number is."""
+
 UNFINISHED: Final = (".part", ".part.journal", ".part.rows")
 
 Watch = Callable[[int, int], None]
@@ -250,11 +253,19 @@ def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
         yield LeftOut(name=name, reason=runs + reason)
     if folder.merged.exists():
         yield LeftOut(name="merged.h5", reason="it is a copy of index and runs; `sweep --merge` writes it again")
-    for path in sorted((folder.root / "runs").glob("*.h5.part")):
-        yield LeftOut(name=f"runs/{path.name}", reason="unfinished; the same sweep resumes it")
-    for path in sorted(folder.root.iterdir()):
-        if path.name not in OWN and not path.name.startswith(".") and not path.name.endswith(UNFINISHED):
-            yield LeftOut(name=path.name, reason="it is no file of the sweep")
+    parts = [f"runs/{path.name}" for path in (folder.root / "runs").glob("*.h5.part")]
+    yield from _some(parts, "unfinished; the same sweep resumes it", "runs/*.h5.part")
+    names = [path.name for path in folder.root.iterdir()]
+    strays = [name for name in names if name not in OWN and not name.startswith(".") and not name.endswith(UNFINISHED)]
+    yield from _some(strays, "it is no file of the sweep", "others")
+
+
+def _some(names: list[str], reason: str, of: str) -> Iterator[LeftOut]:
+    """Yield the first names with a reason, and how many more there are."""
+    for name in sorted(names)[:SHOWN]:
+        yield LeftOut(name=name, reason=reason)
+    if len(names) > SHOWN:
+        yield LeftOut(name=f"{len(names) - SHOWN:,} more of {of}", reason="the same holds for them")
 
 
 def _one(name: str, place: str, found: str, expected: str) -> Check:

@@ -8,6 +8,7 @@ import gc
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
@@ -105,6 +106,7 @@ def main() -> None:
         # A file name or title that the terminal's encoding lacks is no reason to fail.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    warnings.formatwarning = _warning_text
     flags = Flags()
     try:
         _call(flags)
@@ -138,6 +140,11 @@ def _debug_first(arguments: list[str]) -> list[str]:
     end = arguments.index("--") if "--" in arguments else len(arguments)
     others = [word for word in arguments[:end] if word != DEBUG]
     return [DEBUG] * (len(others) < end) + others + arguments[end:]
+
+
+def _warning_text(message: Warning | str, *_where: object, **_line: object) -> str:
+    """Return a warning of a library, or of ours, as the line that every other warning of a command is."""
+    return f"warning: {message}\n"
 
 
 def _error_text(problem: Exception) -> str:

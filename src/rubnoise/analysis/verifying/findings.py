@@ -25,7 +25,8 @@ class Difference:
     def __str__(self) -> str:
         """Return the place with both values, on one line."""
         row = "" if self.row is None else f" row {self.row}"
-        return f"{self.place}{row} is {self.found}, should be {self.expected}"
+        verb = "" if self.found.startswith(("is ", "has ")) else "is "  # which reasons of a refusal begin with
+        return f"{self.place}{row} {verb}{self.found}, should be {self.expected}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
