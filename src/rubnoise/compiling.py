@@ -11,7 +11,6 @@ from numba.core.runtime.nrt import rtsys
 from numba.extending import intrinsic
 
 SOURCES = (
-    "analysis/verifying/sums.py",
     "compiling.py",
     "contact/plain_deviates.py",
     "simulation/coupled/*.py",

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rubnoise.analysis.verifying.balance import balance_check
 
 from rubnoise.analysis.balance import Balance
 from rubnoise.analysis.comparing.findings import Comparison, Identity, LeftOut
 from rubnoise.analysis.comparing.motion import Path, two_way_identities
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.summary import expected_figure
-from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
