@@ -23,7 +23,7 @@ def test_a_right_result_is_verified(result: Path) -> None:
     answer = call("verify", "x.h5")
     assert (answer.code, answer.err) == (0, "")
     lines = answer.out.splitlines()
-    assert lines[0] == "x.h5: compared with its hashes, its scenario and its run, played again"
+    assert lines[0] == "x.h5: compared with its hashes and its run, played again"
     assert [line.split()[-1] for line in lines[3:-2]] == ["0"] * 12
     assert lines[-1].startswith("  12 of 12 checks hold; ")
     assert lines[-1].endswith(" values checked")

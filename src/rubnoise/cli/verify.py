@@ -59,7 +59,7 @@ def command(
     from rubnoise.cli.loading import finished_run
 
     if regenerate is not None and regenerate < 1:
-        raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number of blocks; it is 1 or more")
+        raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number; it is 1 or more")
     if is_folder(file):
         found = _verify_folder(file, regenerate or 0, shown=not as_json)
     else:
@@ -93,7 +93,7 @@ def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
 
 def format_verification(found: "Verification", file: Path) -> Iterator[str]:
     """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
-    of_file = "its hashes, its scenario and its run, played again"
+    of_file = "its hashes and its run, played again"
     parts = "its description, its journals and its runs" if is_folder(file) else of_file
     yield f"{printable(str(file))}: compared with {parts}"
     yield f"\n{'check':<24}{'values':>16}{'different':>14}"
