@@ -67,7 +67,7 @@ MUTANTS = (
     ),
     one(
         "ends of lives known before they happen",
-        "test_lives_that_an_intervention_ended_are_played_again[all at once]",
+        "test_lives_that_an_intervention_ended_are_played_again[one at a time]",
         "np.where(rows.departure > wake, natural, rows.departure)",
         "rows.departure",
     ),
