@@ -104,7 +104,7 @@ def _naming(compared: Compared, group: str) -> Iterator[None]:
     """Name in a group why there can be no run of the scenario, if there can be none."""
     try:
         yield
-    except RubnoiseError as problem:
+    except (RubnoiseError, ArithmeticError) as problem:
         compared.count(group, str(problem).partition("\n")[0])
 
 
