@@ -4,9 +4,9 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.reading import Window
+from rubnoise.analysis.reading import Ahead, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.arrays import Integers
+from rubnoise.arrays import Doubles, Integers
 from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
@@ -33,11 +33,11 @@ def area_check(model: Model, rows: Rows) -> Check:
     By d^2 (acos r - r sqrt(1 - r^2))/2, the textbook's formula (`rubnoise.contact.overlap`, and `off_centre` beside
     it), which the engine does not use. It loses digits near birth and death; the bound grows with what it loses.
     """
-    notes, window = Notes("areas"), Window(rows)
-    for tick in chosen_ticks(rows.rows("trace")).tolist():
-        area, allowed = _summed(model, window, tick * model.tick)
-        found = rows.column("trace", "real_contact_area", tick, tick + 1)
-        notes.near("/trace/real_contact_area", tick, found, np.array([area]), allowed)
+    notes, ticks, ahead = Notes("areas"), chosen_ticks(rows.rows("trace")), Ahead(rows)
+    area, allowed = _summed(model, rows, ticks * model.tick)
+    for n, tick in enumerate(ticks.tolist()):
+        found = ahead.column("trace", "real_contact_area", tick, tick + 1)
+        notes.near("/trace/real_contact_area", tick, found, area[n : n + 1], allowed[n : n + 1])
     return notes.check()
 
 
@@ -46,17 +46,22 @@ def chosen_ticks(rows: int) -> Integers:
     return np.unique(np.rint(np.linspace(0, rows - 1, min(TICKS, rows))).astype(np.int64))
 
 
-def _summed(model: Model, window: Window, distance: float) -> tuple[float, float]:
-    """Return the area at a distance (um), which lies beyond the one before, and by how much it may be off (um^2)."""
-    area, allowed, count = 0.0, 0.0, 0
-    centred = model.pulse.offset == "none"
-    for each in window.until(distance):
-        there = each.where((each.birth <= distance) & (distance < each.death))
-        offset = None if centred else there.offset
-        age, square = distance - there.birth, there.diameter * there.diameter
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            area += float(area_of(model.pulse, age, there.diameter, offset).sum())
-            root = np.sqrt(np.maximum(age * (2.0 * half_life(there.diameter, offset) - age), 0.0)) / there.diameter
-            allowed += float((square * (FORMULA + ROUNDED / np.maximum(root, STEEPEST))).sum())
-        count += age.size
+def _summed(model: Model, rows: Rows, distance: Doubles) -> tuple[Doubles, Doubles]:
+    """Return areas at distances (um), and by how much each may be off (um^2)."""
+    area, allowed, count = (np.zeros(distance.size) for _ in range(3))
+    for chunk in chunks(rows, "junctions"):
+        birth, diameter, death = (chunk[name] for name in ("birth_distance", "diameter", "death_distance"))
+        offset = chunk.get("lateral_offset")
+        # Nobody before the first of these rows lives on to a distance, and from the last on nobody is born yet.
+        first = np.searchsorted(np.maximum.accumulate(death), distance, side="right")
+        last = np.searchsorted(birth, distance, side="right")
+        for n in np.flatnonzero(first < last).tolist():
+            near = slice(int(first[n]), int(last[n]))
+            alive = np.flatnonzero(death[near] > distance[n]) + near.start
+            age, d, b = distance[n] - birth[alive], diameter[alive], None if offset is None else offset[alive]
+            with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+                area[n] += area_of(model.pulse, age, d, b).sum()
+                root = np.sqrt(np.maximum(age * (2.0 * half_life(d, b) - age), 0.0)) / d
+                allowed[n] += (d * d * (FORMULA + ROUNDED / np.maximum(root, STEEPEST))).sum()
+            count[n] += alive.size
     return area, allowed + count * SUM * area
