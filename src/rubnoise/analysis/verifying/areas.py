@@ -34,7 +34,7 @@ def area_check(model: Model, rows: Rows) -> Check:
     it), which the engine does not use. It loses digits near birth and death; the bound grows with what it loses.
     """
     notes, ticks, ahead = Notes("areas"), chosen_ticks(rows.rows("trace")), Ahead(rows)
-    area, allowed = _summed(model, rows, ticks * model.tick)
+    area, allowed = _summed(model, rows, ticks.astype(np.float64) * model.tick)
     for n, tick in enumerate(ticks.tolist()):
         found = ahead.column("trace", "real_contact_area", tick, tick + 1)
         notes.near("/trace/real_contact_area", tick, found, area[n : n + 1], allowed[n : n + 1])
