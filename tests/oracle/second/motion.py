@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, Window, chunks
+from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model, Slider
@@ -15,6 +15,7 @@ from rubnoise.record.reader import Rows
 from rubnoise.theory.motion_cumulants import free_motion
 from rubnoise.theory.quadrature import panels
 from tests.oracle.second.sums import force_moments
+from tests.oracle.second.window import Window
 
 _NODES = 20
 _HALVINGS = 60
