@@ -15,7 +15,6 @@ from numba.core.serialize import dumps
 from numba.extending import intrinsic
 
 SOURCES = (
-    "analysis/verifying/sums.py",
     "compiling.py",
     "contact/plain_deviates.py",
     "simulation/coupled/*.py",

@@ -142,10 +142,11 @@ class Contents(ABC):
         return compared(self.reader(), self._called, bound)
 
     def verify(self, regenerate: int = 0) -> "Verification":
-        """Check every value against hashes, rows and scenario: a table of checks, and ``passed``.
+        """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
 
-        ``regenerate``: how many blocks to make again from the seed and compare bit for bit. A run in memory is saved
-        into a temporary file for this. Raises Refused for an unfinished run.
+        ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
+        random numbers cannot be drawn again. A run in memory is saved into a temporary file. Raises Refused for an
+        unfinished run.
         """
         from rubnoise.api.answers import verified
 

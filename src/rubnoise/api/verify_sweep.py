@@ -4,7 +4,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, get_args
 
@@ -116,9 +116,9 @@ def verify_sweep(
 ) -> Verification:
     """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
 
-    ``regenerate``: how many blocks of each run to make again; ``watch`` is called with the number of runs
-    checked and of all runs. Raises RunFileRefused for a folder that is not that of a sweep, that cannot be read, or on
-    which a sweep is at work.
+    ``watch`` is called with the number of runs checked and of all runs. Raises RunFileRefused for a folder that is not
+    that of a sweep, that cannot be read, or on which a sweep is at work, and Refused for ``regenerate`` if the sweep
+    keeps no runs.
     """
     place = SweepFolder(Path(folder))
     try:
@@ -137,7 +137,7 @@ def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification
     manifest, sweep = _manifest_check(place)
     if regenerate and sweep is not None and sweep.keep == "summary":
         raise Refused(f"{folder}: the sweep keeps no runs of which blocks could be made again")
-    results = _results(place, regenerate, watch)
+    results = _results(place, watch)
     left_out = list(_left_out(place, results))
     journals, known = journal_check(place, results.figures, left_out)
     index = index_checks(place, sweep, left_out)
@@ -193,7 +193,7 @@ def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
     )
 
 
-def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
+def _results(folder: SweepFolder, watch: Watch) -> Results:
     """Look at every file in the folder of runs."""
     results = Results(names=Notes("names"))
     runs = folder.root / "runs"
@@ -207,7 +207,7 @@ def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
             continue
         try:
             with open_run(path) as run:
-                _take_in(results, run, path, regenerate)
+                _take_in(results, run, path)
         except RunFileRefused as refusal:
             reason = str(refusal).removeprefix(f"{path}: ")
             results.different.append(
@@ -216,27 +216,20 @@ def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
     return results
 
 
-def _take_in(results: Results, run: ResultFile, path: Path, regenerate: int) -> None:
+def _take_in(results: Results, run: ResultFile, path: Path) -> None:
     name = name_of(run)
     right = path.stem if name == path.stem else f"that of {path.stem}"
     results.names.say(f"runs/{path.name}", found=name if name == path.stem else f"the result of {name}", expected=right)
     if not run.provenance["finished"]:
         raise RunFileRefused("unfinished")
     results.figures[path.stem] = {name: value for name, value in run.summary.items() if isinstance(value, int | float)}
-    try:
-        found = verify(run, regenerate)
-    except Refused as refusal:
-        if isinstance(refusal, RunFileRefused):
-            raise
-        results.left_out["regenerated", str(refusal)] += 1
-        found = verify(run)
+    found = verify(run)
     results.values += found.values
     results.left_out.update((each.name, each.reason) for each in found.left_out)
     for check in found.different:
         if check.first is not None:
             first = check.first
-            place = f"runs/{path.name} {first.place}"
-            results.different.append(Difference(place=place, row=first.row, found=first.found, expected=first.expected))
+            results.different.append(replace(first, place=f"runs/{path.name} {first.place}"))
 
 
 def _unknown_runs(results: Results, known: frozenset[str]) -> None:
