@@ -63,10 +63,10 @@ class Contact:
 
 def trace(contact: Contact, rng: np.random.Generator) -> Doubles:
     """Return the friction force in uN at every tick."""
-    filtered = contact.bandwidth is not None
-    fine = _OVERSAMPLED if filtered else 1
+    sensor = contact.bandwidth is not None
+    fine = _OVERSAMPLED if sensor else 1
     samples = contact.lives * contact.per_life * fine
-    before = 4 * contact.per_life * fine if filtered else 0
+    before = 4 * contact.per_life * fine if sensor else 0
     parts = []
     for number in range(contact.strokes):
         force = _stroke(contact, samples + (before if number == 0 else 0), contact.tick / fine, rng)

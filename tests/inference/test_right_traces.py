@@ -3,10 +3,14 @@
 import ast
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from rubnoise.inference.assumed import NOTHING, Assumed
+from rubnoise.inference.inference import Inference, infer_signal
+from rubnoise.inference.signal import Signal
 from tools import right_traces
 from tools.right_traces import Contact, trace
 
@@ -55,3 +59,45 @@ def test_strokes_go_to_and_fro_about_the_zero_of_the_sensor() -> None:
     means = force[:, 200:].mean(axis=1)
     assert np.sign(means).tolist() == [1.0, -1.0, 1.0, -1.0]
     assert (means[0] + means[1]) / (means[0] - means[1]) == pytest.approx(0.3, abs=0.1)
+
+
+def _read(contact: Contact, seed: int, assumed: Assumed = NOTHING, **options: Any) -> Inference:
+    values = trace(contact, np.random.default_rng(seed))
+    signal = Signal(values=values, tick=contact.tick, unit="uN", scale=1.0)
+    return infer_signal(signal, **{"zero": "known", "law": "fixed", **options}, assumed=assumed)
+
+
+def _scores(found: Inference) -> dict[str, float]:
+    """Return how many standard errors number, size and strength lie from the truth."""
+    truth = {"junction_count": 20.0, "diameter": 5.5, "shear_strength": 250.0}
+    return {
+        name: float(np.log(found.estimates[name].value / value) * found.estimates[name].value)
+        / found.estimates[name].standard_error
+        for name, value in truth.items()
+    }
+
+
+def test_unequal_strengths_are_undone_by_their_spread() -> None:
+    contact = Contact(strength_spread=0.5)
+    given = _scores(_read(contact, 5, Assumed(strength_spread=0.5)))
+    assert max(map(abs, given.values())) <= BOUND
+    equal = _read(contact, 5)
+    assert _scores(equal)["junction_count"] < -BOUND
+    assert _scores(equal)["shear_strength"] > BOUND
+    assert "equally strong" in equal.assumptions[0]
+    told = {each.strength_spread: each for each in equal.by_strength_spread}
+    assert told[0.0].junction_count == pytest.approx(equal.estimates["junction_count"].value)
+    assert told[0.5].junction_count == pytest.approx(1.25 * told[0.0].junction_count)
+    assert told[0.5].shear_strength == pytest.approx((told[0.0].shear_strength or 0.0) / 1.25)
+    known = _read(contact, 5, Assumed(strength_spread=0.5), zero="unknown", strength=250.0)
+    assert abs(known.estimates["junction_count"].value / 20.0 - 1.0) < 0.2
+    assert known.by_strength_spread[0].junction_count == pytest.approx(1.25 * known.estimates["junction_count"].value)
+
+
+def test_a_third_cumulant_against_the_spread_that_was_given_is_flagged() -> None:
+    """Few junctions in a long trace have a third cumulant that tells a spread of 100 % from none."""
+    contact = Contact(count=2.0, strength_spread=1.0, lives=3000, per_life=16)
+    wrong, right = _read(contact, 6), _read(contact, 6, Assumed(strength_spread=1.0))
+    tests = [next(each for each in found.tests if each.name == "third cumulant") for found in (wrong, right)]
+    assert [each.flagged for each in tests] == [True, False]
+    assert ", 0 % assumed" in tests[0].words

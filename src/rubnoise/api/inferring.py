@@ -3,15 +3,17 @@
 import os
 import re
 from dataclasses import replace
-from math import isfinite
+from math import isfinite, sqrt
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from rubnoise.api.infer_options import strength_spread_of
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused
+from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.signal import Signal, clipped
@@ -38,6 +40,7 @@ def infer(
     rate: str | float | None = None,
     zero: Literal["known", "unknown"] = "unknown",
     strength: str | float | None = None,
+    strength_spread: str | None = None,
     law: str = "auto",
     mask: str | tuple[str, ...] = (),
     drift: bool = False,
@@ -48,6 +51,7 @@ def infer(
     ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
     object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns
     time into sliding distance. ``zero`` is "known" where 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
+    ``strength_spread`` is the standard deviation over the mean of lognormal strengths, such as "50 %"; none is none.
     ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap``
     traces are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter.
     Raises Refused for bad input. What statistics refuse stands in ``refused_because``, what speaks against the model in
@@ -65,12 +69,14 @@ def infer(
         raise Refused("--strength: a trace of area has no strengths")
     psi = _quantity(strength, STRESS, "--strength")
     masked = _masked(mask, velocity, measured.along)
-    found = infer_signal(signal, zero=zero, strength=psi, law=law, masked=masked, drift=drift)
+    assumed = Assumed(
+        strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None)
+    )
+    asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
+    found = infer_signal(signal, law=law, **asked)
     if not bootstrap or found.refused_because is not None:
         return found
-    return replace(
-        found, bootstrap=_bootstrapped(found, bootstrap, zero=zero, strength=psi, masked=masked, drift=drift)
-    )
+    return replace(found, bootstrap=_bootstrapped(found, bootstrap, asked))
 
 
 def _measured(trace: Any, column: str | None) -> Measured:
@@ -218,22 +224,12 @@ class _Trace:
             self.values[first_row : first_row + columns[self.name].size] = columns[self.name]
 
 
-def _bootstrapped(
-    found: Inference,
-    count: int,
-    *,
-    zero: Any,
-    strength: float | None,
-    masked: tuple[tuple[float, float], ...],
-    drift: bool,
-) -> dict[str, Estimate]:
+def _bootstrapped(found: Inference, count: int, asked: dict[str, Any]) -> dict[str, Estimate]:
     """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
     samples: dict[str, list[float]] = {}
     for seed in range(1, count + 1):
         again = replace(found.signal, values=_simulated(found, seed))
-        refit = infer_signal(
-            again, zero=zero, strength=strength, law=found.law, masked=masked, drift=drift, tests=False
-        )
+        refit = infer_signal(again, law=found.law, tests=False, **asked)
         for name, each in refit.estimates.items():
             samples.setdefault(name, []).append(each.value)
     return {
@@ -255,6 +251,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         raise Refused("nothing was found that could be simulated")
     contact, tick, rows = fit.contact, signal.tick, signal.values.size
     diameter = contact.place.diameter * tick
+    spread = sqrt(max(contact.inequality - 1.0, 0.0))
     model = Model(
         mean_real_contact_area=1.0,
         mean_junction_count=2.0 * contact.births * contact.place.diameter,
@@ -262,7 +259,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         calibrated_diameter=diameter,
         sizes=fit.problem.population.law(diameter, contact.place.shape),
         births=PoissonBirths(mean_spacing=tick / contact.births),
-        strengths=None,
+        strengths=LAWS["lognormal"].make(1.0, spread, {}) if spread else LAWS["fixed"].make(1.0, 0.0, {}),
         sliding_speed=None,
         distance=tick * (rows - 1),
         start="stationary",
@@ -270,7 +267,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         tick=tick,
         tick_count=rows - 1,
     )
-    sink = _Trace("real_contact_area", rows)
+    sink = _Trace("friction_force", rows)
     simulate(model, seed, sink, engine="batch")
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
@@ -311,7 +308,7 @@ def found_scenario(found: Inference, *, speed: float | str | None = None, streng
         f'law = "{law}"',
         *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
         "",
-        *(["[strength]", f'mean = "{psi:.6g} MPa"', ""] if psi is not None else []),
+        *(["[strength]", f'mean = "{psi:.6g} MPa"', *_unequal(fit.contact.inequality), ""] if psi is not None else []),
         "[sliding]",
         *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
         f'distance = "{signal.tick * signal.values.size:.6g} um"',
@@ -324,3 +321,9 @@ def found_scenario(found: Inference, *, speed: float | str | None = None, streng
         "",
     ]
     return "\n".join(lines)
+
+
+def _unequal(inequality: float) -> list[str]:
+    """Return the lines of a scenario for strengths that are not equal, E[psi^2] / E[psi]^2 > 1."""
+    spread = sqrt(max(inequality - 1.0, 0.0))
+    return ['law = "lognormal"', f'spread = "{100.0 * spread:.6g} %"'] if spread else []

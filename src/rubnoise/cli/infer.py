@@ -1,6 +1,7 @@
 """`rubnoise infer`: from a measured trace back to its junctions, as text, as JSON, as a scenario and as a page."""
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -75,6 +76,10 @@ def command(
         str | None,
         typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI", show_default=False),
     ] = None,
+    strength_spread: Annotated[
+        str | None,
+        typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
+    ] = None,
     law: Annotated[
         LawChoice,
         typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
@@ -119,6 +124,7 @@ def command(
             rate=rate,
             zero=zero.value,
             strength=strength,
+            strength_spread=strength_spread,
             law=law.value,
             mask=tuple(mask or ()),
             drift=drift,
@@ -169,6 +175,8 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
             for each in found.tests
         },
         "law_free": dict(found.law_free),
+        "assumptions": list(found.assumptions),
+        "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
         "bootstrap": {name: _as_json(each) for name, each in found.bootstrap.items()},
     }
 
@@ -211,6 +219,7 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
         yield remark("Intervals hold 95 % whichever of these laws is right.")
     for name, reason in found.not_identified.items():
         yield remark(f"{_LABELS[name]}: not identified: {reason}")
+    yield from _granted(found)
     yield "without a law"
     yield line("diameter m6/m5", f"{found.law_free['effective_diameter']:.4g} um")
     if "effective_count" in found.law_free:
@@ -222,6 +231,18 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
     yield "tests of the trace"
     for test in found.tests:
         yield remark(f"{'FLAGGED: ' if test.flagged else ''}{test.words} (p = {test.p:.2g})")
+
+
+def _granted(found: "Inference") -> Iterator[str]:
+    """Yield what was taken for granted, and how number and strength move with it."""
+    if found.assumptions:
+        yield "taken for granted"
+    for words in found.assumptions:
+        yield remark(words)
+    for each in found.by_strength_spread:
+        strength = "" if each.shear_strength is None else f" of {each.shear_strength:.4g} MPa"
+        numbers = f"{each.junction_count:.4g} junctions{strength}"
+        yield line(f"strengths spread by {100.0 * each.strength_spread:.0f} %", numbers)
 
 
 def _value(estimate: "Estimate") -> str:

@@ -229,11 +229,28 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
         p = _two_sided(z)
         ratio = measured / max(abs(expected), 1e-300)
         words = f"third cumulant: {ratio:.2f} of that of the contact found, {z:+.1f} standard errors"
+        if "inequality" not in fit.known.free:
+            words += f"; {_spread_words(ratio, abs(ratio - 1.0) / max(abs(z), 1e-300), fit)}"
     else:
         z = measured / error
         p = 0.5 * erfc(-z / sqrt(2.0))  # the chance of a value as far below zero
         words = f"third cumulant: {z:+.1f} standard errors from zero; junctions make it positive"
     return HonestyTest(name="third cumulant", statistic=z, p=p, level=THIRD, words=words)
+
+
+def _spread_words(ratio: float, error: float, fit: Fit) -> str:
+    """Return the spread of strengths that a third cumulant speaks for, beside the one assumed.
+
+    With a known mean it goes as B^2 (1 + v) / A, with a known strength as B psi (1 + v)^2, where A = lam E[psi] and
+    B = lam E[psi^2] are what mean and spectrum tell.
+    """
+    power = 1.0 if fit.known.mean is not None else 0.5
+    w = fit.known.inequality
+    low, middle, high = (
+        100.0 * sqrt(max(w * max(ratio + sign * 1.96 * error, 0.0) ** power - 1.0, 0.0)) for sign in (-1.0, 0.0, 1.0)
+    )
+    given = f"{100.0 * sqrt(w - 1.0):.3g} %"
+    return f"as of a spread of strengths of {middle:.0f} % (95 %: {low:.0f} to {high:.0f} %), {given} assumed"
 
 
 def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:

@@ -10,6 +10,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import LENS
 from rubnoise.errors import Refused
+from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import Place, Problem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
@@ -55,7 +56,8 @@ class Inference:
     ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
     ``tests`` of the trace against the model; ``not_identified`` names what it cannot show, with what would show it;
     ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
-    ``bootstrap`` is empty, or how estimates of simulated traces scatter.
+    ``bootstrap`` is empty, or how estimates of simulated traces scatter. ``assumptions`` says what was taken for
+    granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths.
     """
 
     estimates: Mapping[str, Estimate]
@@ -70,6 +72,8 @@ class Inference:
     signal: Signal = field(repr=False)
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
+    assumptions: tuple[str, ...] = ()
+    by_strength_spread: tuple[IfSpread, ...] = ()
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
@@ -90,12 +94,14 @@ def infer_signal(
     law: str = "auto",
     masked: tuple[tuple[float, float], ...] = (),
     drift: bool = False,
+    assumed: Assumed = NOTHING,
     tests: bool = True,
 ) -> Inference:
     """Return what a signal tells: by its spectrum, and by its mean where the zero of the sensor is known.
 
     ``strength`` in MPa is E[psi], where it is known; ``masked`` are ranges in cycles per um that are left out;
-    ``drift`` adds a random walk. Raises Refused for a law that is not one of LAWS, for values that are no trace.
+    ``drift`` adds a random walk; ``assumed`` is taken for granted. Raises Refused for a law that is not one of LAWS,
+    for values that are no trace.
     """
     if law != "auto" and law not in POPULATIONS:
         raise Refused(f"--law: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
@@ -110,7 +116,7 @@ def infer_signal(
     values = values / scale
     half_width = half_width_under_drift(values) if drift else half_width_of(values)
     bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
-    known = _known(signal, values, zero, strength, scale)
+    known = _known(signal, values, zero, strength, scale, assumed)
     level = course(values, half_width) if drift else float(values.mean())
     third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
@@ -122,8 +128,9 @@ def infer_signal(
     laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
     of_best = laws[names.index(best.problem.population.name)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
+    estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return Inference(
-        estimates={name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()},
+        estimates=estimates,
         not_identified=_not_identified(best, signal, compared=compared),
         law=best.problem.population.name,
         laws=laws,
@@ -134,6 +141,8 @@ def infer_signal(
         refused_because=None,
         signal=signal,
         fit=best,
+        assumptions=sentences(assumed, best.known, is_area=signal.is_area),
+        by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
     )
 
 
@@ -152,12 +161,13 @@ def _refusal(signal: Signal, reason: str) -> Inference:
     )
 
 
-def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, scale: float) -> Known:
+def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, scale: float, assumed: Assumed) -> Known:
     """Return what is known beside the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
     given = 1.0 if signal.is_area else strength
     unit = None if signal.scale is None else signal.scale * scale
     inside = None if given is None or unit is None else given * signal.tick**2 / unit
-    return Known(mean=float(values.mean()) if zero == "known" else None, strength=inside, births=0.0)
+    mean = float(values.mean()) if zero == "known" else None
+    return Known(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality)
 
 
 def _fitted(
@@ -173,7 +183,7 @@ def _fitted(
     for problem, place, worth in begun:
         own = known
         if known.free == ("strength",):
-            own = replace(known, births=_births_by_skewness(problem, place, third))
+            own = replace(known, births=_births_by_skewness(problem, place, third, known.inequality))
         fit = score(problem, place, own, worth, steps=STEPS if worth < least + _HOPELESS else 0)
         if deviance(bands, fit.expected.mean) > worth + _HOPELESS:  # the steps have lost their way
             fit = score(problem, place, own, worth, steps=0)
@@ -181,10 +191,10 @@ def _fitted(
     return fits
 
 
-def _births_by_skewness(problem: Problem, place: Place, third: float) -> float:
-    """Return lam per tick for which the third cumulant lam psi^3 c_3 E[d^7] is as measured, given lam psi^2."""
+def _births_by_skewness(problem: Problem, place: Place, third: float, inequality: float) -> float:
+    """Return lam per tick for which the third cumulant lam psi^3 w^3 c_3 E[d^7] is as measured, given lam psi^2 w."""
     single = LENS.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7
-    births = place.rate**3 * single**2 / max(third, 1e-12) ** 2
+    births = place.rate**3 * single**2 * inequality**3 / max(third, 1e-12) ** 2
     return float(np.clip(births, _FEWEST_ALIVE / place.diameter, _MOST_ALIVE / place.diameter))
 
 
@@ -293,5 +303,5 @@ def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
     second = LENS.life_integral(2)
     found = {"effective_diameter": max(zero, 0.0) * second / (variance * FIRST**2) * signal.tick}
     if fit.known.mean is not None:
-        found["effective_count"] = 2.0 * second / FIRST**2 * fit.known.mean**2 / variance
+        found["effective_count"] = 2.0 * second / FIRST**2 * fit.contact.inequality * fit.known.mean**2 / variance
     return found

@@ -40,12 +40,13 @@ class Known:
     """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
 
     Strength in the trace's unit per tick^2. ``births`` per tick stands in where neither is known: it sets the size of
-    the shot noise alone.
+    the shot noise alone. ``inequality`` E[psi^2] / E[psi]^2 is given, unless mean and strength are both known.
     """
 
     mean: float | None
     strength: float | None
     births: float
+    inequality: float = 1.0
 
     @property
     def free(self) -> tuple[str, ...]:
@@ -184,14 +185,17 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
 def _begun(problem: Problem, place: Place, known: Known) -> Contact:
     """Return the contact that a place means with what is known."""
     third = FIRST * problem.population.moment(3, place.shape) * place.diameter**3
+    w = known.inequality
     if known.mean is None:
         if known.strength is None:
-            return Contact(place=place, births=known.births, strength=sqrt(place.rate / known.births))
-        return Contact(place=place, births=place.rate / known.strength**2, strength=known.strength)
+            strength = sqrt(place.rate / (known.births * w))
+            return Contact(place=place, births=known.births, strength=strength, inequality=w)
+        births = place.rate / (known.strength**2 * w)
+        return Contact(place=place, births=births, strength=known.strength, inequality=w)
     sum_of_strengths = known.mean / third
     if known.strength is None:
-        strength = place.rate / sum_of_strengths
-        return Contact(place=place, births=place.rate / strength**2, strength=strength)
+        strength = place.rate / (sum_of_strengths * w)
+        return Contact(place=place, births=sum_of_strengths / strength, strength=strength, inequality=w)
     births = sum_of_strengths / known.strength
     inequality = place.rate / (births * known.strength**2)
     return Contact(place=place, births=births, strength=known.strength, inequality=inequality)
