@@ -1,6 +1,7 @@
 """Traces made outside the package have the moments of their closed forms, and `infer` reads their options."""
 
 import ast
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.pulses import LENS
 from rubnoise.inference.assumed import NOTHING, Assumed
 from rubnoise.inference.inference import Inference, infer_signal
+from rubnoise.inference.passes import energies, first_integrals, life_integrals, offsets
+from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 from tools import right_traces
 from tools.right_traces import Contact, trace
@@ -101,3 +106,57 @@ def test_a_third_cumulant_against_the_spread_that_was_given_is_flagged() -> None
     tests = [next(each for each in found.tests if each.name == "third cumulant") for found in (wrong, right)]
     assert [each.flagged for each in tests] == [True, False]
     assert ", 0 % assumed" in tests[0].words
+
+
+@pytest.mark.parametrize(("cycles", "poles"), [(5.0, 1), (10.0, 1), (8.0, 2)])
+def test_a_filter_is_undone_by_its_corner(cycles: float, poles: int) -> None:
+    contact = Contact(bandwidth=cycles, poles=poles, lives=900)
+    given = _read(contact, 7, Assumed(bandwidth=cycles / 11.0, poles=poles))
+    assert max(map(abs, _scores(given).values())) <= BOUND
+    assert given.flags == []
+    said = re.findall(r"at ([0-9.]+) cycles per life", given.assumptions[1])
+    assert float(said[0]) == pytest.approx(cycles, rel=0.03)
+    without = _read(contact, 7)
+    assert _scores(without)["junction_count"] > BOUND
+    assert _scores(without)["shear_strength"] < -BOUND
+    assert "20 cycles per life or more" in without.assumptions[1]
+
+
+def test_what_a_filter_takes_bends_as_its_slopes_say() -> None:
+    sensor, step = Sensor(corner=0.3, poles=2), 1e-4
+    k = np.array([0.01, 0.2, 0.3, 1.0, 5.0])
+    below, here, above = (sensor.energy(k * np.exp(s)) for s in (-step, 0.0, step))
+    first, second = sensor.slopes(k)
+    assert first == pytest.approx((above - below) / (2.0 * step), rel=1e-6)
+    assert second == pytest.approx((above - 2.0 * here + below) / step**2, rel=1e-4, abs=1e-6)
+    assert np.square(np.abs(sensor.response(k))) == pytest.approx(here)
+
+
+def test_single_passes_add_up_to_the_average_of_all() -> None:
+    chance = offsets(OFF_CENTRE_LENS)[1]
+    assert chance @ first_integrals(OFF_CENTRE_LENS) == pytest.approx(OFF_CENTRE_LENS.life_integral(1))
+    for pulse in (LENS, OFF_CENTRE_LENS):
+        second, third = life_integrals(pulse, Sensor(corner=1e4), np.array([2.0]))
+        assert (second @ offsets(pulse)[1])[0] == pytest.approx(pulse.life_integral(2) * 2.0**5, rel=2e-3)
+        assert (third @ offsets(pulse)[1])[0] == pytest.approx(pulse.life_integral(3) * 2.0**7, rel=2e-3)
+    z, width = np.log(np.array([0.5, 3.0, 20.0])), np.full(3, 0.1)
+    single = energies(OFF_CENTRE_LENS, z, width)
+    assert single @ chance == pytest.approx([0.14226532766, 0.0388, 1.7e-6], rel=0.5)
+    assert np.ptp(single[1]) > 0.5 * single[1].mean(), "passes near the edge hold less"
+
+
+def test_passes_off_the_centre_are_read_and_told_from_those_through_it() -> None:
+    contact = Contact(off_centre=True)
+    right = _read(contact, 8, Assumed(pulse=OFF_CENTRE_LENS))
+    assert max(map(abs, _scores(right).values())) <= BOUND
+    assert right.flags == []
+    assert right.other_offset is not None
+    assert (right.other_offset.offset, right.other_offset.worse_by > BOUND * right.other_offset.error) == ("none", True)
+    wrong = _read(contact, 8)
+    assert _scores(wrong)["junction_count"] > BOUND
+    assert wrong.other_offset is not None
+    assert (wrong.other_offset.offset, wrong.other_offset.worse_by < -BOUND * wrong.other_offset.error) == (
+        "uniform",
+        True,
+    )
+    assert _read(Contact(), 8).other_offset is None, "what fits is not compared unasked"

@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from rubnoise.api.infer_options import strength_spread_of
+from rubnoise.api.infer_options import bandwidth_of, pulse_of, strength_spread_of
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
@@ -41,6 +41,10 @@ def infer(
     zero: Literal["known", "unknown"] = "unknown",
     strength: str | float | None = None,
     strength_spread: str | None = None,
+    pulse: str = "lens",
+    offset: str = "none",
+    bandwidth: str | None = None,
+    poles: int = 1,
     law: str = "auto",
     mask: str | tuple[str, ...] = (),
     drift: bool = False,
@@ -52,8 +56,10 @@ def infer(
     object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns
     time into sliding distance. ``zero`` is "known" where 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
     ``strength_spread`` is the standard deviation over the mean of lognormal strengths, such as "50 %"; none is none.
-    ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap``
-    traces are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter.
+    ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
+    of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
+    walk as well. ``bootstrap`` traces are simulated from what was found, and ``Inference.bootstrap`` holds how the
+    estimates scatter.
     Raises Refused for bad input. What statistics refuse stands in ``refused_because``, what speaks against the model in
     ``flags``. Source: docs/inference.md.
     """
@@ -70,7 +76,10 @@ def infer(
     psi = _quantity(strength, STRESS, "--strength")
     masked = _masked(mask, velocity, measured.along)
     assumed = Assumed(
-        strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None)
+        strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None),
+        pulse=pulse_of(pulse, offset),
+        bandwidth=bandwidth_of(_rate(bandwidth, "--bandwidth"), poles, velocity, measured.along),
+        poles=poles,
     )
     asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
     found = infer_signal(signal, law=law, **asked)
@@ -254,7 +263,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     spread = sqrt(max(contact.inequality - 1.0, 0.0))
     model = Model(
         mean_real_contact_area=1.0,
-        mean_junction_count=2.0 * contact.births * contact.place.diameter,
+        mean_junction_count=fit.problem.pulse.mean_life * contact.births * contact.place.diameter,
         calibration="exact",
         calibrated_diameter=diameter,
         sizes=fit.problem.population.law(diameter, contact.place.shape),
@@ -266,12 +275,13 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         slider=None,
         tick=tick,
         tick_count=rows - 1,
+        pulse=fit.problem.pulse,
     )
     sink = _Trace("friction_force", rows)
     simulate(model, seed, sink, engine="batch")
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
-    return scale * (contact.strength / tick**2 * sink.values + noise)
+    return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
 
 
 def found_scenario(found: Inference, *, speed: float | str | None = None, strength: float | str | None = None) -> str:
@@ -309,6 +319,7 @@ def found_scenario(found: Inference, *, speed: float | str | None = None, streng
         *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
         "",
         *(["[strength]", f'mean = "{psi:.6g} MPa"', *_unequal(fit.contact.inequality), ""] if psi is not None else []),
+        *(["[pulse]", f'offset = "{offset}"', ""] if (offset := fit.problem.pulse.offset) != "none" else []),
         "[sliding]",
         *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
         f'distance = "{signal.tick * signal.values.size:.6g} um"',

@@ -13,7 +13,7 @@ from rubnoise.cli.layout import line, printable, remark
 
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
-    from rubnoise.inference.inference import Inference
+    from rubnoise.inference.inference import Inference, OtherOffset
 
 NAMES = (
     "junction_count",
@@ -31,6 +31,19 @@ class Zero(StrEnum):
 
     KNOWN = "known"
     UNKNOWN = "unknown"
+
+
+class Shape(StrEnum):
+    """Lives that can be read."""
+
+    LENS = "lens"
+
+
+class Offset(StrEnum):
+    """How far passes miss the centre line."""
+
+    NONE = "none"
+    UNIFORM = "uniform"
 
 
 class LawChoice(StrEnum):
@@ -80,6 +93,15 @@ def command(
         str | None,
         typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
     ] = None,
+    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens.", metavar="SHAPE")] = Shape.LENS,
+    offset: Annotated[
+        Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
+    ] = Offset.NONE,
+    bandwidth: Annotated[
+        str | None,
+        typer.Option(help='Corner of the sensor\'s filter: "200 Hz".', metavar="F", show_default=False),
+    ] = None,
+    poles: Annotated[int, typer.Option(help="Poles of this filter.", metavar="P", min=1, max=2)] = 1,
     law: Annotated[
         LawChoice,
         typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
@@ -125,6 +147,10 @@ def command(
             zero=zero.value,
             strength=strength,
             strength_spread=strength_spread,
+            pulse=pulse.value,
+            offset=offset.value,
+            bandwidth=bandwidth,
+            poles=poles,
             law=law.value,
             mask=tuple(mask or ()),
             drift=drift,
@@ -176,9 +202,17 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
         },
         "law_free": dict(found.law_free),
         "assumptions": list(found.assumptions),
+        "other_offset": _other(found),
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
         "bootstrap": {name: _as_json(each) for name, each in found.bootstrap.items()},
     }
+
+
+def _other(found: "Inference") -> dict[str, Any] | None:
+    other = found.other_offset
+    if other is None:
+        return None
+    return {"offset": other.offset, "worse_by": other.worse_by, "worse_by_error": other.error}
 
 
 def _as_json(estimate: "Estimate") -> dict[str, Any]:
@@ -239,10 +273,18 @@ def _granted(found: "Inference") -> Iterator[str]:
         yield "taken for granted"
     for words in found.assumptions:
         yield remark(words)
+    if found.other_offset is not None:
+        yield remark(_compared(found.other_offset))
     for each in found.by_strength_spread:
         strength = "" if each.shear_strength is None else f" of {each.shear_strength:.4g} MPa"
         numbers = f"{each.junction_count:.4g} junctions{strength}"
         yield line(f"strengths spread by {100.0 * each.strength_spread:.0f} %", numbers)
+
+
+def _compared(other: "OtherOffset") -> str:
+    passes = "passes off the centre (--offset uniform)" if other.offset == "uniform" else "passes through the centre"
+    which = "worse" if other.worse_by >= 0.0 else "better"
+    return f"{passes} fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion"
 
 
 def _value(estimate: "Estimate") -> str:

@@ -2,20 +2,36 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf, isinf, pi
 from typing import Final
 
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.scoring import Known
+from rubnoise.inference.sensor import Sensor
 
 SPREADS: Final = (0.0, 0.25, 0.5, 1.0)
 """Relative spreads of strengths for which number and strength are told beside the assumed one."""
+ENOUGH_CYCLES: Final = 20.0
+"""Cycles per life that a sensor has to pass where its filter is not given; docs/inference.md has the measured table."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assumed:
-    """What is taken for granted: ``strength_spread`` is the standard deviation over the mean of lognormal strengths."""
+    """What is taken for granted.
+
+    ``strength_spread`` is the standard deviation over the mean of lognormal strengths, ``pulse`` how the area of a
+    junction rises and falls, ``bandwidth`` the corner of each of the sensor's ``poles`` in cycles per um.
+    """
 
     strength_spread: float = 0.0
+    pulse: Pulse = LENS
+    bandwidth: float = inf
+    poles: int = 1
+
+    def sensor(self, tick: float) -> Sensor:
+        """Return the filter of the sensor for samples every ``tick`` um."""
+        return Sensor(corner=2.0 * pi * self.bandwidth * tick, poles=self.poles)
 
     @property
     def inequality(self) -> float:
@@ -24,7 +40,7 @@ class Assumed:
 
 
 NOTHING: Final = Assumed()
-"""Equal strengths."""
+"""Equal strengths, passes through both centres, a sensor that passes everything."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,8 +80,8 @@ def by_spread(estimates: Mapping[str, Estimate], known: Known) -> tuple[IfSpread
     return tuple(found)
 
 
-def sentences(assumed: Assumed, known: Known, *, is_area: bool) -> tuple[str, ...]:
-    """Return what the answer takes for granted, a sentence each."""
+def sentences(assumed: Assumed, known: Known, life: float, *, is_area: bool) -> tuple[str, ...]:
+    """Return what the answer takes for granted, a sentence each; ``life`` is 2 E[d] in um."""
     said = []
     if moves_with_spread(known) and not is_area:
         said.append(
@@ -73,4 +89,16 @@ def sentences(assumed: Assumed, known: Known, *, is_area: bool) -> tuple[str, ..
             if assumed.strength_spread
             else "junctions are taken for equally strong (--strength-spread gives another spread)"
         )
+    said.append(_of_sensor(assumed, life))
+    if assumed.pulse.offset == "none":
+        said.append("passes are taken to go through both centres (--offset uniform for passes off the centre)")
+    else:
+        said.append("passes are taken to miss the centre by offsets uniform on -d to d")
     return tuple(said)
+
+
+def _of_sensor(assumed: Assumed, life: float) -> str:
+    if isinf(assumed.bandwidth):
+        return f"the sensor is taken to pass {ENOUGH_CYCLES:g} cycles per life or more (--bandwidth gives its corner)"
+    poles = "one pole" if assumed.poles == 1 else f"{assumed.poles} poles"
+    return f"the sensor is taken to have {poles} at {assumed.bandwidth * life:.3g} cycles per life, 2 d"

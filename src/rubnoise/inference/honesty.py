@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LENS
+from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
-from rubnoise.inference.scoring import FIRST, Fit
+from rubnoise.inference.scoring import Fit
 
 _GROUPS = 14
 _LIGHTEST_GROUP = 16.0  # bands' worth: a group of fewer is too skew even for its cube root
@@ -57,7 +57,7 @@ def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_kno
     """Return the tests of a trace against a fit; ``level`` is its mean, or where it drifts its course."""
     return (
         spectrum_test(fit),
-        reversal_test(values, level, fit.contact.place.diameter),
+        reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
         line_test(fit),
         third_test(third_cumulant(values, level), values.size, fit, zero_known=zero_known),
         steadiness_test(values, fit),
@@ -207,17 +207,19 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
     from rubnoise.inference.populations import shot_sizes
 
     contact, place = fit.contact, fit.contact.place
-    psi = contact.strength
-    expected = (
-        contact.births * psi**3 * contact.inequality**3 * LENS.life_integral(3) * fit.moment(7) * place.diameter**7
-    )
+    psi, pulse, sensor = contact.strength, fit.problem.pulse, fit.problem.sensor
     sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
     d = place.diameter * sizes
-    variance = place.rate * LENS.life_integral(2) * fit.moment(5) * place.diameter**5
-    alone = psi**3 * LENS.life_integral(3) * d**7 - 3.0 * variance * psi * FIRST * d**3
+    second_passed, third_passed = passed(pulse, sensor, d, probability)
+    expected = contact.births * psi**3 * contact.inequality**3 * pulse.life_integral(3) * fit.moment(7)
+    expected *= place.diameter**7 * third_passed
+    variance = place.rate * pulse.life_integral(2) * fit.moment(5) * place.diameter**5 * second_passed
+    cubes = psi**3 * life_integrals(pulse, sensor, d)[1]
+    alone = cubes - 3.0 * variance * psi * np.outer(d**3, first_integrals(pulse))
     reach = place.diameter * fit.moment(6) / fit.moment(5)
     gaussian = 6.0 * (variance**3 * reach + place.noise * (3.0 * variance**2 + place.noise**2))
-    error = sqrt(gaussian / n) + sqrt(contact.births * float(np.square(alone) @ probability) / n)
+    alike = float(probability @ np.square(alone) @ offsets(pulse)[1])
+    error = sqrt(gaussian / n) + sqrt(contact.births * alike / n)
     predicted = (zero_known or fit.known.strength is not None) and place.drift is None
     if predicted:
         powers = {
@@ -277,7 +279,7 @@ def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     from scipy.special import gammaincc
 
     place = fit.contact.place
-    density = place.rate * FIRST**2 * fit.moment(6) * place.diameter**6 + place.noise
+    density = place.rate * fit.problem.pulse.squared_integral * fit.moment(6) * place.diameter**6 + place.noise
     length = values.size // _PARTS
     means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
     number = np.arange(_PARTS)

@@ -8,18 +8,22 @@ from typing import Final, Literal
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LENS
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.pulses import LENS, Offset, Pulse
 from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import Place, Problem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
-from rubnoise.inference.periodogram import Bands, banded
-from rubnoise.inference.populations import POPULATIONS
-from rubnoise.inference.scoring import FIRST, STEPS, Fit, Known, covariance, score
+from rubnoise.inference.passes import passed
+from rubnoise.inference.periodogram import banded
+from rubnoise.inference.populations import POPULATIONS, shot_sizes
+from rubnoise.inference.scoring import STEPS, Fit, Known, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, strokes
 
 LAWS: Final = tuple(POPULATIONS)
+OTHERS: Final[dict[Offset, Pulse]] = {"none": OFF_CENTRE_LENS, "uniform": LENS}
+"""The passes that are tried beside those of an offset."""
 FEWEST_SIZES: Final = 20.0
 """Mean diameters of sliding below which a record is refused."""
 FEWEST_SAMPLES: Final = 3.0
@@ -50,6 +54,15 @@ class LawFit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OtherOffset:
+    """Passes of the other ``offset``, "none" or "uniform": by how much their criterion is worse, with its error."""
+
+    offset: Offset
+    worse_by: float
+    error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Inference:
     """What a trace shows about its junctions.
 
@@ -57,7 +70,8 @@ class Inference:
     ``tests`` of the trace against the model; ``not_identified`` names what it cannot show, with what would show it;
     ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
     ``bootstrap`` is empty, or how estimates of simulated traces scatter. ``assumptions`` says what was taken for
-    granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths.
+    granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths;
+    ``other_offset`` how passes of the other kind fit, where they were tried.
     """
 
     estimates: Mapping[str, Estimate]
@@ -73,6 +87,7 @@ class Inference:
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
     assumptions: tuple[str, ...] = ()
+    other_offset: OtherOffset | None = None
     by_strength_spread: tuple[IfSpread, ...] = ()
 
     @property
@@ -120,7 +135,13 @@ def infer_signal(
     level = course(values, half_width) if drift else float(values.mean())
     third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
-    fits = _fitted(bands, names, half_width, known, third, drift=drift)
+    sensor = assumed.sensor(signal.tick)
+
+    def fitted(pulse: Pulse) -> list[Fit]:
+        problems = [Problem(bands, POPULATIONS[name], drift=drift, pulse=pulse, sensor=sensor) for name in names]
+        return _fitted(problems, half_width, known, third)
+
+    fits = fitted(assumed.pulse)
     best = min(fits, key=_criterion)
     if reason := _too_little(best, signal):
         return _refusal(signal, reason)
@@ -128,20 +149,26 @@ def infer_signal(
     laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
     of_best = laws[names.index(best.problem.population.name)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
+    spoken = honesty_tests(values, level, best, zero_known=zero == "known") if tests else ()
+    asked = assumed.pulse.offset != "none" or any(test.flagged for test in spoken if test.name == "spectrum")
+    other = OTHERS[assumed.pulse.offset]
     estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return Inference(
         estimates=estimates,
         not_identified=_not_identified(best, signal, compared=compared),
         law=best.problem.population.name,
         laws=laws,
-        tests=honesty_tests(values, level, best, zero_known=zero == "known") if tests else (),
+        tests=spoken,
         law_free=_law_free(best, signal),
         parameters=best.names,
         covariance=best.covariance,
         refused_because=None,
         signal=signal,
         fit=best,
-        assumptions=sentences(assumed, best.known, is_area=signal.is_area),
+        assumptions=sentences(
+            assumed, best.known, 2.0 * best.contact.place.diameter * signal.tick, is_area=signal.is_area
+        ),
+        other_offset=_other_offset(fitted(other), best) if tests and asked else None,
         by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
     )
 
@@ -170,11 +197,9 @@ def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, s
     return Known(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality)
 
 
-def _fitted(
-    bands: Bands, names: tuple[str, ...], half_width: float, known: Known, third: float, *, drift: bool
-) -> list[Fit]:
+def _fitted(problems: list[Problem], half_width: float, known: Known, third: float) -> list[Fit]:
     """Return the fit of each law; one that is hopeless by its Whittle deviance stays where that is least."""
-    problems = [Problem(bands, POPULATIONS[name], drift=drift) for name in names]
+    bands = problems[0].bands
     floor = 10.0 * max(problem.floor for problem in problems)
     noise = max(0.5 * float(np.median(bands.energy[-_NOISE_BANDS:])), floor)
     begun = [(problem, *whittle(problem, half_width, noise)) for problem in problems]
@@ -193,7 +218,9 @@ def _fitted(
 
 def _births_by_skewness(problem: Problem, place: Place, third: float, inequality: float) -> float:
     """Return lam per tick for which the third cumulant lam psi^3 w^3 c_3 E[d^7] is as measured, given lam psi^2 w."""
-    single = LENS.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7
+    sizes, probability, _ = shot_sizes(problem.population, place.shape)
+    seen = passed(problem.pulse, problem.sensor, place.diameter * sizes, probability)[1]
+    single = problem.pulse.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7 * seen
     births = place.rate**3 * single**2 * inequality**3 / max(third, 1e-12) ** 2
     return float(np.clip(births, _FEWEST_ALIVE / place.diameter, _MOST_ALIVE / place.diameter))
 
@@ -268,6 +295,13 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     return reasons
 
 
+def _other_offset(fits: list[Fit], best: Fit) -> OtherOffset:
+    """Return the best fit of the other passes beside the best of those that were assumed."""
+    other = min(fits, key=_criterion)
+    beside = _beside(other, best, {})
+    return OtherOffset(offset=other.problem.pulse.offset, worse_by=beside.worse_by, error=beside.error)
+
+
 def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
     """Return a law's fit beside the best one: Vuong's test on the difference of their Whittle likelihoods.
 
@@ -292,16 +326,20 @@ def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
 def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
     """Return numbers that lean on no law: m_6/m_5 from S(0) over the variance, and N of equal sizes from the mean.
 
-    d_eff = S(0) c_2 / (variance c_1^2), N_eff = 1.5124 mean^2 / variance; S(0) is the mean of the bands below a tenth
-    of k d, the variance that of the trace less its noise.
+    d_eff = S(0) c_2 / (variance E[(int a)^2]), N_eff = L c_2 / c_1^2 mean^2 / variance, for the lens 1.5124 of them,
+    L the mean life of unit diameter; S(0) is the mean of the bands below a tenth of k d, the variance that of the trace
+    less its noise, before the sensor.
     """
-    bands, place = fit.problem.bands, fit.contact.place
-    variance = max(1.0 - place.noise, 1e-12)
+    bands, place, pulse = fit.problem.bands, fit.contact.place, fit.problem.pulse
+    sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
+    seen = passed(pulse, fit.problem.sensor, place.diameter * sizes, probability)[0]
+    variance = max(1.0 - place.noise, 1e-12) / seen
     typical = place.diameter * sqrt(fit.moment(8) / fit.moment(6))
     low = np.maximum(bands.wavenumber * typical < 0.6, np.arange(bands.energy.size) < 5)
     zero = float(np.sum((bands.weight * bands.energy)[low]) / np.sum(bands.weight[low])) - place.noise
-    second = LENS.life_integral(2)
-    found = {"effective_diameter": max(zero, 0.0) * second / (variance * FIRST**2) * signal.tick}
+    second = pulse.life_integral(2)
+    found = {"effective_diameter": max(zero, 0.0) * second / (variance * pulse.squared_integral) * signal.tick}
     if fit.known.mean is not None:
-        found["effective_count"] = 2.0 * second / FIRST**2 * fit.contact.inequality * fit.known.mean**2 / variance
+        equal = pulse.mean_life * second / pulse.life_integral(1) ** 2 * fit.contact.inequality
+        found["effective_count"] = equal * fit.known.mean**2 / variance
     return found

@@ -11,15 +11,14 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LENS
 from rubnoise.inference.fitting import Expected, Place, Problem
-from rubnoise.inference.populations import mean_life_energy, moment_slope, shot_sizes
+from rubnoise.inference.passes import energies, first_integrals, offsets
+from rubnoise.inference.populations import moment_slope, shot_sizes
 
 STEPS: Final = 25
 _CLOSE = 1e-6  # in the chi-square of a step: a thousandth of a standard error
 _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
-FIRST: Final = LENS.life_integral(1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +101,7 @@ def _third_slope(problem: Problem, shape: float) -> float:
 def expected_mean(problem: Problem, contact: Contact) -> float:
     """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
     third = problem.population.moment(3, contact.place.shape)
-    return contact.births * contact.strength * FIRST * third * contact.place.diameter**3
+    return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**3
 
 
 def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
@@ -118,13 +117,17 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
     sizes, probability, step = shot_sizes(problem.population, place.shape)
     diameters = place.diameter * sizes
     widths = step + periodogram.log_width
-    energies = mean_life_energy(np.log(np.outer(periodogram.wavenumber, diameters)), widths[:, None]) * diameters**6
-    # Scaled to the bands' own expectation, which knows of aliases and of the widths of bands.
+    phases = np.log(np.outer(periodogram.wavenumber, diameters))
+    each = energies(problem.pulse, phases, widths[:, None]) * diameters[:, None] ** 6
+    each = each.reshape(bands.size, -1)
+    first = np.outer(diameters**3, first_integrals(problem.pulse)).ravel()
+    chance = np.outer(probability, offsets(problem.pulse)[1]).ravel()
+    # Scaled to the bands' own expectation, which knows of aliases, of the sensor and of the widths of bands.
     expected = problem.expectation.population(problem.table(place), place.diameter)[0]
-    energies *= (expected / (energies @ probability))[:, None]
+    each *= (expected / (each @ chance))[:, None]
     psi, w = contact.strength, contact.inequality
-    f = np.vstack([psi * FIRST * diameters**3, psi**2 * energies])
-    total = (contact.births / periodogram.span) * (f * probability) @ f.T
+    f = np.vstack([psi * first, psi**2 * each])
+    total = (contact.births / periodogram.span) * (f * chance) @ f.T
     total[1:, 1:] *= periodogram.variance_factor * w**6
     total[0, 1:] *= w**3
     total[1:, 0] *= w**3
@@ -184,7 +187,7 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
 
 def _begun(problem: Problem, place: Place, known: Known) -> Contact:
     """Return the contact that a place means with what is known."""
-    third = FIRST * problem.population.moment(3, place.shape) * place.diameter**3
+    third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
     w = known.inequality
     if known.mean is None:
         if known.strength is None:
