@@ -93,6 +93,11 @@ class Problem:
                 by.append(place.drift * self.walk)
         return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names), signal=energy)
 
+    def longest_waves(self, place: Place) -> float:
+        """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""
+        sixth = self.population.moment(6, place.shape) * place.diameter**6
+        return place.rate * self.pulse.squared_integral * sixth + place.noise
+
     def is_widest(self, place: Place) -> bool:
         """Return whether the shape is at its upper bound: a step beyond would move the others alone, and wrongly."""
         return self.population.spread and place.shape >= self.population.widest

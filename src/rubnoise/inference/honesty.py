@@ -1,7 +1,7 @@
 """Tests that a trace is what the model says, each with a rate of false alarms that adds up to less than 5 %.
 
-Spectrum, time reversal, largest line, third cumulant and steadiness of the mean: where one speaks, the numbers found
-are those of a model that the trace does not follow.
+Spectrum, time reversal, largest line, third cumulant, steadiness of the mean and drift: where one speaks, the numbers
+found are those of a model that the trace does not follow.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,8 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
-from rubnoise.inference.scoring import Fit
+from rubnoise.inference.scoring import RAMP_VARIANCE, Fit
+from rubnoise.inference.signal import ramp_of
 
 _GROUPS = 14
 _LIGHTEST_GROUP = 16.0  # bands' worth: a group of fewer is too skew even for its cube root
@@ -31,6 +32,7 @@ REVERSAL: Final = 0.006
 LINE: Final = 0.005
 THIRD: Final = 0.004
 STEADY: Final = 0.004
+DRIFT: Final = 0.01
 """Probabilities below which a test speaks; of a right trace one of them does in less than 5 %."""
 
 
@@ -61,6 +63,7 @@ def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_kno
         line_test(fit),
         third_test(third_cumulant(values, level), values.size, fit, zero_known=zero_known),
         steadiness_test(values, fit),
+        drift_test(values, fit),
     )
 
 
@@ -270,6 +273,22 @@ def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
     return HonestyTest(name="steadiness", statistic=statistic, p=p, level=STEADY, words=words)
 
 
+def drift_test(values: Doubles, fit: Fit) -> HonestyTest:
+    """Return the test of the line of least squares through the trace: its rise has the variance 12 S(0)/n.
+
+    A random walk with steps of variance q adds (6/5) q n. For a ramp no other test of a trace that long has more power,
+    because S(k) is flat where the ramp is.
+    """
+    place, n = fit.contact.place, values.size
+    rise = ramp_of(values)
+    variance = RAMP_VARIANCE * fit.problem.longest_waves(place) / n + 1.2 * (place.drift or 0.0) * n
+    z = rise / sqrt(variance)
+    words = f"drift: a line through it rises by {rise:+.2f} of its standard deviation, {z:+.1f} standard errors"
+    if fit.known.ramp**2 > variance:
+        words += "; number and strength allow for a zero that moved so"
+    return HonestyTest(name="drift", statistic=z, p=_two_sided(z), level=DRIFT, words=words)
+
+
 def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     """Return the chi-square of differences of the four means, and its probability.
 
@@ -279,7 +298,7 @@ def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     from scipy.special import gammaincc
 
     place = fit.contact.place
-    density = place.rate * fit.problem.pulse.squared_integral * fit.moment(6) * place.diameter**6 + place.noise
+    density = fit.problem.longest_waves(place)
     length = values.size // _PARTS
     means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
     number = np.arange(_PARTS)

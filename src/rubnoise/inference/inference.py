@@ -19,7 +19,7 @@ from rubnoise.inference.passes import passed
 from rubnoise.inference.periodogram import banded
 from rubnoise.inference.populations import POPULATIONS, shot_sizes
 from rubnoise.inference.scoring import STEPS, Fit, Known, covariance, score
-from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, strokes
+from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, ramp_of, strokes
 
 LAWS: Final = tuple(POPULATIONS)
 OTHERS: Final[dict[Offset, Pulse]] = {"none": OFF_CENTRE_LENS, "uniform": LENS}
@@ -131,7 +131,7 @@ def infer_signal(
     values = values / scale
     half_width = half_width_under_drift(values) if drift else half_width_of(values)
     bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
-    known = _known(signal, values, zero, strength, scale, assumed)
+    known = _known(signal, values, zero, strength, scale, assumed, drift=drift)
     level = course(values, half_width) if drift else float(values.mean())
     third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
@@ -188,13 +188,23 @@ def _refusal(signal: Signal, reason: str) -> Inference:
     )
 
 
-def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, scale: float, assumed: Assumed) -> Known:
+def _known(
+    signal: Signal,
+    values: Doubles,
+    zero: str,
+    strength: float | None,
+    scale: float,
+    assumed: Assumed,
+    *,
+    drift: bool,
+) -> Known:
     """Return what is known beside the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
     given = 1.0 if signal.is_area else strength
     unit = None if signal.scale is None else signal.scale * scale
     inside = None if given is None or unit is None else given * signal.tick**2 / unit
     mean = float(values.mean()) if zero == "known" else None
-    return Known(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality)
+    ramp = 0.0 if mean is None or drift else ramp_of(values)
+    return Known(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality, ramp=ramp)
 
 
 def _fitted(problems: list[Problem], half_width: float, known: Known, third: float) -> list[Fit]:

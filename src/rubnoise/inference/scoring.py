@@ -19,6 +19,8 @@ STEPS: Final = 25
 _CLOSE = 1e-6  # in the chi-square of a step: a thousandth of a standard error
 _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
+RAMP_VARIANCE: Final = 12.0
+"""Variance of the rise of a fitted line, over that of the mean."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,13 +41,15 @@ class Known:
     """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
 
     Strength in the trace's unit per tick^2. ``births`` per tick stands in where neither is known: it sets the size of
-    the shot noise alone. ``inequality`` E[psi^2] / E[psi]^2 is given, unless mean and strength are both known.
+    the shot noise alone. ``ramp`` is how far the record rises from end to end.
+    ``inequality`` E[psi^2] / E[psi]^2 is given, unless mean and strength are both known.
     """
 
     mean: float | None
     strength: float | None
     births: float
     inequality: float = 1.0
+    ramp: float = 0.0
 
     @property
     def free(self) -> tuple[str, ...]:
@@ -104,7 +108,7 @@ def expected_mean(problem: Problem, contact: Contact) -> float:
     return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**3
 
 
-def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
+def covariance(problem: Problem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
     """Return the covariance of the mean of the record (row 0) and of its bands, which are expected to be ``bands``.
 
     Gaussian: E[P]^2 over the worth of the band, on the diagonal. Shot noise: (lam / T) E[f f'] over single junctions,
@@ -134,6 +138,8 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
     total[0, 0] = total[0, 0] * w + place.noise / periodogram.span
     # A walk from a trusted zero has the mean square q n / 3 on average over the record.
     total[0, 0] += (place.drift or 0.0) * periodogram.span / 3.0
+    # A ramp from a trusted zero at one end moves the mean by half of it; what of it chance brings is no drift.
+    total[0, 0] += max(ramp**2 - RAMP_VARIANCE * problem.longest_waves(place) / periodogram.span, 0.0) / 4.0
     rows = np.arange(1, bands.size + 1)
     total[rows, rows] += np.square(bands) / periodogram.weight
     return total
@@ -155,7 +161,7 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
         measured = np.concatenate([[mean if known.mean is None else known.mean], problem.bands.energy])
         residual = (measured - np.concatenate([[mean], expected.mean]))[first:]
         by = by[first:]
-        scatter = covariance(problem, contact, expected.mean)[first:, first:]
+        scatter = covariance(problem, contact, expected.mean, known.ramp)[first:, first:]
         scale = np.sqrt(scatter.diagonal())
         root = np.linalg.cholesky(scatter / np.outer(scale, scale) + _RIDGE * np.eye(scale.size))
         white = np.linalg.solve(root, np.column_stack([by, residual]) / scale[:, None])

@@ -108,6 +108,18 @@ def course(values: Doubles, half_width: float) -> Doubles:
     return found
 
 
+def ramp_of(values: Doubles) -> float:
+    """Return how far the straight line of least squares rises over a trace.
+
+    Of a trace whose mean of n samples has the variance S(0)/n, it has the variance 12 S(0)/n.
+    """
+    n, total = values.size, 0.0
+    for begin in range(0, n, _SEEN):
+        piece = values[begin : begin + _SEEN]
+        total += float((np.arange(begin, begin + piece.size) - 0.5 * (n - 1)) @ piece)
+    return 12.0 * total / (n * n)
+
+
 def half_width_of(values: Doubles) -> float:
     """Return the lag in ticks at which the autocovariance has fallen to half, Rabinowicz's way to a size."""
     covariance = _autocovariance(values)
