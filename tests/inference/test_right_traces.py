@@ -12,12 +12,13 @@ import pytest
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS
 from rubnoise.inference.assumed import NOTHING, Assumed
+from rubnoise.inference.honesty import drift_test
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.passes import energies, first_integrals, life_integrals, offsets
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 from tools import right_traces
-from tools.right_traces import Contact, trace
+from tools.right_traces import Contact, trace, without_junctions
 
 BOUND = 4.0
 LONG = Contact(lives=1500, per_life=16, noise=0.0)
@@ -160,3 +161,43 @@ def test_passes_off_the_centre_are_read_and_told_from_those_through_it() -> None
         True,
     )
     assert _read(Contact(), 8).other_offset is None, "what fits is not compared unasked"
+
+
+def test_a_drift_is_flagged_or_allowed_for() -> None:
+    """A ramp of 0.3 moves N by 9 %: z of its line has the mean 2.1 in a trace so long, and 8.5 in one of 16 times."""
+    moved = _read(Contact(drift=0.3), 9)
+    test = next(each for each in moved.tests if each.name == "drift")
+    low, high = moved.intervals["junction_count"]
+    assert test.flagged or low <= 20.0 <= high
+    still = _read(Contact(), 9)
+    assert still.flags == []
+    assert np.diff(np.log(moved.intervals["junction_count"])) > np.diff(np.log(still.intervals["junction_count"]))
+    long = Contact(drift=0.3, lives=7200, per_life=16)
+    assert any("drift: a line" in words for words in _read(long, 9).flags)
+
+
+def test_the_line_through_right_traces_rises_as_far_as_it_says() -> None:
+    """Over 200 short traces z has the mean 0 and the variance 1."""
+    contact = Contact(lives=50, per_life=16)
+    rng = np.random.default_rng(10)
+    fit = _read(replace(contact, lives=2000), 10, tests=False).fit
+    assert fit is not None
+    forces = [trace(contact, rng) for _ in range(200)]
+    spread = np.std(forces)
+    z = [drift_test(force / spread, fit).statistic for force in forces]
+    assert abs(np.mean(z)) <= BOUND / np.sqrt(200)
+    assert abs(np.var(z) - 1.0) <= BOUND * np.sqrt(2.0 / 200)
+    assert abs(np.var(np.multiply(2.0, z)) - 1.0) > BOUND * np.sqrt(2.0 / 200)
+
+
+@pytest.mark.daily(1)
+@pytest.mark.parametrize("kind", ["ar1", "pink", "sawtooth"])
+def test_a_trace_without_junctions_is_told_so(kind: str) -> None:
+    values = without_junctions(kind, 5000, np.random.default_rng(1))
+    found = infer_signal(Signal(values=values, tick=0.05, unit="mN", scale=1e3), zero="known")
+    assert "the trace may hold no junctions" in str(found.refused_because)
+    assert "a tick of" not in str(found.refused_because)
+    fixed = infer_signal(Signal(values=values, tick=0.05, unit="mN", scale=1e3), zero="known", law="fixed")
+    assert any("may hold no junctions" in words for words in fixed.flags)
+    coarse = _read(Contact(per_life=4, lives=2000), 1)
+    assert "3 are needed: a tick of" in str(coarse.refused_because)

@@ -113,6 +113,8 @@ def spectrum_test(fit: Fit) -> HonestyTest:
     worst = int(np.argmax(np.abs(value / scale)))
     words = f"the spectrum in {value.size} log bands: chi-square {statistic:.1f} on {freedom}"
     words += f", furthest off by {100.0 * value[worst]:+.0f} % in band {worst + 1}"
+    if p < SPECTRUM:
+        words += "; the trace may hold no junctions, or others than assumed"
     return HonestyTest(name="spectrum", statistic=statistic, p=p, level=SPECTRUM, words=words)
 
 

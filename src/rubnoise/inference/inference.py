@@ -14,7 +14,7 @@ from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import Place, Problem, deviance, whittle
-from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
+from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
 from rubnoise.inference.periodogram import banded
 from rubnoise.inference.populations import POPULATIONS, shot_sizes
@@ -253,6 +253,12 @@ def _too_little(fit: Fit, signal: Signal) -> str:
             f" {_LEAST_GAIN:g} are needed"
         )
     size = place.diameter * signal.tick
+    if place.diameter < FEWEST_SAMPLES and (test := spectrum_test(fit)).flagged:
+        return (
+            f"the trace may hold no junctions: no size and spread has its spectrum (chi-square {test.statistic:.3g})."
+            " Fading noise, 1/f noise and a sawtooth look so: compare with a trace at rest; --mask leaves out a line,"
+            " --drift fits a sensor that drifts"
+        )
     if place.diameter < FEWEST_SAMPLES:
         return (
             f"junctions of {size:.3g} um are {place.diameter:.2g} samples long; {FEWEST_SAMPLES:g} are needed: a tick"
