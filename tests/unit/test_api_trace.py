@@ -87,8 +87,8 @@ def test_times_rounded_when_they_were_written_are_uniform(tmp_path: Path) -> Non
 def test_estimates_are_those_of_scipy_and_numpy() -> None:
     trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(4000) / 100.0, "velocity (m/s)": VALUES})
     _, density = signal.welch(VALUES, fs=100.0, nperseg=200)
-    np.testing.assert_allclose(trace.psd(segment=2.0).density[1:-1], density[1:-1], rtol=1e-9)
-    lags, away = trace.acf(longest=0.2), VALUES - VALUES.mean()
+    np.testing.assert_allclose(trace.psd(segment="2 s").density[1:-1], density[1:-1], rtol=1e-9)
+    lags, away = trace.acf(longest="0.2 s"), VALUES - VALUES.mean()
     direct = [away[: 4000 - lag] @ away[lag:] / 4000 for lag in range(21)]
     np.testing.assert_allclose(1e-12 * lags.covariance, direct, rtol=1e-9, atol=1e-12)
     shares = trace.histogram(bins=20)
@@ -102,7 +102,7 @@ def test_a_column_or_a_lag_that_there_is_not_is_refused() -> None:
     with pytest.raises(rubnoise.Refused, match="say which column: a, b"):
         trace.acf()
     with pytest.raises(rubnoise.Refused, match="lags up to 2 s"):
-        trace.acf("a", longest=5.0)
+        trace.acf("a", longest="5 s")
     with pytest.raises(rubnoise.Refused, match="segments of 8 rows"):
         trace.psd("a")
     with pytest.raises(KeyError, match="it has time, a, b"):

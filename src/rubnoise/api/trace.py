@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from io import StringIO
 from math import isfinite
+from numbers import Real
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -16,12 +17,13 @@ from numpy.typing import ArrayLike
 from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
+from rubnoise.api import keywords
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.regular_file import open_stream
 from rubnoise.tables import as_html, shortened
-from rubnoise.units import QuantityError, Unit, in_unit, parse_unit
+from rubnoise.units import KINDS, QuantityError, Unit, parse_unit
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -137,8 +139,9 @@ class Trace:
     def psd(self, name: str | None = None, *, segment: Any = None) -> PowerSpectrum:
         """Return Welch's estimate of the spectrum of a column; see PowerSpectrum.
 
-        ``segment`` is the length of a segment in s or um; by default there are some 64 segments. Of a trace with one
-        column beside the place, that one is meant. Raises Refused for a record or a segment of fewer than 8 rows.
+        ``segment`` is the length of a segment with its unit, such as "0.5 s"; by default there are some 64 segments. Of
+        a trace with one column beside the place, that one is meant. Raises Refused for a length without a unit, and for
+        a record or a segment of fewer than 8 rows.
         """
         chosen = self._column(name)
         return power_spectrum(
@@ -148,19 +151,23 @@ class Trace:
             rows=len(self),
             step=self.step,
             place_units=self.units[self.place],
-            segment=segment,
+            segment=self._length("segment", segment),
         )
 
     def acf(self, name: str | None = None, *, longest: Any = None) -> Autocovariance:
-        """Return the autocovariance of a column at lags up to ``longest`` s or um, by default a tenth of the record.
+        """Return the autocovariance of a column at lags up to ``longest``, such as "0.1 s"; by default a tenth of it.
 
-        R_j = (1/n) sum of (x_i - mean)(x_(i+j) - mean). Raises Refused for a lag that the record does not have.
+        R_j = (1/n) sum of (x_i - mean)(x_(i+j) - mean). Raises Refused for a lag that the record does not have, and for
+        one without a unit.
         """
         chosen, units = self._column(name), self.units[self.place]
-        reach = max(1, len(self) // 10) if longest is None else round(float(in_unit(longest, units)) / self.step)
+        lag = self._length("longest", longest)
+        reach = max(1, len(self) // 10) if lag is None else round(lag / self.step)
         if not 0 < reach < len(self):
             most = (len(self) - 1) * self.step
-            raise Refused(f"{self.name}: a lag of {longest} {units}: the record has lags up to {most:.6g} {units}")
+            raise Refused(
+                f"{self.name}: longest=: {keywords.shown(longest)}: the record has lags up to {most:.6g} {units}"
+            )
         return Autocovariance(
             name=chosen,
             lag=self.step * np.arange(reach + 1, dtype=np.float64),
@@ -191,6 +198,15 @@ class Trace:
         frame = pd.DataFrame(rest, index=pd.Index(self.columns[self.place], name=self.place))
         frame.attrs["units"] = dict(self.units)
         return frame
+
+    def _length(self, keyword: str, value: Any) -> float | None:
+        """Return a length along the place; a number where the place has no unit that is known here."""
+        kind = next((each for each in KINDS if each.unit == self.units[self.place]), None)
+        if kind is not None:
+            return keywords.quantity(keyword, value, kind)
+        if value is not None and (isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value)):
+            raise Refused(f"{keyword}=: {keywords.shown(value)}: a number is needed, {self.place} has no unit")
+        return None if value is None else float(value)
 
     def _column(self, name: str | None) -> str:
         others = [each for each in self.columns if each != self.place]

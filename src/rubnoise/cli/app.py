@@ -18,7 +18,7 @@ import typer
 from typer import Typer
 
 from rubnoise.cli.commands import Command, Commands, escaping
-from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, in_shell
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
 
 DEBUG = "--debug"
 
@@ -142,6 +142,8 @@ def _debug_first(arguments: list[str]) -> list[str]:
 
 def _error_text(problem: Exception) -> str:
     """Return the message of a failure: one line, for a refused scenario one for each of its problems."""
+    if isinstance(problem, ScenarioRefused):
+        return str(problem)  # which holds lines of a file
     if isinstance(problem, RunFileRefused | OutputRefused):
         return in_shell(str(problem)).replace("\n", "\\n")  # of a name, which has no line of its own
     if isinstance(problem, RubnoiseError):

@@ -87,11 +87,11 @@ def sentences(assumed: Assumed, known: Known, life: float, *, is_area: bool) -> 
         said.append(
             f"strengths are taken for lognormal with a spread of {100.0 * assumed.strength_spread:.3g} % of their mean"
             if assumed.strength_spread
-            else "junctions are taken for equally strong (--strength-spread gives another spread)"
+            else "junctions are taken for equally strong (strength_spread= gives another spread)"
         )
     said.append(_of_sensor(assumed, life))
     if assumed.pulse.offset == "none":
-        said.append("passes are taken to go through both centres (--offset uniform for passes off the centre)")
+        said.append('passes are taken to go through both centres (offset="uniform" for passes off it)')
     else:
         said.append("passes are taken to miss the centre by offsets uniform on -d to d")
     return tuple(said)
@@ -99,6 +99,6 @@ def sentences(assumed: Assumed, known: Known, life: float, *, is_area: bool) -> 
 
 def _of_sensor(assumed: Assumed, life: float) -> str:
     if isinf(assumed.bandwidth):
-        return f"the sensor is taken to pass {ENOUGH_CYCLES:g} cycles per life or more (--bandwidth gives its corner)"
+        return f"the sensor is taken to pass {ENOUGH_CYCLES:g} cycles per life or more (bandwidth= gives its corner)"
     poles = "one pole" if assumed.poles == 1 else f"{assumed.poles} poles"
     return f"the sensor is taken to have {poles} at {assumed.bandwidth * life:.3g} cycles per life, 2 d"

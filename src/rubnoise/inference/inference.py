@@ -119,7 +119,7 @@ def infer_signal(
     for values that are no trace.
     """
     if law != "auto" and law not in POPULATIONS:
-        raise Refused(f"--law: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
+        raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
     values = np.asarray(signal.values, dtype=np.float64)
     if values.size < _SHORTEST:
         return _refusal(signal, f"the record has {values.size} samples; it needs at least {_SHORTEST}")
@@ -256,8 +256,8 @@ def _too_little(fit: Fit, signal: Signal) -> str:
     if place.diameter < FEWEST_SAMPLES and (test := spectrum_test(fit)).flagged:
         return (
             f"the trace may hold no junctions: no size and spread has its spectrum (chi-square {test.statistic:.3g})."
-            " Fading noise, 1/f noise and a sawtooth look so: compare with a trace at rest; --mask leaves out a line,"
-            " --drift fits a sensor that drifts"
+            " Fading noise, 1/f noise and a sawtooth look so: compare with a trace at rest; mask= leaves out a line,"
+            " drift=True fits a sensor that drifts"
         )
     if place.diameter < FEWEST_SAMPLES:
         return (
@@ -292,11 +292,11 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     """Return what is not identified, each with what would identify it."""
     free, reasons = fit.known.free, {}
     if free == ("strength",):
-        either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would identify it'
+        either = 'a trusted zero of the sensor (zero="known") or the strength (strength="250 MPa") would identify it'
         reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
         reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
     if not (fit.problem.population.spread or compared):
-        reasons["relative_spread"] = f"the law {fit.problem.population.name} has none to find; --law auto compares laws"
+        reasons["relative_spread"] = f'the law {fit.problem.population.name} has none to find; law="auto" compares laws'
     if signal.is_area:
         reasons["shear_strength"] = reasons["strength_spread"] = "a trace of area has no strengths"
         return reasons
@@ -304,10 +304,12 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
         reasons["shear_strength"] = (
             "it was given"
             if fit.known.strength is not None
-            else "needs a trusted zero of the sensor (--zero known) and a unit of force (--unit mN)"
+            else 'needs a trusted zero of the sensor (zero="known") and a unit of force (unit="mN")'
         )
     if "inequality" not in free:
-        reasons["strength_spread"] = "needs a trusted zero (--zero known) and the mean strength (--strength) together"
+        reasons["strength_spread"] = (
+            'needs a trusted zero (zero="known") and the mean strength (strength="250 MPa") together'
+        )
     return reasons
 
 

@@ -1,5 +1,6 @@
 """One column of samples at even steps, as every reader of measured traces returns it, and the checks they share."""
 
+import re
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -15,6 +16,8 @@ from rubnoise.units import LENGTH, TIME, QuantityError, parse_unit
 UNEVEN: Final = 0.01
 """How far one step between samples may be from the mean step, in parts of it, beyond the digits that are written."""
 
+_LISTED: Final = 20
+_SHOWN: Final = 40
 _ROUNDED: Final = 0.01
 """Part of the steps that differ from the usual one, above which they differ by rounding."""
 
@@ -78,17 +81,28 @@ def along_of(name: str, unit: str) -> str:
     return "distance" if dimension == LENGTH.dimension and travelled else ""
 
 
-def chosen_column(path: Path, names: list[str], wanted: str | None, place: int | None) -> int:
-    """Return the number of the wanted column, or of the only one beside the place; raises Refused where it is open."""
+def chosen_column(path: str | Path, names: list[str], wanted: str | None, place: int | None) -> int:
+    """Return the number of the wanted column, or of the only one beside the place; raises Refused where it is open.
+
+    ``wanted`` is a name, or where no column has that name a number from 1 on.
+    """
     if wanted is not None:
-        if names.count(wanted) != 1:
-            raise Refused(f"{path}: --column {wanted}: the columns are {', '.join(names)}")
-        return names.index(wanted)
-    others = [number for number in range(len(names)) if number != place]
+        if names.count(wanted) == 1:
+            return names.index(wanted)
+        if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
+            return int(wanted) - 1
+        what = "the name of several" if wanted in names else "none"
+        raise Refused(f"{path}: column=: {wanted[:_SHOWN]} is {what} of the columns {_listed(names)}")
+    others = [name for number, name in enumerate(names) if number != place]
     if len(others) != 1:
-        listed = ", ".join(names[number] for number in others) or "none but the place"
-        raise Refused(f"{path}: which column? --column NAME takes one of: {listed}")
-    return others[0]
+        raise Refused(f"{path}: which column? column= takes one of: {_listed(others) or 'none but the place'}")
+    return next(number for number in range(len(names)) if number != place)
+
+
+def _listed(names: list[str]) -> str:
+    """Return names, each cut short, and how many more there are."""
+    more = f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else ""
+    return ", ".join(name[:_SHOWN] for name in names[:_LISTED]) + more
 
 
 class EvenSteps:
