@@ -123,7 +123,7 @@ def in_shell(text: str) -> str:
 
 def _option(found: re.Match[str]) -> str:
     name, words, number = found.groups()
-    option = f"--{name.replace('_', '-')}"
+    option = f"--{name.rstrip('_').replace('_', '-')}"
     if words is not None:
         return f"{option} {words}" if re.fullmatch(r"[\w./]+", words) else f'{option} "{words}"'
     return option if number in ("", "True") else f"{option} {number}"

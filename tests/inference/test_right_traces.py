@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.api.inferring import infer
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS
+from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed
 from rubnoise.inference.honesty import drift_test
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.passes import energies, first_integrals, life_integrals, offsets
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
+from rubnoise.inference.strokes import joined, reversals
 from tools import right_traces
 from tools.right_traces import Contact, trace, without_junctions
 
@@ -201,3 +204,60 @@ def test_a_trace_without_junctions_is_told_so(kind: str) -> None:
     assert any("may hold no junctions" in words for words in fixed.flags)
     coarse = _read(Contact(per_life=4, lives=2000), 1)
     assert "3 are needed: a tick of" in str(coarse.refused_because)
+
+
+STROKES = Contact(strokes=6, lives=80, zero=0.4)
+
+
+def test_strokes_are_cut_at_their_reversals_and_tell_the_zero() -> None:
+    values = trace(STROKES, np.random.default_rng(11))
+    length = STROKES.lives * STROKES.per_life
+    cut = reversals(values)
+    assert len(cut) == 7
+    assert np.abs(np.diff(cut) - length).max() < 0.02 * length
+    signal = joined(Signal(values=values, tick=STROKES.tick, unit="uN", scale=1.0), 0.05)
+    assert signal.ways == (3, 3)
+    assert signal.values.size == pytest.approx(6 * 0.9 * length, rel=0.02)
+    assert "5 % of each stroke" in signal.left_out[2]
+    found = infer_signal(signal, law="fixed")
+    assert max(map(abs, _scores(found).values())) <= BOUND
+    assert found.flags == []
+    lost = infer_signal(replace(signal, values=values), zero="known", law="fixed")
+    assert lost.estimates == {} or abs(_scores(lost)["junction_count"]) > BOUND, "without cutting nothing is read"
+
+
+def test_strokes_of_one_way_are_refused_and_short_ones_are_left_out() -> None:
+    one = trace(Contact(lives=200), np.random.default_rng(12))
+    with pytest.raises(Refused, match="one stroke"):
+        joined(Signal(values=one, tick=1.0, unit="uN", scale=1.0), 0.05)
+    values = trace(STROKES, np.random.default_rng(11))[3000:]
+    signal = joined(Signal(values=values, tick=STROKES.tick, unit="uN", scale=1.0), 0.1, 3000)
+    assert signal.ways == (2, 3)
+    assert "left out: a stroke from sample 3,001 to 5,1" in signal.left_out[3]
+    assert max(map(abs, _scores(infer_signal(signal, law="fixed")).values())) <= BOUND
+
+
+def test_parts_of_a_trace_are_named_by_samples_and_by_times() -> None:
+    values = trace(Contact(lives=100), np.random.default_rng(13))
+    options: dict[str, Any] = {"rate": "1 kHz", "unit": "uN", "speed": "0.171875 mm/s", "zero": "known", "law": "fixed"}
+    parts = [infer(values, from_="1001", to=6000, **options), infer(values, from_="1 s", to="5.999 s", **options)]
+    for found in parts:
+        assert found.signal.values.tolist() == values[1000:6000].tolist()
+        assert found.signal.left_out == ("left out: all but samples 1,001 to 6,000 of 6,400",)
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({"from_": "9 s"}, "from_=: samples"),
+        ({"to": 7000}, "to=: sample 7,000 is beyond"),
+        ({"from_": "1 mm"}, "a time is needed"),
+        ({"from_": 2.5}, "from_=: 2.5"),
+        ({"strokes": "60 %"}, "strokes=: 60 %"),
+        ({"strokes": 0.1}, "strokes=: 0.1"),
+        ({"strength_spread": 0.5}, "strength_spread=: 0.5"),
+        ({"strength_spread": "50 %", "strength": "250 MPa"}, "the trace tells the spread itself"),
+        ({"bandwidth": 200.0}, "bandwidth=: 200.0"),
+        ({"poles": 2}, "poles=: the poles"),
+        ({"offset": "normal"}, "offset=: normal"),
+        ({"pulse": "triangle"}, "pulse=: triangle"),
+    ]
+    for given, words in wrong:
+        with pytest.raises(Refused, match=re.escape(words)):
+            infer(values, **{**options, **given})

@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from rubnoise.api import keywords
-from rubnoise.api.infer_options import bandwidth_of, pulse_of, strength_spread_of
+from rubnoise.api.infer_options import bandwidth_of, cut, pulse_of, strength_spread_of
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
@@ -48,6 +48,9 @@ def infer(
     law: str = "auto",
     mask: Any = (),
     drift: bool = False,
+    from_: Any = None,
+    to: Any = None,
+    strokes: Any = None,
     bootstrap: int = 0,
 ) -> Inference:
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
@@ -60,9 +63,12 @@ def infer(
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
     ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
     of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
-    walk as well. ``bootstrap`` traces are simulated from what was found, and ``Inference.bootstrap`` holds how the
-    estimates scatter. Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
-    ``refused_because``, what speaks against the model in ``flags``. Source: docs/inference.md.
+    walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
+    ``strokes``, such as "10 %", cuts at reversals, leaves out so much of each stroke at either end, fits the strokes
+    together and takes the zero from the levels of both ways; the answer says what was left out. ``bootstrap`` traces
+    are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter. Raises Refused for
+    bad input, and for a quantity without a unit. What statistics refuse stands in ``refused_because``, what speaks
+    against the model in ``flags``. Source: docs/inference.md.
     """
     keywords.choice("zero", zero, ("known", "unknown"))
     keywords.choice("law", law, ("auto", *SIZES))
@@ -75,6 +81,8 @@ def infer(
     measured = _measured(trace, column)
     signal = _signal(measured, velocity, unit, often)
     _check_sensor(measured, zero)
+    step = signal.tick / velocity if velocity is not None and measured.along == "time" else signal.tick
+    signal = cut(signal, from_, to, strokes, step=step, along=measured.along)
     if strength is not None and signal.scale is None:
         raise Refused(
             f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'

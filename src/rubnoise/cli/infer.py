@@ -115,6 +115,19 @@ def command(
         typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F", show_default=False),
     ] = None,
     drift: Annotated[bool, typer.Option("--drift", help="Fit a random walk of the sensor as well.")] = False,
+    from_: Annotated[
+        str | None,
+        typer.Option("--from", help='First sample, from 1 on, or a time: "2 s".', metavar="A", show_default=False),
+    ] = None,
+    to: Annotated[
+        str | None, typer.Option(help='Last sample, or a time: "30 s".', metavar="B", show_default=False)
+    ] = None,
+    strokes: Annotated[
+        str | None,
+        typer.Option(
+            help='Cut at reversals, leave out so much of each end: "10 %".', metavar="PART", show_default=False
+        ),
+    ] = None,
     bootstrap: Annotated[
         int, typer.Option(help="Simulate so many traces of what was found, to check its errors.", metavar="N", min=0)
     ] = 0,
@@ -160,6 +173,9 @@ def command(
             law=law.value,
             mask=tuple(mask or ()),
             drift=drift,
+            from_=from_,
+            to=to,
+            strokes=strokes,
             bootstrap=bootstrap,
         )
     except FileNotFoundError as problem:
@@ -205,6 +221,7 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
             for each in found.tests
         },
         "law_free": dict(found.law_free),
+        "left_out": list(found.signal.left_out),
         "assumptions": list(found.assumptions),
         "other_offset": _other(found),
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
@@ -241,9 +258,7 @@ _LABELS = {
 
 def described(found: "Inference", trace: str) -> Iterator[str]:
     """Yield what was found, line by line."""
-    signal = found.signal
-    length = signal.tick * signal.values.size
-    yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
+    yield from _heading(found, trace)
     if found.refused_because is not None:
         yield remark(f"refused: {found.refused_because}")
         return
@@ -269,6 +284,15 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
     yield "tests of the trace"
     for test in found.tests:
         yield remark(f"{'FLAGGED: ' if test.flagged else ''}{in_shell(test.words)} (p = {test.p:.2g})")
+
+
+def _heading(found: "Inference", trace: str) -> Iterator[str]:
+    """Yield how long the trace is, and what of it was left out."""
+    signal = found.signal
+    length = signal.tick * signal.values.size
+    yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
+    for words in signal.left_out:
+        yield remark(words)
 
 
 def _granted(found: "Inference") -> Iterator[str]:

@@ -7,8 +7,9 @@ from typing import Final
 
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.estimates import Estimate
-from rubnoise.inference.scoring import Known
+from rubnoise.inference.scoring import Fit, Known
 from rubnoise.inference.sensor import Sensor
+from rubnoise.inference.signal import Signal
 
 SPREADS: Final = (0.0, 0.25, 0.5, 1.0)
 """Relative spreads of strengths for which number and strength are told beside the assumed one."""
@@ -80,24 +81,27 @@ def by_spread(estimates: Mapping[str, Estimate], known: Known) -> tuple[IfSpread
     return tuple(found)
 
 
-def sentences(assumed: Assumed, known: Known, life: float, *, is_area: bool) -> tuple[str, ...]:
-    """Return what the answer takes for granted, a sentence each; ``life`` is 2 E[d] in um."""
+def sentences(assumed: Assumed, fit: Fit, signal: Signal) -> tuple[str, ...]:
+    """Return what the answer takes for granted, a sentence each."""
     said = []
-    if moves_with_spread(known) and not is_area:
+    if moves_with_spread(fit.known) and not signal.is_area:
         said.append(
             f"strengths are taken for lognormal with a spread of {100.0 * assumed.strength_spread:.3g} % of their mean"
             if assumed.strength_spread
             else "junctions are taken for equally strong (strength_spread= gives another spread)"
         )
-    said.append(_of_sensor(assumed, life))
+    said.append(_of_sensor(assumed, 2.0 * fit.contact.place.diameter * signal.tick))
     if assumed.pulse.offset == "none":
         said.append('passes are taken to go through both centres (offset="uniform" for passes off it)')
     else:
         said.append("passes are taken to miss the centre by offsets uniform on -d to d")
+    if min(signal.ways) > 0:
+        said.append("each stroke is taken to meet junctions of its own; where strokes repeat them, errors are larger")
     return tuple(said)
 
 
 def _of_sensor(assumed: Assumed, life: float) -> str:
+    """Return what is taken of the sensor, for a mean ``life`` of 2 d in um."""
     if isinf(assumed.bandwidth):
         return f"the sensor is taken to pass {ENOUGH_CYCLES:g} cycles per life or more (bandwidth= gives its corner)"
     poles = "one pole" if assumed.poles == 1 else f"{assumed.poles} poles"

@@ -114,9 +114,9 @@ def infer_signal(
 ) -> Inference:
     """Return what a signal tells: by its spectrum, and by its mean where the zero of the sensor is known.
 
-    ``strength`` in MPa is E[psi], where it is known; ``masked`` are ranges in cycles per um that are left out;
-    ``drift`` adds a random walk; ``assumed`` is taken for granted. Raises Refused for a law that is not one of LAWS,
-    for values that are no trace.
+    Strokes of both ways tell the zero themselves. ``strength`` in MPa is E[psi], where it is known; ``masked`` are
+    ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` is taken for granted.
+    Raises Refused for a law that is not one of LAWS, for values that are no trace.
     """
     if law != "auto" and law not in POPULATIONS:
         raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
@@ -126,11 +126,16 @@ def infer_signal(
     scale = float(values.std())
     if not scale > 1e-12 * float(np.abs(values).max()):
         return _refusal(signal, "the trace is constant; a sensor that moves is needed")
-    if reason := strokes(values, zero):
+    both = min(signal.ways) > 0
+    if not both and (reason := strokes(values, zero)):
         return _refusal(signal, reason)
+    if both:
+        zero = "known"
     values = values / scale
     half_width = half_width_under_drift(values) if drift else half_width_of(values)
-    bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
+    bands = banded(
+        values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked), signal.ways
+    )
     known = _known(signal, values, zero, strength, scale, assumed, drift=drift)
     level = course(values, half_width) if drift else float(values.mean())
     third = third_cumulant(values, level)
@@ -165,9 +170,7 @@ def infer_signal(
         refused_because=None,
         signal=signal,
         fit=best,
-        assumptions=sentences(
-            assumed, best.known, 2.0 * best.contact.place.diameter * signal.tick, is_area=signal.is_area
-        ),
+        assumptions=sentences(assumed, best, signal),
         other_offset=_other_offset(fitted(other), best) if tests and asked else None,
         by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
     )
@@ -264,10 +267,11 @@ def _too_little(fit: Fit, signal: Signal) -> str:
             f"junctions of {size:.3g} um are {place.diameter:.2g} samples long; {FEWEST_SAMPLES:g} are needed: a tick"
             f" of {size / FEWEST_SAMPLES:.3g} um or less"
         )
-    sizes = bands.span / place.diameter
+    piece, samples = ("each stroke", bands.samples) if min(signal.ways) > 0 else ("the record", bands.span)
+    sizes = samples / place.diameter
     if sizes < FEWEST_SIZES:
         return (
-            f"the record is {sizes:.3g} sizes of {size:.3g} um long; {FEWEST_SIZES:g} are needed, that is"
+            f"{piece} is {sizes:.3g} sizes of {size:.3g} um long; {FEWEST_SIZES:g} are needed, that is"
             f" {FEWEST_SIZES * size:.4g} um of sliding"
         )
     return ""

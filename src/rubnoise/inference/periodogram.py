@@ -46,11 +46,12 @@ def tukey(count: int) -> Doubles:
 class Bands:
     """A periodogram in bands, distances in ticks: k = 2 pi p / n per tick for bins p of segments of n samples.
 
-    ``masked`` are ranges in cycles per tick that are left out.
-    ``first`` and ``last`` are the bins of each band; ``energy`` the mean of sum-of-squares-normalised |X|^2 over its
-    ``bins`` bins and all ``segments``, in the trace's unit squared per (rad/tick), two-sided; ``variance_factor`` is by
-    how much the taper raises the variance of sums over many bins; ``curvature`` turns d2S/dk2 into the leakage;
-    ``mean_part`` is the part of S(0) that leaves each band with the record's mean; ``power`` has all bins from 0 on.
+    ``masked`` are ranges in cycles per tick that are left out; ``mean_variance`` is by how much strokes of both ways
+    raise the variance of the mean, where one way has more. ``first`` and ``last`` are the bins of each band; ``energy``
+    the mean of sum-of-squares-normalised |X|^2 over its ``bins`` bins and all ``segments``, in the trace's unit squared
+    per (rad/tick), two-sided; ``variance_factor`` is by how much the taper raises the variance of sums over many bins;
+    ``curvature`` turns d2S/dk2 into the leakage; ``mean_part`` is the part of S(0) that leaves each band with the
+    record's mean; ``power`` has all bins from 0 on.
     """
 
     samples: int
@@ -64,6 +65,7 @@ class Bands:
     mean_part: Doubles
     power: Doubles = field(repr=False)
     masked: tuple[tuple[float, float], ...] = ()
+    mean_variance: float = 1.0
 
     @property
     def wavenumber(self) -> Doubles:
@@ -101,14 +103,21 @@ def band_edges(samples: int, phase_per_bin: float) -> Integers:
     return np.array(edges if len(edges) < 3 or end - edges[-2] > 1 else [*edges[:-2], end])
 
 
-def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], ...] = ()) -> Bands:
+def banded(
+    values: Doubles,
+    diameter: float,
+    masked: tuple[tuple[float, float], ...] = (),
+    ways: tuple[int, int] = (1, 0),
+) -> Bands:
     """Return the periodogram of a trace less its mean; ``diameter`` in ticks says how narrow its bands need to be.
 
-    ``masked`` are ranges in cycles per tick that are left out.
+    ``masked`` are ranges in cycles per tick that are left out; ``ways`` how many strokes of equal length go to and fro:
+    each way has lost its own mean.
     """
     from scipy.fft import rfft
 
-    segments = ceil(values.size / MOST_SAMPLES)
+    strokes, both = sum(ways), min(ways) > 0
+    segments = strokes * ceil(values.size / strokes / MOST_SAMPLES)
     n = values.size // segments
     window = tukey(n)
     square = float(window @ window)
@@ -125,7 +134,7 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
     first, last = edges[:-1][used], edges[1:][used] - 1
     totals = np.add.reduceat((power * kept)[: edges[-1]], edges[:-1])[used]
     low_bins = min(n // 2, 400)
-    lowest = np.square(np.abs(rfft(window)[: low_bins + 1])) / (square * n * segments)
+    lowest = np.square(np.abs(rfft(window)[: low_bins + 1])) / (square * n * segments) * (2.0 if both else 1.0)
     sums = np.concatenate([[0.0], np.cumsum(lowest)])
     inside = last <= low_bins
     mean_part = np.zeros(first.size)
@@ -142,6 +151,7 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
         mean_part=mean_part,
         power=power,
         masked=masked,
+        mean_variance=0.25 * strokes * (1.0 / ways[0] + 1.0 / ways[1]) if both else 1.0,
     )
 
 

@@ -135,7 +135,7 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles, ramp: float =
     total[1:, 1:] *= periodogram.variance_factor * w**6
     total[0, 1:] *= w**3
     total[1:, 0] *= w**3
-    total[0, 0] = total[0, 0] * w + place.noise / periodogram.span
+    total[0, 0] = (total[0, 0] * w + place.noise / periodogram.span) * periodogram.mean_variance
     # A walk from a trusted zero has the mean square q n / 3 on average over the record.
     total[0, 0] += (place.drift or 0.0) * periodogram.span / 3.0
     # A ramp from a trusted zero at one end moves the mean by half of it; what of it chance brings is no drift.
