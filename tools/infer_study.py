@@ -56,8 +56,8 @@ ZEROS: tuple[Literal["known", "unknown"], ...] = ("known", "unknown")
 DRIFT = 0.02
 """Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
 
-JUDGED = 200
-"""Traces of a case that judges, and 60 of one that shows what happens without an option."""
+JUDGED, SHOWN = 200, 60
+"""Traces of a case that judges, and of one that shows something."""
 CYCLES = (5, 10, 15, 20)
 
 PAGE = Path(__file__).parents[1] / "docs" / "inference.md"
@@ -86,27 +86,28 @@ class Cell:
 def outside() -> list[Cell]:
     """Return the cells whose traces are made outside the package: with an option, and without it."""
 
-    def cell(name: str, contact: Contact, most: int = JUDGED, law: str = "auto", **options: str) -> Cell:
+    def cell(name: str, contact: Contact, most: int, law: str = "fixed", **options: str) -> Cell:
         given = tuple(options.items())
         return Cell(name=f"outside {name}", kind="outside", contact=contact, fitted=law, options=given, most=most)
 
+    one, two = Contact(bandwidth=5), Contact(bandwidth=5, poles=2)
     unequal, off_centre = Contact(strength_spread=0.5), Contact(off_centre=True)
     found = [
-        cell("plain", Contact()),
-        cell("one pole at 5 cycles", Contact(bandwidth=5), bandwidth="5"),
-        cell("one pole at 5 cycles, not said", Contact(bandwidth=5), 60),
-        cell("two poles at 5 cycles", Contact(bandwidth=5, poles=2), bandwidth="5", poles="2"),
-        cell("strengths of 50 %", unequal, strength_spread="50 %"),
-        cell("strengths of 50 %, not said", unequal, 60),
-        cell("two strokes", Contact(strokes=2, lives=225, zero=0.3), strokes="5 %"),
-        cell("ten strokes", Contact(strokes=10, lives=60, zero=0.3), strokes="5 %"),
-        cell("off the centre", off_centre, offset="uniform"),
-        cell("off the centre, not said", off_centre, 60),
-        cell("drift of 0.3", Contact(drift=0.3)),
+        cell("equal strengths, through the centre", Contact(), JUDGED),
+        cell("one pole at 5 cycles a life", one, JUDGED, "auto", bandwidth="5"),
+        cell("one pole at 5 cycles a life, not said", one, SHOWN),
+        cell("two poles at 5 cycles a life", two, SHOWN, bandwidth="5", poles="2"),
+        cell("strengths of 50 %", unequal, JUDGED, "auto", strength_spread="50 %"),
+        cell("strengths of 50 %, not said", unequal, SHOWN),
+        cell("two strokes", Contact(strokes=2, lives=225, zero=0.3), JUDGED, "auto", strokes="5 %"),
+        cell("ten strokes", Contact(strokes=10, lives=60, zero=0.3), SHOWN, strokes="5 %"),
+        cell("off the centre", off_centre, JUDGED, "auto", offset="uniform"),
+        cell("off the centre, not said", off_centre, SHOWN),
+        cell("drift of 0.3", Contact(drift=0.3), JUDGED),
     ]
     for cycles in CYCLES:
-        found.append(cell(f"{cycles} cycles without", Contact(bandwidth=cycles), 100, "fixed"))
-        found.append(cell(f"{cycles} cycles with", Contact(bandwidth=cycles), 100, "fixed", bandwidth=f"{cycles}"))
+        found.append(cell(f"{cycles} cycles without", Contact(bandwidth=cycles), SHOWN))
+        found.append(cell(f"{cycles} cycles with", Contact(bandwidth=cycles), SHOWN, bandwidth=f"{cycles}"))
     return found
 
 
@@ -427,16 +428,17 @@ def _held(case: dict[str, Any], name: str) -> str:
 
 def outside_table(data: dict[str, Any]) -> list[str]:
     """Return the table of traces made outside the package."""
-    lines = ["| trace | option | N | diameter | strength | flagged or refused |", "|---|---|---|---|---|---|"]
+    heads = ["trace", "law", "option", "N", "diameter", "strength", "flagged or refused"]
+    lines = [_row(*heads), "|---" * len(heads) + "|"]
     for cell in outside():
         case = data.get(cell.name.removeprefix("outside "))
-        if case is None or cell.fitted != "auto":
+        if case is None or cell.name.split()[2:3] == ["cycles"]:
             continue
         option = " ".join(f"--{key.replace('_', '-')} {_SAID.get(key, value)}" for key, value in cell.options)
         shown = [_held(case, name) for name in ("junction_count", "diameter", "shear_strength")]
         name = cell.name.removeprefix("outside ").removesuffix(", not said")
         stops = f"{case['flagged_or_refused']} of {case['traces']}"
-        lines.append(_row(name, f"`{option}`" if option else "", *shown, stops))
+        lines.append(_row(name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
     return lines
 
 

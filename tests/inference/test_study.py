@@ -86,7 +86,7 @@ def test_traces_made_outside_are_kept_as_data_and_drawn_from_it(
     assert data["two strokes"]["held"]["junction_count"] == {"held": 1, "of": 2, "median_error": 0.15}
     assert data["two strokes"]["flagged_or_number_held"] == 1
     text = page.read_text(encoding="utf-8")
-    assert '| two strokes | `--strokes "5 %"` | 1 of 2, 15.0 % | | | 0 of 2 |' in text
+    assert '| two strokes | auto | `--strokes "5 %"` | 1 of 2, 15.0 % | | | 0 of 2 |' in text
     assert "| 5 | 1 of 2, 15.0 % | | 1 of 2, 15.0 % | |" in text
 
 
@@ -101,7 +101,7 @@ def test_the_page_shows_the_data() -> None:
     "name",
     [
         "normal 5",
-        "outside two poles at 5 cycles",
+        "outside two poles at 5 cycles a life",
         "outside two strokes",
         "clean fixed",
         "drift normal",

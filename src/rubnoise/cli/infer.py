@@ -223,17 +223,17 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
         "law_free": dict(found.law_free),
         "left_out": list(found.signal.left_out),
         "assumptions": list(found.assumptions),
-        "other_offset": _other(found),
+        **_other(found),
         "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
         "bootstrap": {name: _as_json(each) for name, each in found.bootstrap.items()},
     }
 
 
-def _other(found: "Inference") -> dict[str, Any] | None:
+def _other(found: "Inference") -> dict[str, Any]:
     other = found.other_offset
     if other is None:
-        return None
-    return {"offset": other.offset, "worse_by": other.worse_by, "worse_by_error": other.error}
+        return {}
+    return {"other_offset": {"offset": other.offset, "worse_by": other.worse_by, "worse_by_error": other.error}}
 
 
 def _as_json(estimate: "Estimate") -> dict[str, Any]:
