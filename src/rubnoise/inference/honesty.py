@@ -61,7 +61,13 @@ def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_kno
         spectrum_test(fit),
         reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
         line_test(fit),
-        third_test(third_cumulant(values, level), values.size, fit, zero_known=zero_known),
+        third_test(
+            third_cumulant(values, level),
+            values.size,
+            fit,
+            zero_known=zero_known,
+            scatter=0.0 if isinstance(level, np.ndarray) else third_scatter(values, level, fit),
+        ),
         steadiness_test(values, fit),
         drift_test(values, fit),
     )
@@ -202,13 +208,45 @@ def line_test(fit: Fit) -> HonestyTest:
     return HonestyTest(name="line", statistic=float(over[place]), p=p, level=LINE, words=words)
 
 
-def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> HonestyTest:
+def _leans_on(fit: Fit) -> tuple[float, float]:
+    """Return the powers of B = lam E[psi^2] and A = lam E[psi] that the third cumulant of a fitted contact goes with.
+
+    B^2 (1 + v)/A with a known mean, B psi (1 + v)^2 with a known strength, and B^3/(A^2 psi) where both tell v.
+    """
+    if fit.known.mean is None:
+        return 1.0, 0.0
+    return (2.0, -1.0) if fit.known.strength is None else (3.0, -2.0)
+
+
+def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
+    """Return the standard error of the third cumulant beside what mean and variance lead to expect, over blocks.
+
+    A large junction raises all three, so that their ratio scatters by half as much: to first order as the mean of
+    y^3 - 3 R(0) y - K3 (b y^2/R(0) + a y/mean), for b and a of `_leans_on`.
+    """
+    b, a = _leans_on(fit)
+    variance, third = max(1.0 - fit.contact.place.noise, 1e-12), third_cumulant(values, mean)
+    length = values.size // _BLOCKS
+    blocks = np.empty(_BLOCKS)
+    for number in range(_BLOCKS):
+        y = values[number * length : (number + 1) * length] - mean
+        second = y * y
+        blocks[number] = np.mean(second * y) - 3.0 * np.mean(y) - b * third / variance * np.mean(second)
+        if a:
+            blocks[number] -= a * third / mean * np.mean(y)
+    return float(blocks.std(ddof=1)) / sqrt(_BLOCKS)
+
+
+def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: float = 0.0) -> HonestyTest:
     """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
 
     Where neither mean nor strength is known, and where the trace drifts (so that it is taken about its course and lacks
-    some of it), only its sign can be tested. Its error over ``n`` samples has a Gaussian part, 6 int R^3,
-    and one of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand.
+    some of it), only its sign can be tested. Its error over ``n`` samples then has a Gaussian part, 6 int R^3, and one
+    of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand. Otherwise it is
+    ``scatter``, or what single junctions bring where that is more: a record may lack the largest of them.
     """
+    from scipy.special import stdtr
+
     from rubnoise.inference.populations import shot_sizes
 
     contact, place = fit.contact, fit.contact.place
@@ -232,8 +270,15 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
             for name in fit.names
         }
         powers["shape"] = fit.by_shape(7)
-        z = (measured - expected) / sqrt(error**2 + (expected * min(fit.error(powers), 1.0)) ** 2)
-        p = _two_sided(z)
+        b, a = _leans_on(fit)
+        squares = psi**2 * life_integrals(pulse, sensor, d)[0]
+        # Cumulants add up, so that a junction brings its cube alone, less what its share of A and B leads to expect.
+        alone = cubes - expected * b * squares / variance
+        if fit.known.mean is not None:
+            alone -= expected * a * psi * np.outer(d**3, first_integrals(pulse)) / fit.known.mean
+        single = sqrt(contact.births * float(probability @ np.square(alone) @ offsets(pulse)[1]) / n)
+        z = (measured - expected) / sqrt(max(scatter, single) ** 2 + (expected * min(fit.error(powers), 1.0)) ** 2)
+        p = 2.0 * float(stdtr(_BLOCKS - 1, -abs(z)))
         ratio = measured / max(abs(expected), 1e-300)
         words = f"third cumulant: {ratio:.2f} of that of the contact found, {z:+.1f} standard errors"
         if "inequality" not in fit.known.free:
@@ -248,8 +293,7 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
 def _spread_words(ratio: float, error: float, fit: Fit) -> str:
     """Return the spread of strengths that a third cumulant speaks for, beside the one assumed.
 
-    With a known mean it goes as B^2 (1 + v) / A, with a known strength as B psi (1 + v)^2, where A = lam E[psi] and
-    B = lam E[psi^2] are what mean and spectrum tell.
+    It goes with 1 + v, v their squared spread, or with its square (see `_leans_on`).
     """
     power = 1.0 if fit.known.mean is not None else 0.5
     w = fit.known.inequality
