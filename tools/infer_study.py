@@ -58,7 +58,7 @@ DRIFT = 0.02
 
 JUDGED, SHOWN = 200, 60
 """Traces of a case that judges, and of one that shows something."""
-CYCLES = (5, 10, 15, 20)
+CYCLES = (5, 10, 15, 20, 40)
 
 PAGE = Path(__file__).parents[1] / "docs" / "inference.md"
 DATA = PAGE.with_name("right_traces.json")

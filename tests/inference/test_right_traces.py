@@ -123,7 +123,7 @@ def test_a_filter_is_undone_by_its_corner(cycles: float, poles: int) -> None:
     without = _read(contact, 7)
     assert _scores(without)["junction_count"] > BOUND
     assert _scores(without)["shear_strength"] < -BOUND
-    assert "20 cycles per life or more" in without.assumptions[1]
+    assert "40 cycles per life or more" in without.assumptions[1]
 
 
 def test_what_a_filter_takes_bends_as_its_slopes_say() -> None:
