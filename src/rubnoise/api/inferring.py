@@ -56,19 +56,19 @@ def infer(
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
     ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
-    object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts with a unit, or quantities of pint:
-    ``speed``, such as "1 mm/s", turns time into sliding distance; ``rate``, such as "20 kHz", is how often an array was
-    sampled; ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"); ``strength``, such as "250 MPa", is
+    object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts with a unit, or quantities of pint.
+    ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
+    sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
     known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" where 0 means no force.
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
     ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
     of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
     walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
-    ``strokes``, such as "10 %", cuts at reversals, leaves out so much of each stroke at either end, fits the strokes
-    together and takes the zero from the levels of both ways; the answer says what was left out. ``bootstrap`` traces
-    are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter. Raises Refused for
-    bad input, and for a quantity without a unit. What statistics refuse stands in ``refused_because``, what speaks
-    against the model in ``flags``. Source: docs/inference.md.
+    ``strokes``, such as "10 %", cuts at reversals, leaves out so much of each stroke at either end, and fits the
+    strokes together. ``bootstrap`` traces are simulated from what was found, and ``Inference.bootstrap`` holds how the
+    estimates scatter. ``assumptions`` of the answer say what was taken for granted.
+    Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
+    ``refused_because``, what speaks against the model in ``flags``. Source: docs/inference.md.
     """
     keywords.choice("zero", zero, ("known", "unknown"))
     keywords.choice("law", law, ("auto", *SIZES))
