@@ -350,7 +350,7 @@ def table(folder: Path) -> None:
         print(f"{kind}: {pooled(found, kind)}")
     flags: dict[str, int] = {}
     for row in (row for cell in cells() if cell.kind != "wrong" for row in found.get(cell.name, [])):
-        for flag in row["flags"]:
+        for flag in row["flags"] or ():
             flags[flag] = flags.get(flag, 0) + 1
     print("flags of right traces:", flags)
 
@@ -405,11 +405,14 @@ def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
         rows = found.get(cell.name, [])
         if rows:
             held = {name: score for name in QUANTITIES if (score := scores(rows, name)) is not None}
-            warned = sum(bool(row["flags"] or row["refused"]) or _holds(row, "junction_count") for row in rows)
+            # Tests may have been made of fewer traces than intervals.
+            tested = [row for row in rows if row["flags"] is not None]
+            warned = sum(bool(row["flags"] or row["refused"]) or _holds(row, "junction_count") for row in tested)
             seen[cell.name.removeprefix("outside ")] = {
                 "law": cell.fitted,
                 "traces": len(rows),
-                "flagged_or_refused": stopped(rows),
+                "tested": len(tested),
+                "flagged_or_refused": stopped(tested),
                 "flagged_or_number_held": warned,
                 "held": {name: {"held": a, "of": b, "median_error": round(c, 5)} for name, (a, b, c) in held.items()},
             }
@@ -437,7 +440,7 @@ def outside_table(data: dict[str, Any]) -> list[str]:
         option = " ".join(f"--{key.replace('_', '-')} {_SAID.get(key, value)}" for key, value in cell.options)
         shown = [_held(case, name) for name in ("junction_count", "diameter", "shear_strength")]
         name = cell.name.removeprefix("outside ").removesuffix(", not said")
-        stops = f"{case['flagged_or_refused']} of {case['traces']}"
+        stops = f"{case['flagged_or_refused']} of {case['tested']}"
         lines.append(_row(name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
     return lines
 
