@@ -66,8 +66,8 @@ def test_a_test_that_is_not_there_is_refused(name: str) -> None:
 
 
 def test_edits_of_one_file_add_up() -> None:
-    edits = (Edit(TITLE, "# one"), Edit("# one", "# other"))
-    assert next(iter(mutants.applied(Mutant("two", edits, TICKS), TEXTS).values())).startswith("# other\n")
+    edits = (Edit(TITLE, "# the first of two"), Edit("# the first of two", "# the second of two"))
+    assert next(iter(mutants.applied(Mutant("two", edits, TICKS), TEXTS).values())).startswith("# the second of two\n")
 
 
 def test_ten_tenths_are_all_faults_and_each_day_has_one() -> None:
