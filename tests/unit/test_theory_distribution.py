@@ -18,7 +18,7 @@ from scipy.special import ndtr
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Spread, law_for
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import distribution as module
@@ -75,7 +75,7 @@ def cumulants_of(moments: list[float]) -> list[float]:
 # Mass and moments.
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 @pytest.mark.parametrize("spread", SPREADS)
 @pytest.mark.parametrize("count", COUNTS)
 def test_mass_and_four_cumulants_by_the_density(count: float, spread: str, pulse: Pulse) -> None:

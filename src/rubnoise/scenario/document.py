@@ -92,8 +92,11 @@ class Pulse(Section):
 
     shape: Annotated[
         str,
-        Choice(("lens", "triangle")),
-        About(description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak."),
+        Choice(("lens", "triangle", "parabola")),
+        About(
+            description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak; "
+            "parabola: the overlap of two paraboloids, as rough surfaces have it."
+        ),
     ] = "lens"
     offset: Annotated[
         str,
