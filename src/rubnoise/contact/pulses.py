@@ -6,7 +6,7 @@ for each of `PULSES`; a test asks every one of them.
 """
 
 from dataclasses import dataclass
-from math import gamma, pi, sqrt
+from math import pi, prod
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -324,8 +324,8 @@ class ParabolaPulse(_Centred):
         return 0.5 * np.pi * (d - s) * ((s > 0.0) & (s < 2.0 * d))
 
     def life_integral(self, power: int) -> float:
-        """Return c_n = (pi/4)^n sqrt(pi) Gamma(n + 1) / Gamma(n + 3/2)."""
-        return (0.25 * pi) ** power * sqrt(pi) * gamma(power + 1.0) / gamma(power + 1.5)
+        """Return c_n = (pi/4)^n sqrt(pi) Gamma(n + 1) / Gamma(n + 3/2), 2 (pi/4)^n times 2j/(2j + 1), j = 1 ... n."""
+        return 2.0 * (0.25 * pi) ** power * prod(2.0 * j / (2.0 * j + 1.0) for j in range(1, power + 1))
 
     def rising_area(self, half_life: Any) -> Any:
         """Return (pi/4) u (2 - u)."""
