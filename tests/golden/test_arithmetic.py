@@ -41,6 +41,7 @@ ALLOWED = {
     "contact/pulses.py ParabolaPulse.life_integral **": "of the first power where anything is stored",
     "contact/pulses.py ParabolaPulse.squared_integral **": "for the theory alone",
     "contact/pulses.py ParabolaPulse.tail **": "for the theory alone",
+    "contact/pulses.py math.prod": "of ParabolaPulse.life_integral",
     "contact/pulses.py TrianglePulse.life_integral **": "of the first power where anything is stored",
     "contact/laws/fixed.py Fixed.moment **": "of a fraction, rounded once",
     "contact/laws/normal.py Normal.density np.exp": "for the theory alone",
