@@ -2,10 +2,12 @@
 
 import os
 import signal
+import sys
 
 
 def main() -> None:
     """Load the command line and run it; an interrupt while it is being loaded ends the process without a word."""
+    _open_missing_streams()
     usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if usual:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -16,6 +18,16 @@ def main() -> None:
     if usual:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     command_line()
+
+
+def _open_missing_streams() -> None:
+    """Open the null device for each standard stream that was closed, before a file of ours gets its number."""
+    for number, (name, mode) in enumerate({"stdin": "r", "stdout": "w", "stderr": "w"}.items()):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest number that is free, which is this one
+            setattr(sys, name, os.fdopen(number, mode))
 
 
 if __name__ == "__main__":

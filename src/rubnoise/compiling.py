@@ -1,17 +1,20 @@
 """How the kernels are compiled: to machine code that is kept, without fastmath."""
 
+import pickle
+import warnings
 from collections.abc import Callable
 from functools import cache, partial
+from hashlib import blake2b
 from pathlib import Path
-from pickle import UnpicklingError
 from typing import Any, Final
 
 from numba import float64, njit
+from numba.core.caching import IndexDataCacheFile
 from numba.core.runtime.nrt import rtsys
+from numba.core.serialize import dumps
 from numba.extending import intrinsic
 
 SOURCES = (
-    "analysis/verifying/sums.py",
     "compiling.py",
     "contact/plain_deviates.py",
     "simulation/coupled/*.py",
@@ -23,13 +26,15 @@ UNREADABLE: Final = (
     AttributeError,
     ImportError,
     EOFError,
-    UnpicklingError,
+    pickle.UnpicklingError,
     ValueError,
     TypeError,
     IndexError,
     KeyError,
 )
-"""What reading a pickle raises that is damaged, or that names what is gone."""
+"""What reading a pickle raises that names what is gone."""
+
+SEAL_BYTES: Final = 16
 
 _DIVISION: Final = "numpy"
 """A division by zero gives inf, as everywhere else here: a loop that looks out for one can't take several at a time."""
@@ -84,14 +89,13 @@ def _kept(function: Any, **how: Any) -> Any:
         kernel: Any = njit(cache=True, error_model=_DIVISION, **how)(function)
     except RuntimeError:
         # Installed read-only for a user without a home: there is nowhere to keep it, so each process compiles again.
-        return njit(error_model=_DIVISION, **how)(function)
-    # Numba looks at the function's own file alone, and would keep using code into which others have been compiled.
-    cache = kernel._cache  # noqa: SLF001  (numba has no public way)
+        kernel = njit(error_model=_DIVISION, **how)(function)
+        kernel._cache.load_overload = _nothing_kept  # noqa: SLF001  (numba has no public way)
+        return kernel
+    cache = kernel._cache  # noqa: SLF001
     cache.load_overload = partial(_kept_code, cache)
-    kept = cache._cache_file  # noqa: SLF001
-    kept._source_stamp = (kept._source_stamp, _stamp())  # noqa: SLF001
-    kept._load_index = partial(_index, kept._load_index)  # noqa: SLF001
-    kept._load_data = partial(_code, kept._load_data)  # noqa: SLF001
+    cache.save_overload = partial(_keep, cache.save_overload, cache.cache_path)
+    cache._cache_file = _KeptFile.like(cache._cache_file)  # noqa: SLF001
     return kernel
 
 
@@ -107,29 +111,86 @@ def _kept_code(cache: Any, signature: Any, context: Any) -> Any:
     rtsys.initialize(context)
     with cache._guard_against_spurious_io_errors():  # noqa: SLF001
         found = cache._load_overload(signature, context)  # noqa: SLF001
-    if found is None:
-        for prepare in BEFORE_COMPILING:
-            prepare()
-    return found
+    return _nothing_kept() if found is None else found
 
 
-def _index(load: Callable[[], dict[Any, str]]) -> dict[Any, str]:
-    """Return the index of the code that is kept; an empty one where it cannot be read, and all is compiled anew.
+def _nothing_kept(*_asked: object) -> None:
+    for prepare in BEFORE_COMPILING:
+        prepare()
 
-    An earlier version of this program may have kept it, with classes that are gone, or a power cut may have cut it off.
+
+class CodeNotKept(UserWarning):
+    """Machine code cannot be kept, so that each process compiles it again."""
+
+
+def _keep(save: Callable[[Any, Any], None], folder: str, signature: Any, code: Any) -> None:
+    """Keep code for later processes; where the disk fails, the process goes on with it and says so once."""
+    try:
+        save(signature, code)
+    except OSError as problem:
+        if _NOT_KEPT:
+            return
+        _NOT_KEPT.append(folder)
+        reason = problem.strerror or problem
+        text = f"compiled code cannot be kept, and each process compiles it again: {folder}: {reason}"
+        warnings.warn(text, CodeNotKept, stacklevel=1)
+
+
+_NOT_KEPT: Final[list[str]] = []
+
+
+class _KeptFile(IndexDataCacheFile):
+    """The files in which numba keeps the code of a function, each behind a checksum of what is in it.
+
+    Numba looks at the function's own file alone, and would keep using code into which others have been compiled; and it
+    runs what a disk has damaged. Here whatever is not as it was written, or by another version, is compiled anew.
     """
-    try:
-        return load()
-    except UNREADABLE:
-        return {}
+
+    @classmethod
+    def like(cls, file: Any) -> "_KeptFile":
+        """Return such files with the names of numba's own."""
+        name = file._index_name.removesuffix(".nbi")  # noqa: SLF001
+        return cls(file._cache_path, name, (file._source_stamp, _stamp()))  # noqa: SLF001
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            stamp, overloads = self._read(self._index_path)
+        except OSError:
+            return {}
+        return overloads if stamp == self._source_stamp else {}
+
+    def _save_index(self, overloads: dict[Any, str]) -> None:
+        self._write(self._index_path, (self._source_stamp, overloads))
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(str(Path(self._cache_path) / name))
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(str(Path(self._cache_path) / name), data)
+
+    def _read(self, path: str) -> Any:
+        """Return what was written; raises OSError, which numba takes for code that is gone, where it is not that."""
+        content = Path(path).read_bytes()
+        if content[:SEAL_BYTES] != self._seal(content[SEAL_BYTES:]):
+            raise OSError(f"{path}: damaged")
+        try:
+            return pickle.loads(content[SEAL_BYTES:])  # noqa: S301  (it is as this program has written it)
+        except UNREADABLE as problem:
+            raise OSError(f"{path}: {problem}") from problem
+
+    def _write(self, path: str, what: Any) -> None:
+        content: bytes = dumps(what)  # type: ignore[no-untyped-call]
+        with self._open_for_write(path) as file:
+            file.write(self._seal(content) + content)
+
+    def _seal(self, content: bytes) -> bytes:
+        return blake2b(content, digest_size=SEAL_BYTES, key=self._version.encode()).digest()
 
 
-def _code(load: Callable[[str], Any], name: str) -> Any:
-    """Return code that is kept; raises OSError, after which it is compiled anew, where it cannot be read."""
-    try:
-        return load(name)
-    except UNREADABLE as problem:
-        raise OSError(f"{name}: {problem}") from problem
+def is_kept(kernel: Any) -> bool:
+    """Whether code of a function, as it is now, is kept for later processes."""
+    file = getattr(kernel._cache, "_cache_file", None)  # noqa: SLF001
+    return file is not None and bool(file._load_index())  # noqa: SLF001
 
 
 @cache

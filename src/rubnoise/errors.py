@@ -20,6 +20,12 @@ class RubnoiseError(Exception):
     exit_code = 1
 
 
+LONGEST: Final = 1500
+"""Characters of a refusal at most: a name or a cell of a file may have any number."""
+
+_END: Final = 300
+
+
 class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedError" says it twice)
     """Something refused before the first event: usage, invalid input, an output that cannot be written; exit code 2.
 
@@ -33,9 +39,18 @@ class Refused(RubnoiseError):  # noqa: N818  (a refusal is what it is; "RefusedE
 
     exit_code = 2
 
+    def __str__(self) -> str:
+        """Return the message; of a long one its begin, and its end, where the remedy is."""
+        text = super().__str__()
+        return text if len(text) <= LONGEST else f"{text[: LONGEST - _END - 5]} ... {text[-_END:]}"
+
 
 class ScenarioRefused(Refused):
     """A scenario whose problems are listed in the message, all of them at once."""
+
+    def __str__(self) -> str:
+        """Return the whole list."""
+        return Exception.__str__(self)
 
 
 class OutputRefused(Refused):
@@ -90,21 +105,28 @@ def resume_hint(part: str) -> str:
     return f"rubnoise resume {quote(part)} continues it"
 
 
-SHELL_WORDS: Final = (
-    ("rubnoise.run(..., force=True)", "rubnoise run --force"),
-    ("force=True", "--force"),
-    ('shard="2/8"', "--shard 2/8"),
-    ("one of jobs and cluster", "one of --jobs and --cluster"),
+_CALL: Final = re.compile(r"\brubnoise\.([a-z]+)\(\.\.\., ([^()]*)\)")
+_KEYWORD: Final = re.compile(
+    r"""(?<![\w.=/\\'"-])([a-z]+(?:_[a-z]+)*)=      # speed=, and no part of the name of a file
+    (?:"([^"\n]*)"|(True|\d+(?![^\s;,)])|(?![^\s:;,)])))  # with a text, with a number, or alone""",
+    re.VERBOSE,
 )
-"""What messages say of functions of Python, and how the command line says it."""
 
 
 def in_shell(text: str) -> str:
-    """Return a message in the words of the command line, whose options stand for arguments of Python."""
-    for python, shell in SHELL_WORDS:
-        text = text.replace(python, shell)
-    text = re.sub(r"\bjobs=(\d+)", r"--jobs \1", text)
-    return re.sub(r"^(jobs|shard): ", r"--\1: ", text)
+    """Return a message in the words of the command line: `speed=` of Python is `--speed` there, `drift=True` `--drift`.
+
+    So a message names a keyword by its sign of equality, and needs no list of those that there are.
+    """
+    return _KEYWORD.sub(_option, _CALL.sub(r"rubnoise \1 \2", text))
+
+
+def _option(found: re.Match[str]) -> str:
+    name, words, number = found.groups()
+    option = f"--{name.replace('_', '-')}"
+    if words is not None:
+        return f"{option} {words}" if re.fullmatch(r"[\w./]+", words) else f'{option} "{words}"'
+    return option if number in ("", "True") else f"{option} {number}"
 
 
 EXTRAS_OF_SYNC: Final = ("analysis", "plot")

@@ -8,10 +8,13 @@ the table equal to pint.
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from math import isfinite
+from numbers import Real
 from typing import Any, Self
 
 from rubnoise.unit_names import RATIOS, UNITS, like
@@ -61,7 +64,9 @@ STIFFNESS = Kind(name="stiffness", unit="N/m", dimension=(0, 1, -2), example="30
 DAMPING = Kind(name="damping", unit="N*s/m", dimension=(0, 1, -1), example="0.05 N*s/m")
 TIME = Kind(name="time", unit="s", dimension=(0, 0, 1), example="0.5 s")
 RATIO = Kind(name="ratio", unit="%", dimension=(0, 0, 0), example="20 %")
-KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO)
+FORCE = Kind(name="force", unit="uN", dimension=(1, 1, -2), example="0.5 mN")
+FREQUENCY = Kind(name="frequency", unit="Hz", dimension=(0, 0, -1), example="20 kHz")
+KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO, FORCE, FREQUENCY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +105,8 @@ USUAL_UNITS: dict[str, Unit] = {
     **_usual(DAMPING, _FORCES, " s/m"),
     **_usual(TIME, {"us": "1e-6", "ms": "1e-3", "s": "1"}),
     **_usual(RATIO, {"%": "1e-2"}),
+    **_usual(FORCE, {"uN": "1", "mN": "1e3", "N": "1e6", "kN": "1e9"}),
+    **_usual(FREQUENCY, {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}),
 }
 
 
@@ -203,6 +210,42 @@ def in_unit(value: Any, unit: str) -> Any:
         return value.to(unit).magnitude
     except Exception as problem:  # pint's errors, which are not loaded here
         raise QuantityError(f"{value}: a quantity in {unit} is needed, or a number") from problem
+
+
+def quantity_of(value: Any, *kinds: Kind) -> Quantity:
+    """Return a quantity that Python was given: a text, or a quantity of pint.
+
+    Raises QuantityError as `read_quantity` does, and for a number, which does not say its unit.
+    """
+    if isinstance(value, str):
+        return read_quantity(value, *kinds)
+    if is_of_pint(value):
+        return from_pint(value, *kinds)
+    if isinstance(value, Quantity) and value.kind in kinds:
+        return value
+    if isinstance(value, Real) and not isinstance(value, bool):
+        raise QuantityError("a number without a unit", f'right form: "{kinds[0].example}"')
+    raise QuantityError("needs a number with a unit", f'right form: "{kinds[0].example}"')
+
+
+def from_pint(value: Any, *kinds: Kind) -> Quantity:
+    """Return a quantity of pint as it is written, which is exact, or else converted to the unit of its kind.
+
+    Raises QuantityError for one of none of the ``kinds``, and for what is no finite number.
+    """
+    try:
+        magnitude = float(value.magnitude)
+    except (TypeError, ValueError, OverflowError):
+        raise QuantityError("needs one finite number with a unit", f'right form: "{kinds[0].example}"') from None
+    if not isfinite(magnitude):
+        raise QuantityError("not a finite number")
+    try:
+        return read_quantity(f"{magnitude!r} {value.units:~C}", *kinds)
+    except QuantityError:
+        for kind in kinds:
+            with suppress(QuantityError):
+                return Quantity(Fraction(repr(float(in_unit(value, kind.unit)))), kind)
+        raise
 
 
 def is_of_pint(value: Any) -> bool:

@@ -23,7 +23,7 @@ from rubnoise.storage.export import export, plan
 from rubnoise.storage.export_csv import heading
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
-from tests.cli.terminal import begin, call, command, names, spawn, start, stop
+from tests.cli.terminal import begin, call, command, names, spawn, spawn_program, start, stop
 from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
@@ -303,6 +303,27 @@ def test_nothing_is_left_of_an_export_that_fails_or_is_stopped(here: Path, rows:
         assert names(here) == ["run.h5"]
         with pytest.raises(KeyboardInterrupt):
             export(run, exports, force=False, between=_interrupted)
+    assert names(here) == ["run.h5"]
+
+
+LIMITED = """
+import resource
+from rubnoise.cli.app import main
+resource.setrlimit(resource.RLIMIT_FSIZE, (11_000, 11_000))
+main()
+"""
+"""The command line where no file takes more than 11 kB: the junctions do, and a trace or slider does not."""
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_where_one_file_cannot_be_written_none_is(here: Path, kind: str) -> None:
+    description = describe(JUNCTIONS, 400)
+    write_run(here / "run.h5", description, random_rows(description))
+    answer = spawn_program(LIMITED, "export", "run.h5", "--to", kind)
+    assert (answer.code, answer.out) == (1, "")
+    assert ": writing failed: " in answer.err
+    assert answer.err.endswith("File too large\n")
+    assert answer.err.count("\n") == 1
     assert names(here) == ["run.h5"]
 
 

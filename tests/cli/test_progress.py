@@ -10,7 +10,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from rubnoise.cli.progress import Watcher, announce_compilation, watching_reads
+from rubnoise.cli.progress import Watcher, announce_compilation_by_workers, watching_reads
 from rubnoise.simulation.kernels import coarse
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import LONGEST, begin_on_terminal, command, read_terminal, shown_on_terminal
@@ -74,12 +74,16 @@ def test_births_in_millions_are_counted_under_ones_eyes_and_a_signal_ends_that(h
     assert list(here.iterdir()) == []
 
 
-def test_compilation_is_announced_where_kernels_are_never_kept(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_announces_what_its_workers_compile(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+    monkeypatch.setattr("rubnoise.cli.progress._say_compiling", lambda: said.append("compiling"))
+    with monkeypatch.context() as patch:
+        patch.setattr("rubnoise.compiling.is_kept", lambda _kernel: True)
+        announce_compilation_by_workers()
+        assert said == []
     monkeypatch.setattr(coarse, "deposit_coarse_lives", numba.njit(coarse.deposit_coarse_lives.py_func))
-    announce_compilation()
-    assert capsys.readouterr().err.startswith("Compiling the kernels")
+    announce_compilation_by_workers()
+    assert said == ["compiling"]
 
 
 class Clock:

@@ -4,6 +4,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from tests.cli.terminal import spawn_program
+
 AFTER_A_RUN = """
 import contextlib, sys
 from rubnoise.cli.app import main
@@ -52,6 +56,29 @@ print(*sorted({"numba.np.arraymath", "numba.np.linalg"} & set(sys.modules)))
 import numba
 print(numba.njit(lambda a: (a * a).sum())(__import__("numpy").array([3.0, 4.0])))
 """
+
+
+CLOSED = ([0], [1], [2], [1, 2], [0, 1, 2])
+CLOSING = """
+import os, sys
+for number in map(int, sys.argv.pop(1).split()):
+    os.close(number)
+    setattr(sys, ("stdin", "stdout", "stderr")[number], None)
+"""
+AS_A_PROGRAM = f"{CLOSING}from rubnoise.__main__ import main; main()"
+AS_A_LIBRARY = f"""{CLOSING}import rubnoise
+with rubnoise.open(sys.argv[1]) as run:
+    os._exit(10 + (run.trace["distance"][1] > 0.0))
+"""
+
+
+@pytest.mark.parametrize("numbers", CLOSED, ids=str)
+def test_streams_that_are_closed_keep_nothing_from_being_written_and_read(here: Path, numbers: list[int]) -> None:
+    closed = " ".join(map(str, numbers))
+    answer = spawn_program(AS_A_PROGRAM, closed, "run", "../given/contact.toml", "-o", "x.h5")
+    assert answer.code == 0
+    assert answer.out.startswith("x.h5: ") is (1 not in numbers)
+    assert spawn_program(AS_A_LIBRARY, closed, "x.h5").code == 11
 
 
 def test_questions_about_a_scenario_load_no_compiler_and_no_file_format(here: Path) -> None:

@@ -4,6 +4,7 @@ import json
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -17,9 +18,11 @@ import pytest
 import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.scenario.sweep import expand, load_sweep
+from rubnoise.storage import merged_sweep
+from rubnoise.storage.lock import is_held
 from rubnoise.storage.output import OutputPaths, sole_writer
 from tests.cli.swept import SLOW, TABLE, begin_sweep, runs_of
-from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, spawn
+from tests.cli.terminal import CONTACT, WITH_SLIDER, call, columns, command, spawn, start
 
 
 @pytest.fixture
@@ -53,6 +56,40 @@ def test_workers_and_shards_give_the_bits_of_runs_alone(file: Path, tmp_path: Pa
     tables = [h5py.File(Path(folder) / "index.h5") for folder in ("pool", "shards")]
     first, second = ({name: table["runs"][name][:].tobytes() for name in table["runs"]} for table in tables)
     assert first == second
+
+
+def test_of_shards_the_last_one_merges(file: Path) -> None:
+    words = ("sweep", file, "-o", "d", "--jobs", "1", "--merge")
+    first = call(*words, "--shard", "1/2")
+    assert first.out.endswith("not merged yet: the shard that ends last does that\n")
+    assert not Path("d/merged.h5").exists()
+    assert call(*words, "--shard", "2/2", "--json").json()["merged"] == "d/merged.h5"
+    with h5py.File("d/merged.h5") as merged:
+        assert set(merged["runs/state"][:]) == {b"done"}
+    assert call(*words, "--shard", "1/2", "-q").code == 0
+
+
+def test_shards_that_end_at_once_wait_for_each_other_to_merge(file: Path) -> None:
+    words = command("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q")
+    shards = [start([*words, "--shard", f"{number}/3"], stderr=subprocess.PIPE, text=True) for number in (1, 2, 3)]
+    assert [shard.communicate()[1] for shard in shards] == [""] * 3
+    with h5py.File("d/merged.h5") as merged:
+        assert set(merged["runs/state"][:]) == {b"done"}
+        assert set(merged["junctions/run"][:]) == set(range(6))
+
+
+def test_what_is_merged_is_replaced_by_nobody_meanwhile(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    held: list[bool] = []
+    whole = merged_sweep.write_merged
+
+    def write(path: Path, index: Path) -> None:
+        held.append(is_held(index.with_name(".index.lock")))
+        whole(path, index)
+
+    monkeypatch.setattr("rubnoise.sweep.index.write_merged", write)
+    assert call("sweep", file, "-o", "d", "--jobs", "1", "--merge", "-q").code == 0
+    assert held == [True]
+    assert not any(path.suffix == ".lock" for path in Path("d").iterdir())
 
 
 def test_what_is_done_is_not_done_again_and_more_points_and_replicates_join_it(file: Path) -> None:

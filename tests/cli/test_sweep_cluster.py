@@ -3,12 +3,13 @@
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
+from rubnoise.errors import Refused
 from tests.cli.swept import SLOW, TABLE, begin_sweep, runs_of
 from tests.cli.terminal import CONTACT, call, spawn
 
@@ -85,6 +86,61 @@ def test_a_sweep_whose_scheduler_is_killed_is_gone_on_with(file: Path, scheduler
         worker.wait()
     answer = call("sweep", file, "-o", "afar", "--jobs", "2", *SLOW)
     assert (answer.out, answer.err) == ("afar: 2 points, 8 runs: 8 done\n", "")
+
+
+LATER = (
+    "import sys; from rubnoise import streams; streams.STREAM_VERSION += 1; "
+    "from distributed.cli.dask_worker import main; main()"
+)
+
+
+def test_workers_of_another_version_get_no_work(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    address, _ = scheduler
+    options = ("--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard")
+    with subprocess.Popen([sys.executable, "-c", LATER, *options], stderr=subprocess.PIPE, text=True) as later:
+        while "Registered to" not in later.stderr.readline():
+            assert later.poll() is None
+        answer = spawn("sweep", file, "-o", "afar", "--cluster", address)
+        later.kill()
+    assert (answer.code, answer.out) == (2, "")
+    assert "this worker has rubnoise" in answer.err
+    assert "stream 2, format 1, and this process" in answer.err
+    assert runs_of(Path("afar")) == {}
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://there", "other://10.0.0.1:8786", "10.0.0.1:99999", "none.json"])
+def test_what_is_no_address_is_refused_at_once(file: Path, address: str) -> None:
+    answer = call("sweep", file, "-o", "afar", "--cluster", address)
+    said = f"{address}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786\n"
+    assert (answer.code, answer.out, answer.err) == (2, "", said)
+
+
+class Client:
+    """A client of a scheduler one of whose workers is of another version."""
+
+    closed = False
+
+    def __init__(self, *_where: object, **_how: object) -> None:
+        Client.closed = False
+
+    def run(self, function: Callable[[], object], **_how: object) -> dict[str, object]:
+        return {"tcp://10.0.0.2:1": function(), "tcp://10.0.0.3:1": ModuleNotFoundError("No module named 'rubnoise'")}
+
+    def close(self) -> None:
+        Client.closed = True
+
+
+def test_a_worker_without_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    import distributed
+
+    from rubnoise.sweep.cluster import Cluster
+
+    monkeypatch.setattr(distributed, "Client", Client)
+    with pytest.raises(
+        Refused, match=r"tcp://10\.0\.0\.3:1: this worker has no version that it says, and this process"
+    ):
+        Cluster("tcp://10.0.0.1:8786")
+    assert Client.closed
 
 
 def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -54,7 +54,9 @@ def test_the_page_has_the_run_of_its_scenario_to_half_a_step_of_the_sensor(law: 
 def test_ours_is_what_infer_finds_in_the_trace_on_the_page(law: str, page: Any) -> None:
     forces, told = np.array(page[law]["forces"]), given(law)["found"]
     rate = 1000.0 / given(law)["tick"]
-    found = rubnoise.infer(forces, rate=rate, speed="1 mm/s", unit="uN", zero="known", law=law).estimates["diameter"]
+    found = rubnoise.infer(forces, rate=f"{rate} Hz", speed="1 mm/s", unit="uN", zero="known", law=law).estimates[
+        "diameter"
+    ]
     assert [told["diameter"], *told["interval"]] == pytest.approx([found.value, *found.interval], rel=1e-5)
     low, high = told["interval"]
     assert low < exact(law).mean_diameter < high

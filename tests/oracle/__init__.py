@@ -1,1 +1,1 @@
-"""Plain, slow references written from the paper and from mechanics only; none of them imports rubnoise."""
+"""Plain, slow references written from the paper and from mechanics only; none but `second` imports rubnoise."""

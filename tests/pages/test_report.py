@@ -1,10 +1,12 @@
 import re
+import tomllib
 from html import unescape
 from pathlib import Path
 
 import pytest
 
 import rubnoise
+from rubnoise.scenario.writing import text_of
 from tests.cli.terminal import call
 
 
@@ -34,6 +36,15 @@ def test_the_scenario_in_a_report_makes_the_same_run_again(text: str, one_way: P
     assert call("run", scenario, "-o", tmp_path / "again.h5").code == 0
     with rubnoise.open(one_way) as run, rubnoise.open(tmp_path / "again.h5") as again:
         assert again.slider["displacement"][:].tobytes() == run.slider["displacement"][:].tobytes()
+
+
+TITLE = '🧲 of 3 µm, a \\ "quote" and \x7f'
+
+
+def test_a_scenario_in_a_report_is_toml_whatever_its_title_says(one_way: Path, tmp_path: Path) -> None:
+    with rubnoise.open(one_way) as run:
+        resolved = run.scenario.resolved() | {"title": TITLE}
+    assert tomllib.loads(text_of(resolved)) == resolved
 
 
 def test_a_bare_run_has_a_report_without_what_it_lacks(tmp_path: Path) -> None:

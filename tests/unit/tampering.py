@@ -10,7 +10,7 @@ import xxhash
 from numpy.typing import NDArray
 
 import rubnoise
-from rubnoise.scenario import build
+from rubnoise.scenario import Scenario, build
 from rubnoise.storage.schema import HASH
 from rubnoise.storage.seal import read_provenance, read_root, read_summary, seal_of
 
@@ -25,12 +25,17 @@ EVERYTHING: dict[str, dict[str, Any]] = {
 """Fig. 5 in short: two blocks with a slider."""
 
 
-def run_of(path: Path, *left_out: str, seed: int = 1, **changes: dict[str, Any]) -> Path:
-    """Run a scenario like EVERYTHING into a file, with tables and keys changed or left out."""
+def scenario_of(*left_out: str, **changes: dict[str, Any]) -> Scenario:
+    """Return a scenario like EVERYTHING, with tables and keys changed or left out."""
     names = [name for name in dict.fromkeys([*EVERYTHING, *changes]) if name not in left_out]
     tables = {name: EVERYTHING.get(name, {}) | changes.get(name, {}) for name in names}
     kept = {name: {key: value for key, value in table.items() if value is not None} for name, table in tables.items()}
-    rubnoise.run(build({"format": 1, **kept}), path, seed=seed).close()
+    return build({"format": 1, **kept})
+
+
+def run_of(path: Path, *left_out: str, seed: int = 1, **changes: dict[str, Any]) -> Path:
+    """Run such a scenario into a file."""
+    rubnoise.run(scenario_of(*left_out, **changes), path, seed=seed).close()
     return path
 
 

@@ -1,5 +1,8 @@
 """The Python interface, used as a person would."""
 
+import copy
+import pickle
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +64,41 @@ def test_a_file_is_opened_and_closed(scenario: Any, tmp_path: Path) -> None:
         assert run.attributes["title"] == "x"
     with pytest.raises(ValueError, match=r"x\.h5: the run file is closed"):
         run.trace["distance"][:]
+
+
+COPIES: dict[str, Callable[[Any], Any]] = {
+    "copied": copy.copy,
+    "copied deeply": copy.deepcopy,
+    "pickled": lambda given: pickle.loads(pickle.dumps(given)),  # noqa: S301  (made here)
+}
+
+
+@pytest.mark.parametrize("how", COPIES)
+def test_a_copy_of_a_run_is_open_for_itself(
+    scenario: Any, tmp_path: Path, how: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rubnoise.run(scenario, "x.h5").close()
+    with rubnoise.open("x.h5") as run:
+        monkeypatch.chdir("/")
+        column = COPIES[how](run.trace["distance"])
+        with COPIES[how](run) as again:
+            assert again.trace["distance"][:].tobytes() == run.trace["distance"][:].tobytes()
+            assert again.scenario == run.scenario
+        assert run.trace["distance"][1] == column[1] == 0.1
+    with pytest.raises(ValueError, match="closed"):
+        again.trace["distance"][:]
+
+
+def test_a_copy_is_never_of_another_file(scenario: Any, tmp_path: Path) -> None:
+    rubnoise.run(scenario, tmp_path / "x.h5").close()
+    with rubnoise.open(tmp_path / "x.h5") as run:
+        content = pickle.dumps(run)
+    with pytest.raises(ValueError, match="closed"):
+        copy.deepcopy(run)
+    rubnoise.run(scenario.replace(seed=99), tmp_path / "x.h5", force=True).close()
+    with pytest.raises(RunFileRefused, match=r"x\.h5: has changed since it was opened"):
+        pickle.loads(content)  # noqa: S301  (made here)
 
 
 def test_a_junction_is_the_overlap_of_two_circles(scenario: Any, tmp_path: Path) -> None:

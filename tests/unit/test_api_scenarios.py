@@ -134,7 +134,7 @@ def test_a_sweep_goes_by_its_name_and_its_keys_without_dots(tmp_path: Path) -> N
 def test_messages_speak_python_and_in_a_shell_the_shells_words() -> None:
     assert in_shell("x.h5: exists already (force=True replaces it)") == "x.h5: exists already (--force replaces it)"
     assert in_shell("rubnoise.run(..., force=True) starts over") == "rubnoise run --force starts over"
-    assert in_shell("jobs: 0 is no number") == "--jobs: 0 is no number"
+    assert in_shell("jobs=: 0 is no number") == "--jobs: 0 is no number"
     assert in_shell("too little; jobs=3 fits") == "too little; --jobs 3 fits"
 
 

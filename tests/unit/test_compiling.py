@@ -1,12 +1,14 @@
 """Machine code that is kept is not used any more once a file has changed that was compiled into it."""
 
+import errno
+import hashlib
 import os
-import pickle
 import re
 import runpy
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +59,9 @@ def test_every_file_that_is_compiled_into_others_is_known() -> None:
     package = Path(rubnoise.__file__).parent
     texts = {path.relative_to(package): path.read_text(encoding="utf-8") for path in package.rglob("*.py")}
     compiled = {
-        path for path, text in texts.items() if re.search(r"from rubnoise\.compiling import|import intrinsic", text)
+        path
+        for path, text in texts.items()
+        if re.search(r"^from rubnoise\.compiling import|import intrinsic", text, re.MULTILINE)
     }
     known = {path.relative_to(package) for pattern in compiling.SOURCES for path in package.glob(pattern)}
     imported = {
@@ -74,24 +78,81 @@ GONE = b"\x80\x04\x8c\x12rubnoise.compiling\x8c\x04Gone\x93."
 """The pickle of a class that an earlier version had."""
 
 
-@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
-@pytest.mark.parametrize("damage", [GONE, b"", b"no pickle"], ids=["a class that is gone", "cut off", "damaged"])
-def test_kept_code_that_cannot_be_read_is_compiled_anew(tmp_path: Path, ending: str, damage: bytes) -> None:
+def _gone(content: bytes) -> bytes:
+    seal = hashlib.blake2b(GONE, digest_size=compiling.SEAL_BYTES, key=numba.__version__.encode()).digest()
+    return seal + GONE
+
+
+def _flipped(content: bytes) -> bytes:
+    """Flip a bit in the middle, where the machine code is."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "a class that is gone": _gone,
+    "empty": lambda _: b"",
+    "cut off": lambda content: content[:-100],
+    "zeros": lambda content: bytes(len(content)),
+    "a flipped bit": _flipped,
+}
+
+DOUBLING = """
+from rubnoise.compiling import compiled
+
+
+@compiled
+def doubled(value):
+    return 2.0 * value
+"""
+
+
+@pytest.fixture
+def doubling(tmp_path: Path) -> Path:
+    """A module with a kernel, whose code is kept beside it."""
     module = tmp_path / "doubling.py"
-    module.write_text(
-        "from rubnoise.compiling import compiled\n\n\n@compiled\ndef doubled(value):\n    return 2.0 * value\n",
-        encoding="utf-8",
-    )
+    module.write_text(DOUBLING, encoding="utf-8")
+    return module
 
-    def hits() -> int:
-        found: dict[str, Any] = runpy.run_path(str(module))
-        assert found["doubled"](21.0) == 42.0
-        return sum(found["doubled"].stats.cache_hits.values())
 
-    assert hits() == 0
-    assert hits() == 1
-    (kept,) = (tmp_path / "__pycache__").glob(f"*{ending}")
-    version = pickle.dumps(numba.__version__, protocol=-1) if ending == ".nbi" else b""
-    kept.write_bytes(version + damage)
-    assert hits() == 0
-    assert hits() == 1
+def _hits(module: Path) -> int:
+    """Call the kernel of a module as a new process would; return how often its code was found."""
+    found: dict[str, Any] = runpy.run_path(str(module))
+    assert found["doubled"](21.0) == 42.0
+    return sum(found["doubled"].stats.cache_hits.values())
+
+
+@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_kept_code_that_is_not_as_it_was_written_is_compiled_anew(doubling: Path, ending: str, damage: str) -> None:
+    assert [_hits(doubling), _hits(doubling)] == [0, 1]
+    (kept,) = (doubling.parent / "__pycache__").glob(f"*{ending}")
+    kept.write_bytes(DAMAGES[damage](kept.read_bytes()))
+    assert [_hits(doubling), _hits(doubling)] == [0, 1]
+
+
+def test_where_code_cannot_be_kept_it_is_compiled_each_time_and_said_once(
+    doubling: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_file: object, path: str, _what: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", path)
+
+    monkeypatch.setattr(compiling, "_NOT_KEPT", [])
+    monkeypatch.setattr(compiling._KeptFile, "_write", full)
+    with pytest.warns(compiling.CodeNotKept, match=r"__pycache__: No space left on device") as warned:
+        assert [_hits(doubling), _hits(doubling)] == [0, 0]
+    assert len(warned) == 1
+
+
+def test_what_is_compiled_is_announced(doubling: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(compiling, "BEFORE_COMPILING", {lambda: said.append("compiling")})
+    assert [_hits(doubling), said, _hits(doubling), said] == [0, ["compiling"], 1, ["compiling"]]
+    monkeypatch.setattr(compiling, "njit", _nowhere)
+    assert [_hits(doubling), said] == [0, ["compiling"] * 2]
+
+
+def _nowhere(*, cache: bool = False, **how: Any) -> Any:
+    if cache:
+        raise RuntimeError("cannot cache function: no locator available")
+    return numba.njit(**how)

@@ -4,11 +4,11 @@ import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.analysis.verifying import sums
 from rubnoise.contact.pulses import PULSES
 from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
 from rubnoise.theory.live_area import unit_density
 from rubnoise.theory.transform import transform_of
+from tests.oracle.second import sums
 
 every_pulse = pytest.mark.parametrize("pulse", PULSES.values(), ids=PULSES)
 AGES = np.linspace(0.0, 1.0, 101)

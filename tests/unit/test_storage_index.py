@@ -1,5 +1,6 @@
 """An index says what it was given; one that is none of ours, or leads elsewhere, is refused with the reason."""
 
+import errno
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from rubnoise.api.sweep_result import open_sweep
 from rubnoise.errors import RunFileRefused
+from rubnoise.storage import disk
 from rubnoise.storage.index import Filled, Index, Stack, write_index
 from rubnoise.storage.index_file import open_index
 from rubnoise.storage.reader import TooNew, open_run
@@ -49,10 +51,15 @@ def _index(*more: Filled) -> Index:
     )
 
 
+def _written(path: Path, index: Index) -> Path:
+    path.touch()
+    write_index(path, index)
+    return path
+
+
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    write_index(tmp_path / "index.h5", _index())
-    return tmp_path / "index.h5"
+    return _written(tmp_path / "index.h5", _index())
 
 
 def test_what_was_written_is_read(path: Path) -> None:
@@ -78,6 +85,22 @@ def test_what_was_written_is_read(path: Path) -> None:
         index.read("runs", "run")
 
 
+@pytest.mark.parametrize("room", [0, 5_000, 12_000])
+def test_a_disk_that_fills_up_is_raised_and_hdf5_ends_nothing(
+    tmp_path: Path, room: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = disk.write_all
+
+    def write_all(descriptor: int, data: memoryview, offset: int) -> None:
+        if offset + len(data) > room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        whole(descriptor, data, offset)
+
+    monkeypatch.setattr(disk, "write_all", write_all)
+    with pytest.raises(OSError, match="No space left"):
+        _written(tmp_path / "index.h5", _index())
+
+
 def test_traces_refer_to_files_beside_the_index(path: Path) -> None:
     with h5py.File(path) as file:
         force = file["traces/0/trace/friction_force"]
@@ -94,8 +117,7 @@ def test_a_slider_is_stacked_by_rows_of_its_own(
 ) -> None:
     features: frozenset[Feature] = frozenset({"speed", "strength", "slider"})
     stack = Stack(rows=[0, 2], files=["runs/a.h5", "runs/b.h5"], features=features, ticks=3, slider=rows)
-    write_index(tmp_path / "index.h5", replace(_index(), stacks=[stack]))
-    with h5py.File(tmp_path / "index.h5") as file:
+    with h5py.File(_written(tmp_path / "index.h5", replace(_index(), stacks=[stack]))) as file:
         assert file["traces/0/trace/real_contact_area"].shape == (2, 3)
         there = file["traces/0"].get("slider")
         assert (None if there is None else there["velocity"].shape) == shape

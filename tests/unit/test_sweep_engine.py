@@ -76,6 +76,38 @@ def test_a_problem_that_cannot_travel_is_told_in_words(pool: Pool, points: tuple
     assert isinstance(here.problem, errands.Awkward)
 
 
+OTHER = {"rubnoise": "0.0.1", "stream": 99, "format": 1}
+
+
+class Elsewhere(Here):
+    """A worker with another version, which does as it says, or an older one that does not know versions."""
+
+    def __init__(self, *, knows: bool) -> None:
+        self.knows = knows
+        self.worked: list[str] = []
+
+    def submit(self, function: Any, /, work: Any, points: Any, asked: Any) -> "Future[Any]":
+        done: Future[Any] = Future()
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("rubnoise.sweep.execution.versions", lambda: OTHER)
+            if self.knows:
+                done.set_result(function(lambda point: self.worked.append(point.run_id), points, asked))
+            else:
+                done.set_result(Attempt([None] * len(points), 0.1))
+        return done
+
+
+@pytest.mark.parametrize("knows", [True, False])
+def test_a_worker_of_another_version_ends_the_sweep_and_makes_nothing(
+    points: tuple[Point, ...], *, knows: bool
+) -> None:
+    workers = Elsewhere(knows=knows)
+    said = "rubnoise 0.0.1, stream 99, format 1" if knows else "no version that it says"
+    with pytest.raises(WorkLost, match=f"a worker has {said}, and this process rubnoise .*, stream 1, format 1"):
+        list(Execution(points, errands.fail_some, workers).outcomes())
+    assert workers.worked == []
+
+
 def test_a_point_whose_worker_is_killed_is_tried_once_more(
     pool: Pool, points: tuple[Point, ...], tmp_path: Path
 ) -> None:

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xxhash
 
 from rubnoise.sweep import journal as journals
-from rubnoise.sweep.journal import Entry, Journal, RunRow, entries
+from rubnoise.sweep.journal import Entry, Journal, RunRow, entries, numbered
 
 FIGURES = {"real_contact_area_mean": pi, "real_contact_area_std": 0.1 + 0.2, "far": 1e-300}
 DONE = Entry(
@@ -87,3 +88,31 @@ def test_a_line_without_an_end_is_read_in_pieces(tmp_path: Path, monkeypatch: py
     assert [entry.run_id for entry in entries(path)] == ["a"]
     assert tracemalloc.get_traced_memory()[1] < 1 << 20
     tracemalloc.stop()
+
+
+OTHER_SHAPES = (
+    "1", "[]", "{}", "null", '{"run": "a"}', '{"run": 1, "state": "failed"}', '{"run": "../a", "state": "begun"}',
+    '{"run": "a", "state": "lost"}', '{"run": "a", "state": "done"}', '{"run": "a", "state": "begun", "stamp": 1}',
+    '{"run": "a", "state": "done", "file": "/etc/passwd", "figures": {}}',
+    '{"run": "a", "state": "done", "file": "", "figures": {"seed": 1.0}}',
+    '{"run": "a", "state": "done", "file": "", "figures": {"x": "1.0"}}',
+    '{"run": "a", "state": "done", "file": "", "figures": {"x": 1%s}}' % ("0" * 400),
+    '{"run": "a", "state": "done", "file": "", "figures": {}, "arrays": {"x": ["O", [1], ""]}}',
+    "[" * 100_000,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", OTHER_SHAPES, ids=lambda text: text[:70])
+def test_a_line_of_another_shape_is_damaged_whatever_its_checksum(tmp_path: Path, text: str) -> None:
+    path, digest = tmp_path / "j", xxhash.xxh3_64_hexdigest(text.encode())
+    path.write_bytes(_written(path, FAILED) + f"{digest} {text}\n".encode())
+    assert list(numbered(path)) == [(1, FAILED), (2, "damaged")]
+
+
+def test_a_disk_that_is_full_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(_descriptor: int, _data: memoryview) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(journals.disk, "append_all", full)
+    with Journal(tmp_path / "j") as journal, pytest.raises(OSError, match=r"No space left on device: '.*/j'"):
+        journal.add(FAILED)

@@ -192,3 +192,19 @@ def test_a_run_in_the_place_of_another_is_neither_handed_out_nor_taken_for_done(
     assert told(folder) == {}
     with h5py.File(other) as file:
         assert np.array_equal(file["trace/real_contact_area"][:], right)
+
+
+def test_of_many_strays_ten_are_named_and_the_others_counted(folder: Path) -> None:
+    for number in range(14):
+        (folder / f"stray_{number:02}").touch()
+        (folder / "runs" / f"stray_{number:02}.h5.part").touch()
+    left_out = [each.name for each in verify_sweep(folder).left_out]
+    assert [name for name in left_out if name.startswith("stray")] == [f"stray_{number:02}" for number in range(10)]
+    assert {"4 more of others", "4 more of runs/*.h5.part"} <= set(left_out)
+    assert len(left_out) == 22
+
+
+def test_a_file_that_is_none_is_named_in_a_sentence(folder: Path) -> None:
+    (run, *_) = runs(folder)
+    run.write_bytes(b"text" * 100)
+    assert told(folder)["runs"].startswith(f"runs/{run.name} is not an HDF5 file; ")

@@ -15,7 +15,6 @@ from rubnoise.analysis.comparing.findings import Comparison, Identity, LeftOut
 from rubnoise.analysis.comparing.motion import Path, two_way_identities
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.summary import expected_figure
-from rubnoise.analysis.verifying.balance import balance_check
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
@@ -87,8 +86,26 @@ def test_exact_laws_hold_to_the_tolerance(name: str, tolerance: float) -> None:
     assert broken(run, rows) == set()
     seen = balance(run, rows)
     assert abs(seen.energy_residual) < min(tolerance, 1e-10)
-    check = balance_check(run, rows)
-    assert check.holds, check.first
+    assert missing_square(run, rows) < 1.0
+
+
+def missing_square(run: Model, rows: Held) -> float:
+    """Return what int x^2 dt lacks of that of cubics through the rows of /slider, over what their steps h may miss.
+
+    That is (2 v^2 + 2 a |x|) h^2/12 of the time, with twice the largest velocities and forces of the rows.
+    """
+    assert run.slider is not None
+    assert run.sliding_speed is not None
+    seen, step = balance(run, rows), run.tick / run.sliding_speed
+    x, v = (np.append(rows.groups["slider"][name], getattr(seen, name)) for name in ("displacement", "velocity"))
+    steps = np.full(x.size - 1, step)
+    steps[-1] = seen.time - (x.size - 2) * step
+    square, slope = x * x, 2.0 * x * v
+    found = np.sum(steps * (square[1:] + square[:-1]) / 2.0 - steps**2 * np.diff(slope) / 12.0)
+    force = 2.0 * np.abs(rows.groups["slider"]["friction_force"]).max() + run.slider.stiffness * np.abs(x).max()
+    most = (force + 2.0 * run.slider.damping * np.abs(v).max()) / run.slider.mass
+    allowed = (8.0 * np.max(v * v) + 2.0 * most * (np.abs(x).max() + 2.0 * np.abs(v).max() * step)) * step**2 / 12.0
+    return float(abs(found - seen.displacement_squared_integral) / (allowed * seen.time))
 
 
 def test_the_mean_force_is_that_of_its_own_lives_to_rounding() -> None:
@@ -137,17 +154,14 @@ def test_a_changed_integral_is_rejected(column: str, share: float, law: set[str]
     value = float(rows.groups["balance"][column][0])
     wrong = changed(rows, **{column: value * (1.0 + share)})
     assert law <= broken(run, wrong)
-    assert not balance_check(run, wrong).holds
 
 
 def test_a_wrong_integral_of_the_square_is_found_by_the_rows() -> None:
     """No law has int x^2 dt: the rows of /slider do, within a bound that falls as the square of the tick."""
     run, rows = ran("slow")
     value = float(rows.groups["balance"]["displacement_squared_integral"][0])
-    wrong = balance_check(run, changed(rows, displacement_squared_integral=1.1 * value))
-    assert wrong.first is not None
-    assert wrong.first.place == "/balance/displacement_squared_integral"
-    assert balance_check(run, rows).holds
+    assert missing_square(run, changed(rows, displacement_squared_integral=1.1 * value)) > 1.0
+    assert missing_square(run, rows) < 1.0
 
 
 @pytest.mark.parametrize("sign", [-1.0, 0.0])
@@ -193,7 +207,6 @@ def test_a_row_without_a_time_is_refused(value: float) -> None:
     run, rows = ran("figure 5")
     with pytest.raises(RunFileRefused, match="/balance is damaged"):
         Path(run, changed(rows, time=value))
-    assert not balance_check(run, changed(rows, time=value)).holds
 
 
 WEAK = two_way(model(speed=2.5e4, slider=slider(0.5), distance=60_000.0, tick=2.0))

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot, inf, isfinite, nan, sqrt
+from typing import Final
 
 import numpy as np
 
@@ -29,13 +30,17 @@ class Pooled:
         return float(stdtrit(self.runs - 1, 1.0 - _TAIL)) * self.standard_error if self.runs > 1 else inf
 
 
+LARGEST: Final = 1e75
+"""Figures beyond it are left out as nan is: squares of their squares are not finite. None of ours come near."""
+
+
 def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> Pooled:
     """Return a figure over replicates, nan among them left out, with the standard error that their scatter gives.
 
     Standard deviations are pooled as squares: the root of their mean square falls less short of the true one than their
     mean does, by the share 1/n of it. Of a single run ``standard_error`` is taken, which theory gives one run.
     """
-    found = np.array([value for value in values if isfinite(value)])
+    found = np.array([value for value in values if abs(value) <= LARGEST])
     if not found.size:
         return Pooled(value=nan, standard_error=inf, runs=0)
     if found.size == 1:
@@ -50,6 +55,8 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> P
 
 def ratio(first: Pooled, second: Pooled) -> Pooled:
     """Return first / second for independent runs, with the standard error of first order; counts the fewer runs."""
+    if not first.value or not second.value:
+        return Pooled(value=nan, standard_error=inf, runs=0)
     value = first.value / second.value
     relative = hypot(first.standard_error / first.value, second.standard_error / second.value)
     return Pooled(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
@@ -61,7 +68,9 @@ def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -
     What a pair has in common cancels: with r = sum a / sum b over pairs (of standard deviations their squares, and the
     root of r), the standard error is that of the mean of a - r b, over the mean of b. Pairs with nan are left out.
     """
-    pairs = np.array([pair for pair in zip(first, second, strict=True) if all(map(isfinite, pair))]).reshape(-1, 2)
+    pairs = np.array(
+        [pair for pair in zip(first, second, strict=True) if all(abs(value) <= LARGEST for value in pair)]
+    ).reshape(-1, 2)
     if not len(pairs) or not pairs[:, 1].any():
         return Pooled(value=nan, standard_error=inf, runs=0)
     squared = name.endswith("_std")

@@ -1,30 +1,19 @@
-"""Verification of a result file: hashes, invariants of its rows, and blocks computed again."""
+"""Verification of a result file: hashes, structure, and its run played again and compared row by row."""
 
 from collections.abc import Sequence
 from typing import Protocol
 
+from rubnoise.analysis.reading import chunks
 from rubnoise.analysis.stored_model import stored_scenario
-from rubnoise.analysis.verifying.attributes import attribute_checks
-from rubnoise.analysis.verifying.balance import balance_check
-from rubnoise.analysis.verifying.blocks import block_check
-from rubnoise.analysis.verifying.contact import contact_checks
+from rubnoise.analysis.verifying.areas import area_check
+from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
 from rubnoise.analysis.verifying.derived import curve_check, summary_check
 from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
 from rubnoise.analysis.verifying.hashes import hash_check, unreadable
-from rubnoise.analysis.verifying.lives import life_checks
-from rubnoise.analysis.verifying.origin import (
-    cells_per_tick,
-    layout_check,
-    need_same_streams,
-    origin_check,
-    scenario_check,
-)
-from rubnoise.analysis.verifying.slider import slider_checks
-from rubnoise.analysis.verifying.two_way import two_way_checks
-from rubnoise.analysis.verifying.two_way_motion import motion_checks
-from rubnoise.errors import RunFileRefused
-from rubnoise.model import Model
+from rubnoise.analysis.verifying.origin import layout_check, machines, other_streams, scenario_check
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import HashedReader
+from rubnoise.record.tally import TALLIED, Tally
 from rubnoise.scenario import Scenario
 from rubnoise.storage.inventory import Inventory
 
@@ -38,13 +27,14 @@ class ResultFile(HashedReader, Protocol):
 
 
 def verify(run: ResultFile, regenerate: int = 0) -> Verification:
-    """Return everything that a file can be asked about itself, in chunks: a longer run needs no more memory.
+    """Return everything that a file can be asked about itself; a longer run needs no more memory.
 
-    ``regenerate``: how many blocks to make again from the seed and compare bit for bit. Checks that build on what has
-    been found different are left out. Raises Refused for ``regenerate`` where the seed stands for other numbers.
+    Every row is made again from the seed. ``regenerate`` asks for nothing more, but raises Refused where the seed
+    stands for other numbers. Checks that build on what has been found different are left out.
     """
-    if regenerate:
-        need_same_streams(run)
+    streams = other_streams(run)
+    if regenerate and streams:
+        raise Refused(f"{streams}; leave --regenerate away")
     hashes = hash_check(run)
     if not hashes.holds and (lost := unreadable(run)):
         return _stopped([hashes], f"{lost[0]} cannot be read")
@@ -55,68 +45,40 @@ def verify(run: ResultFile, regenerate: int = 0) -> Verification:
         first = Difference(place=place, row=None, found=str(refusal), expected="the scenario of the run")
         return _stopped([hashes, Check(name="layout", values=1, different=1, first=first)], "there is no scenario")
     text, left_out = scenario_check(scenario, run.provenance)
+    left_out += clock_notes(run.provenance)
     layout = layout_check(scenario.model(), run)
     checks = [hashes, layout, *attribute_checks(scenario, run, run.inventory()), text]
     if not layout.holds:
         return _stopped(checks, "the columns are not those of the scenario", left_out)
-    return _asked(scenario, run, regenerate, checks, left_out)
+    checks.append(curve_check(scenario.model(), run))
+    rows, areas, summary = _of_rows(scenario, run, streams, left_out)
+    remark = machines(run) if areas.holds and not streams and not all(check.holds for check in rows) else ""
+    return Verification(checks=(*checks, *rows, areas, *summary), left_out=tuple(left_out), remark=remark)
 
 
-def _asked(
-    scenario: Scenario, run: HashedReader, regenerate: int, checks: list[Check], left_out: list[LeftOut]
-) -> Verification:
+def _of_rows(
+    scenario: Scenario, run: HashedReader, streams: str, left_out: list[LeftOut]
+) -> tuple[list[Check], Check, list[Check]]:
+    """Return the checks of rows, of areas by another formula, and of the summary if rows are right."""
+    # Opening a result needs nothing of the simulation.
+    from rubnoise.analysis.verifying.identities import identity_check
+    from rubnoise.analysis.verifying.replay import replay_checks
+
     model = scenario.model()
-    origin, lives = origin_check(scenario, run), life_checks(model, run)
-    checks = [*checks, origin, curve_check(model, run), *lives]
-    if all(check.holds for check in lives):
-        checks += _of_sums(model, run, left_out)
+    tally = Tally.of(model)
+    if streams:
+        rows = [identity_check(model, run)]
+        left_out.append(LeftOut(name="replay", reason=streams))
+        for group in run.columns.keys() & TALLIED.keys():
+            for chunk in chunks(run, group):
+                tally.write(group, chunk.first, chunk.columns)
     else:
-        left_out.append(LeftOut(name="ticks and what follows", reason="rows of /junctions differ"))
-    if regenerate:
-        checks += _made_again(model, run, regenerate, [origin, *lives], left_out)
-    return Verification(checks=tuple(checks), left_out=tuple(left_out))
-
-
-def _of_sums(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[Check]:
-    """Return the checks that need sound rows of /junctions."""
-    checks = contact_checks(model, run)
-    if model.is_two_way:
-        checks += _of_two_way(model, run, left_out)
-    elif model.slider is not None:
-        checks += slider_checks(model, run, cells_per_tick(run))
-    if all(check.holds for check in checks):
-        checks.append(summary_check(model, run))
-    else:
-        left_out.append(LeftOut(name="summary", reason="the columns that it sums up differ"))
-    checks.append(block_check(model, run))
-    return checks
-
-
-def _of_two_way(model: Model, run: HashedReader, left_out: list[LeftOut]) -> list[Check]:
-    """Return what is asked of a two-way slider; its motion is made again where its rows agree with each other."""
-    checks, balance = two_way_checks(model, run), balance_check(model, run)
-    if all(check.holds for check in checks):
-        motion, partly = motion_checks(model, run)
-        left_out += partly
-        return [*checks, balance, *motion]
-    left_out.append(LeftOut(name="motion", reason="rows of the slider differ"))
-    return [*checks, balance]
-
-
-def _made_again(
-    model: Model, run: HashedReader, count: int, needed: list[Check], left_out: list[LeftOut]
-) -> list[Check]:
-    """Return the check that makes blocks again, which needs a right seed, and right rows to go on from."""
-    # What is asked of rows needs nothing of the simulation but its compiler.
-    from rubnoise.analysis.verifying.regenerating import regeneration_check
-
-    wrong = [check.name for check in needed if not check.holds]
-    if wrong:
-        left_out.append(LeftOut(name="regenerated", reason=f"its starting values differ: {', '.join(wrong)}"))
-        return []
-    check, partly = regeneration_check(model, run, int(run.provenance["seed"]), count)
-    left_out += partly
-    return [check]
+        rows = replay_checks(scenario, run, tally)
+    areas = area_check(model, run)
+    if all(check.holds for check in (*rows, areas)):
+        return rows, areas, [summary_check(model, tally, run.summary)]
+    left_out.append(LeftOut(name="summary", reason="rows of the columns that it sums up differ"))
+    return rows, areas, []
 
 
 def _stopped(checks: list[Check], reason: str, left_out: Sequence[LeftOut] = ()) -> Verification:

@@ -126,11 +126,11 @@ class Verification(Answer):
     """A result checked against its own hashes, rows and scenario, one row per check.
 
     ``passed`` is true where every value is what it should be; ``left_out`` names what could not be checked, with the
-    reason.
+    reason; ``remark`` says what may explain a difference.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
-    ...     answer = run.verify(regenerate=1)
+    ...     answer = run.verify()
     >>> answer.passed, answer.rows[0]["check"], answer.rows[0]["different"]
     (True, 'hashes', 0)
     """
@@ -147,6 +147,11 @@ class Verification(Answer):
     def left_out(self) -> dict[str, str]:
         """The reasons for what could not be checked, by name."""
         return {each.name: each.reason for each in self.found.left_out}
+
+    @property
+    def remark(self) -> str:
+        """On which machines rows were made and played again, if only the play contradicts them; else empty."""
+        return self.found.remark
 
     @property
     def rows(self) -> tuple[Mapping[str, Any], ...]:
@@ -189,7 +194,7 @@ def verified(file: Any, source: str, regenerate: int) -> Verification:
     from rubnoise.analysis.verification import verify
 
     if regenerate < 0:
-        raise Refused(f"regenerate={regenerate}: is no number of blocks; it is 0 or more")
+        raise Refused(f"regenerate={regenerate}: is no number; it is 0 or more")
     with calculating(source):
         return Verification(f"{source}: verified", verify(file, regenerate))
 

@@ -77,7 +77,7 @@ class Autocovariance:
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2, 0.3], "force (N)": [1.0, 2.0, 1.0, 2.0]})
-    >>> measured.acf(longest=0.1).correlation
+    >>> measured.acf(longest="0.1 s").correlation
     array([ 1.  , -0.75])
     """
 

@@ -1,30 +1,29 @@
 """From a measured trace to its junctions: numbers with intervals, and a scenario that simulates what was found."""
 
 import os
-import re
 from dataclasses import replace
-from math import isfinite
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from rubnoise.api import keywords
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.inference.estimates import Estimate
+from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
 from rubnoise.simulation.run import simulate
-from rubnoise.storage.measured import read_measured
-from rubnoise.storage.samples import Measured
-from rubnoise.units import AREA, SPEED, STRESS, QuantityError, parse_unit, read_quantity
+from rubnoise.storage.measured import read_measured, refusing_files
+from rubnoise.storage.samples import LARGEST_VALUE, UNEVEN, Measured, check_values, chosen_column, real_numbers
+from rubnoise.units import FREQUENCY, SPEED, STRESS, is_of_pint
 
-FORCE: Final = (1, 1, -2)
-_RATE: Final = re.compile(r"\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(Hz|kHz|MHz|mHz)?\s*")
-_HERTZ: Final = {"mHz": 1e-3, "Hz": 1.0, "kHz": 1e3, "MHz": 1e6, None: 1.0}
+MOST_BOOTSTRAPS: Final = 10_000
+MOST_COLUMNS: Final = 100_000
 _MASK: Final = 0.01  # of the frequency, on either side
 _WRONG_WAY: Final = 0.95
 
@@ -32,39 +31,47 @@ _WRONG_WAY: Final = 0.95
 def infer(
     trace: Any,
     *,
-    speed: str | float | None = None,
-    column: str | None = None,
-    unit: str | None = None,
-    rate: str | float | None = None,
+    speed: Any = None,
+    column: str | int | None = None,
+    unit: Any = None,
+    rate: Any = None,
     zero: Literal["known", "unknown"] = "unknown",
-    strength: str | float | None = None,
+    strength: Any = None,
     law: str = "auto",
-    mask: str | tuple[str, ...] = (),
+    mask: Any = (),
     drift: bool = False,
     bootstrap: int = 0,
 ) -> Inference:
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
 
     ``trace``: a path (CSV, TSV, WAV, MATLAB 5, a result of ours, ``FILE.h5:PATH``), an array with a ``rate``, or an
-    object with ``columns``, ``units``, ``place`` and ``step``. ``speed`` in um/s or as a text such as "1 mm/s" turns
-    time into sliding distance. ``zero`` is "known" where 0 means no force. ``strength`` in MPa, ``rate`` in Hz.
-    ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap``
-    traces are simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter.
-    Raises Refused for bad input. What statistics refuse stands in ``refused_because``, what speaks against the model in
-    ``flags``. Source: docs/inference.md.
+    object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts with a unit, or quantities of pint.
+    ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
+    sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
+    known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" where 0 means no force. ``mask`` names
+    frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap`` traces are
+    simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter. Raises Refused for bad
+    input, and for a quantity without a unit. What statistics refuse stands in ``refused_because``, what speaks against
+    the model in ``flags``. Source: docs/inference.md.
     """
-    if zero not in {"known", "unknown"}:
-        raise Refused(f"--zero: {zero} is neither known nor unknown")
-    measured = _measured(trace, column)
-    velocity = _quantity(speed, SPEED, "--speed")
-    signal = _signal(measured, velocity, unit, _rate(rate, "--rate"))
+    keywords.choice("zero", zero, ("known", "unknown"))
+    keywords.choice("law", law, ("auto", *SIZES))
+    keywords.choice("drift", drift, (True, False))
+    keywords.count("bootstrap", bootstrap, MOST_BOOTSTRAPS)
+    velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
+    often, left_out = keywords.quantity("rate", rate, FREQUENCY), keywords.frequencies("mask", mask)
+    if unit is not None:
+        keywords.scale_of(unit, "unit=")
+    measured = _measured(trace, column, often)
+    signal = _signal(measured, velocity, unit, often)
     _check_sensor(measured, zero)
     if strength is not None and signal.scale is None:
-        raise Refused(f"--strength: the trace is in {signal.unit}, which is no force; --unit takes one, such as mN")
+        raise Refused(
+            f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
+        )
     if strength is not None and signal.is_area:
-        raise Refused("--strength: a trace of area has no strengths")
-    psi = _quantity(strength, STRESS, "--strength")
-    masked = _masked(mask, velocity, measured.along)
+        raise Refused("strength=: a trace of area has no strengths")
+    masked = _masked(left_out, velocity, measured.along, signal.tick)
     found = infer_signal(signal, zero=zero, strength=psi, law=law, masked=masked, drift=drift)
     if not bootstrap or found.refused_because is not None:
         return found
@@ -73,24 +80,27 @@ def infer(
     )
 
 
-def _measured(trace: Any, column: str | None) -> Measured:
+def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measured:
+    column = (
+        column if column is None or isinstance(column, str) else str(keywords.count("column", column, MOST_COLUMNS))
+    )
     if isinstance(trace, str | os.PathLike):
-        own = _own_result(trace, column)
-        return read_measured(trace, column) if own is None else own
+        with refusing_files(trace):
+            own = _own_result(trace, column)
+            return read_measured(trace, column, rate) if own is None else own
     if all(hasattr(trace, name) for name in ("columns", "units", "place", "step")):
-        names = [name for name in trace.columns if name != trace.place]
-        if column is None and len(names) != 1:
-            raise Refused(f"which column? column= takes one of: {', '.join(names)}")
-        name = column or names[0]
-        if name not in names:
-            raise Refused(f"column {name}: the columns are {', '.join(names)}")
+        names = list(trace.columns)
+        name = names[chosen_column(getattr(trace, "name", "trace"), names, column, names.index(trace.place))]
         along = "time" if trace.units[trace.place] == "s" else "distance"
-        values = np.asarray(trace.columns[name], dtype=np.float64)
+        values = real_numbers(trace.columns[name], name)
+        check_values(values, name)
         return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
-    values = np.asarray(trace, dtype=np.float64)
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise Refused("a trace is one row of finite numbers")
-    return Measured(name="trace", values=values, unit="", step=None, along="time")
+    of_pint = is_of_pint(trace)
+    values = real_numbers(trace.magnitude if of_pint else trace, "trace")
+    if values.ndim != 1 or not values.size:
+        raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
+    check_values(values, "trace")
+    return Measured(name="trace", values=values, unit=f"{trace.units:~C}" if of_pint else "", step=None, along="time")
 
 
 def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
@@ -102,11 +112,17 @@ def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured |
         return None
     from rubnoise.api.result import open as open_result
 
-    with open_result(path) as run:
+    try:
+        opened = open_result(path)
+    except RunFileRefused as problem:
+        raise Refused(f"{problem}; of a file of another program, {path}:PATH names a dataset") from problem
+    with opened as run:
         there = run.trace
         name = column or ("friction_force" if "friction_force" in there else "real_contact_area")
         if name not in there or name not in {"friction_force", "real_contact_area"}:
-            raise Refused(f"{path}: --column {name}: /trace has friction_force, with a strength, and real_contact_area")
+            raise Refused(
+                f"{path}: column=: {name} is neither friction_force, which needs a strength, nor real_contact_area"
+            )
         unit = "uN" if name == "friction_force" else "um^2"
         return Measured(
             name=name,
@@ -125,6 +141,8 @@ def _named(measured: Measured) -> str:
 def _check_sensor(measured: Measured, zero: str) -> None:
     """Raise Refused for a sensor at its end, and for a force that points the wrong way."""
     values = measured.values
+    if 0.0 < (largest := float(np.abs(values).max())) < 1.0 / LARGEST_VALUE:
+        raise Refused(f"{_named(measured)}: its largest value is {largest:g}; give the values in a smaller unit")
     if end := clipped(values):
         raise Refused(
             f"{_named(measured)}: the sensor was clipped: {end.samples:,} samples are at the largest value,"
@@ -138,72 +156,38 @@ def _check_sensor(measured: Measured, zero: str) -> None:
         )
 
 
-def _quantity(value: str | float | None, kind: Any, option: str) -> float | None:
-    if value is None:
-        return None
-    try:
-        number = float(read_quantity(value, kind)) if isinstance(value, str) else float(value)
-    except QuantityError as problem:
-        raise Refused(f"{option}: {value}: {problem}{f'; {problem.hint}' if problem.hint else ''}") from problem
-    if not (isfinite(number) and number > 0.0):
-        raise Refused(f'{option}: {value} is not above 0; right form: "{kind.example}"')
-    return number
-
-
-def _rate(value: str | float | None, option: str) -> float | None:
-    """Return a frequency in Hz."""
-    if value is None:
-        return None
-    match = _RATE.fullmatch(str(value))
-    number = float(match[1]) * _HERTZ[match[2]] if match else 0.0
-    if not (isfinite(number) and number > 0.0):
-        raise Refused(f'{option}: {value} is no frequency; right form: "20 kHz"')
-    return number
-
-
-def _signal(measured: Measured, speed: float | None, unit: str | None, rate: float | None) -> Signal:
+def _signal(measured: Measured, speed: float | None, unit: Any, rate: float | None) -> Signal:
+    if (
+        rate is not None
+        and measured.step is not None
+        and (measured.along != "time" or abs(measured.step * rate - 1.0) > UNEVEN)
+    ):
+        raise Refused(f"rate=: the trace says itself how its samples lie, every {measured.step:g}")
     step = measured.step if rate is None else 1.0 / rate
-    if rate is not None and measured.step is not None:
-        raise Refused(f"--rate: the trace says itself how its samples lie, every {measured.step:g}")
     if step is None:
-        raise Refused('the trace has no time and no distance; --rate says how often it was sampled, as in "20 kHz"')
+        raise Refused('the trace has no time and no distance; rate="20 kHz" says how often it was sampled')
     if measured.along == "time":
         if speed is None:
-            raise Refused(
-                '--speed is needed: the trace is over time, junctions live by distance; as in --speed "1 mm/s"'
-            )
+            raise Refused('speed= is needed: the trace is over time, junctions live by distance; as in speed="1 mm/s"')
         step *= speed
     elif speed is not None:
-        raise Refused("--speed: the trace is over sliding distance, which needs no speed")
-    written = unit or measured.unit
+        raise Refused("speed=: the trace is over sliding distance, which needs no speed")
+    written = measured.unit if unit is None else keywords.unit_text(unit)
     if not written:
-        raise Refused(f"{_named(measured)}: no unit; --unit mN names it, --unit V one without a scale of force")
-    scale, is_area = _scale(written)
-    return Signal(values=measured.values, tick=step, unit=written, scale=scale, is_area=is_area)
+        raise Refused(f'{_named(measured)}: no unit; unit="mN" names it, unit="V" one without a scale of force')
+    scale, is_area = keywords.scale_of(written, f"{_named(measured)}: unit" if unit is None else "unit=")
+    return Signal(values=measured.values, tick=step, unit=str(written), scale=scale, is_area=is_area)
 
 
-def _scale(unit: str) -> tuple[float | None, bool]:
-    """Return how many uN (or um^2) a value of 1 is, and whether it is an area; None for other units."""
-    match = re.fullmatch(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([^0-9].*)", unit.strip())
-    factor, name = (float(match[1]), match[2]) if match else (1.0, unit.strip())
-    try:
-        known = parse_unit(name)
-    except QuantityError:
-        return None, False
-    if tuple(known.dimension) == FORCE:
-        return factor * float(known.size), False
-    if tuple(known.dimension) == AREA.dimension:
-        return factor * float(known.size), True
-    return None, False
-
-
-def _masked(mask: str | tuple[str, ...], speed: float | None, along: str) -> tuple[tuple[float, float], ...]:
+def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> tuple[tuple[float, float], ...]:
     """Return the masked ranges in cycles per um."""
-    wanted = [text for part in ((mask,) if isinstance(mask, str) else mask) for text in part.split(",")]
-    if wanted and (along != "time" or speed is None):
-        raise Refused("--mask: frequencies are of a trace over time")
-    rates = [_rate(text, "--mask") or 0.0 for text in wanted]
-    return tuple(((1.0 - _MASK) * each / (speed or 1.0), (1.0 + _MASK) * each / (speed or 1.0)) for each in rates)
+    if mask and (along != "time" or speed is None):
+        raise Refused("mask=: frequencies are of a trace over time")
+    velocity = speed or 1.0
+    highest = 0.5 * velocity / tick
+    if beyond := [each for each in mask if each > highest]:
+        raise Refused(f"mask=: {beyond[0]:g} Hz is beyond half the rate of the samples, which is {highest:g} Hz")
+    return tuple(((1.0 - _MASK) * each / velocity, (1.0 + _MASK) * each / velocity) for each in mask)
 
 
 class _Trace:
@@ -277,7 +261,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     return scale * (contact.strength / tick**2 * sink.values + noise)
 
 
-def found_scenario(found: Inference, *, speed: float | str | None = None, strength: float | str | None = None) -> str:
+def found_scenario(found: Inference, *, speed: Any = None, strength: Any = None) -> str:
     """Return the text of a scenario that simulates what was found, over the distance of the trace.
 
     Raises Refused where number or strength is not identified: a scenario needs both.
@@ -286,8 +270,8 @@ def found_scenario(found: Inference, *, speed: float | str | None = None, streng
         raise Refused(f"there is nothing to write: {found.refused_because}")
     for name in ("junction_count", "mean_real_contact_area"):
         if name not in found.estimates:
-            raise Refused(f"-o: {name} is not identified, and a scenario needs it: {found.not_identified[name]}")
-    velocity, psi = _quantity(speed, SPEED, "--speed"), _quantity(strength, STRESS, "--strength")
+            raise Refused(f"{name} is not identified, and a scenario needs it: {found.not_identified[name]}")
+    velocity, psi = keywords.quantity("speed", speed, SPEED), keywords.quantity("strength", strength, STRESS)
     if psi is None and "shear_strength" in found.estimates:
         psi = found.estimates["shear_strength"].value
     fit, signal = found.fit, found.signal

@@ -5,6 +5,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
+from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import index
@@ -141,10 +142,11 @@ class Contents(ABC):
         return compared(self.reader(), self._called, bound)
 
     def verify(self, regenerate: int = 0) -> "Verification":
-        """Check every value against hashes, rows and scenario: a table of checks, and ``passed``.
+        """Check every value against hashes, scenario and the run, played again: a table of checks, and ``passed``.
 
-        ``regenerate``: how many blocks to make again from the seed and compare bit for bit. A run in memory is saved
-        into a temporary file for this. Raises Refused for an unfinished run.
+        ``regenerate`` changes nothing in this, since every row is made again; but with it a file is refused whose
+        random numbers cannot be drawn again. A run in memory is saved into a temporary file. Raises Refused for an
+        unfinished run.
         """
         from rubnoise.api.answers import verified
 
@@ -252,6 +254,10 @@ class Run(Contents):
     ) -> None:
         """Close the file."""
         self.close()
+
+    def __copy__(self) -> Self:
+        """Return the same, opened once more: closing one leaves the other open."""
+        return deepcopy(self)
 
     def close(self) -> None:
         """Close the file; nothing can be read any more."""

@@ -13,12 +13,12 @@ from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
 from rubnoise.scenario import Scenario, build
 from rubnoise.simulation.block import Watch
-from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervention
 from rubnoise.simulation.observer import Observer
 from rubnoise.simulation.run import check_guests
 from rubnoise.simulation.state import State
-from rubnoise.storage.forecast import expected
+from rubnoise.storage.forecast import counted_rows
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths, check_locks, check_output, sole_writer
 from rubnoise.storage.resume import examined, paths_of, publish_complete
@@ -29,11 +29,6 @@ if TYPE_CHECKING:
     from rubnoise.analysis.verification import ResultFile
 
 MOST_DIFFERENCES = 3
-
-MOST_TIMES, MOST_MORE = 4, 10**6
-"""Births are counted, 60 ns each, only where at most so many times the rows of a part, and so many more, are expected.
-
-No run is that far off by chance."""
 
 
 def resume(
@@ -196,12 +191,11 @@ def _obstacles(scenario: Scenario, description: RunDescription) -> Iterator[str]
 
 
 def _has_its_rows(scenario: Scenario, description: RunDescription) -> bool:
-    """Whether a part has as many rows as its run; births are only counted where there are not far too many."""
-    rows, likely = description.extent, expected(scenario)
-    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * rows.junctions + MOST_MORE:
-        return False
-    here = extent(scenario.model(), scenario.run.seed)
-    return here == (replace(rows, slider=None, landmarks=here.landmarks) if here.slider is None else rows)
+    """Whether a part has as many rows as its run."""
+    rows, here = description.extent, counted_rows(scenario, description.extent)
+    return here is not None and here == (
+        replace(rows, slider=None, landmarks=here.landmarks) if here.slider is None else rows
+    )
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:

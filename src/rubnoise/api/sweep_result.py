@@ -4,6 +4,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -15,8 +16,9 @@ from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column, Columns
 from rubnoise.api.result import Run
-from rubnoise.errors import RunFileRefused, needing
+from rubnoise.errors import RunFileRefused, ScenarioRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
+from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index, open_named
 from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
@@ -68,6 +70,10 @@ class SweepResult:
     ) -> None:
         """Close the index."""
         self.close()
+
+    def __copy__(self) -> Self:
+        """Return the same, opened once more: closing one leaves the other open."""
+        return deepcopy(self)
 
     def close(self) -> None:
         """Close the index; what was not read from it can be read no more."""
@@ -179,14 +185,20 @@ class SweepResult:
         return Run(open_named(self.path / file, run_id))
 
     def scenario(self, point: int) -> "Scenario":
-        """Return the scenario of a point by its number, with the seed of the file."""
+        """Return the scenario of a point by its number, with the seed of the file.
+
+        Raises RunFileRefused where what the index says of it is not valid.
+        """
         from rubnoise.scenario import build
 
         resolved = json.loads(self._file.attributes["scenario_resolved"])
         for key, value in self.values[point].items():
             section, name = key.split(".")
             resolved.setdefault(section, {})[name] = value
-        return build(resolved)
+        try:
+            return build(resolved)
+        except (ValueError, RecursionError, AttributeError, TypeError, ScenarioRefused) as problem:
+            raise RunFileRefused(f"{self._file.path}: the scenario of point {point} is not valid") from problem
 
     @property
     def summaries(self) -> tuple[str, ...]:
@@ -257,7 +269,13 @@ def open_sweep(folder: str | os.PathLike[str]) -> SweepResult:
         raise RunFileRefused(f"{folder}: no folder of a sweep: it has no {INDEX}") from problem
     except OSError as problem:
         raise RunFileRefused(f"{index}: {str(problem.strerror).lower()}") from problem
-    return SweepResult(open_index(index))
+    file = open_index(index)
+    try:
+        check_index(file)
+    except BaseException:
+        file.close()
+        raise
+    return SweepResult(file)
 
 
 REPLICATE: Final = "replicate"

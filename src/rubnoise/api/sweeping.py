@@ -145,12 +145,12 @@ def processors() -> int:
 def _workers(jobs: int | None, cluster: str | None, security: Any) -> Callable[[], AbstractContextManager[Workers]]:
     if cluster is not None:
         if jobs is not None:
-            raise Refused("jobs: the workers of a cluster are its own; leave one of jobs and cluster out")
+            raise Refused("jobs=: the workers of a cluster are its own; leave one of jobs= and cluster= out")
         return partial(Cluster, cluster, security)
     if security is not None:
-        raise Refused("security: is for a cluster, and none is named")
+        raise Refused("security=: is for a cluster, and none is named")
     if jobs is not None and not 1 <= index(jobs) <= MOST_JOBS:
-        raise Refused(f"jobs: {jobs} is no number of processes from 1 to {MOST_JOBS}")
+        raise Refused(f"jobs=: {jobs} is no number of processes from 1 to {MOST_JOBS}")
     return partial(Pool, processors() if jobs is None else index(jobs))
 
 

@@ -1,12 +1,11 @@
 """Measurements of the user's own: records that are uniform in time or distance, read from a file and checked."""
 
-import csv
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from io import StringIO
+from dataclasses import dataclass, field, replace
 from math import isfinite
+from numbers import Real
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -16,12 +15,16 @@ from numpy.typing import ArrayLike
 from rubnoise.analysis.covariance import autocovariance
 from rubnoise.analysis.histogram import BINS, Histogram, histogram
 from rubnoise.analysis.records import RecordTooShort
+from rubnoise.api import keywords
 from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
-from rubnoise.regular_file import open_stream
+from rubnoise.storage.measured import refusing_files
+from rubnoise.storage.measured_text import Table
+from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step, real_numbers
+from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
 from rubnoise.tables import as_html, shortened
-from rubnoise.units import QuantityError, Unit, in_unit, parse_unit
+from rubnoise.units import FREQUENCY, KINDS, parse_unit
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -38,15 +41,6 @@ WORKING: Final[Mapping[tuple[int, ...], str]] = MappingProxyType(
     }
 )
 """Working units by their powers of length, mass and time."""
-
-ENDINGS: Final = ("um_per_s", "um2", "um", "uN", "MPa", "s")
-"""Units at the end of names, as `rubnoise export --to csv` writes them."""
-
-LARGEST_FILE: Final = 2 * 1024**3
-UNEVEN: Final = 0.01
-"""How far the steps of a record may differ, relative to their mean, beyond what the digits of its places leave open."""
-
-_HEADER: Final = re.compile(r"(?P<name>[^()\[\]]+?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\])?")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,56 +64,69 @@ class Trace:
     units: Mapping[str, str] = field(repr=False)
 
     @classmethod
-    def from_csv(cls, path: str | os.PathLike[str], *, place: str | None = None) -> Self:
-        """Read a file of one header line and a row of numbers per line, separated by commas, semicolons or tabs.
+    def from_csv(cls, path: str | os.PathLike[str], *, place: str | None = None, rate: Any = None) -> Self:
+        """Read a table of text: a line of names with units, then a row of numbers per line.
 
-        A header is ``NAME (UNIT)``, ``NAME [UNIT]`` or, as `rubnoise export` writes it, ``NAME_UNIT``; without a unit a
-        column is a plain number. Lines that begin with # are comments. ``place`` names the column of times or
-        distances, which must be uniform; the default is the first column. Raises Refused, with the line, for a cell
-        that is no finite number, for an unknown unit, and for gaps and uneven steps.
+        A name is ``NAME (UNIT)``, ``NAME [UNIT]``, ``NAME/UNIT`` or ``NAME_UNIT``, or a line of units follows; a column
+        without a unit is plain numbers. Commas, semicolons or tabs part the cells; a preamble may stand above, and
+        lines that begin with # are comments. ``place`` names the column of times or distances, which must be uniform;
+        the default is the first column. ``rate``, such as "10 kHz", is for times that are rounded to too few digits.
+        Raises Refused, with line and column, for a cell that is no finite number, for an unknown unit, for a file
+        without names, and for gaps and uneven steps. Source: docs/your-data.md.
         """
-        names, rows, lines, decimals = _cells(path)
-        return cls._of(str(path), names, rows.T, place, lines=lines, resolution=decimals)
+        with refusing_files(path):
+            table = Table(Path(path))
+            if not table.layout.head_line:
+                raise Refused(
+                    f'{path}: has no line of names above its numbers; write one, such as "time (s),force (mN)"'
+                )
+            names = [head.name for head in table.heads]
+            number = 0 if place is None else chosen_column(str(path), names, place, None, keyword="place")
+            head = table.heads[number]
+            check_unit(head.unit, f"{table.where}: {head.written}")
+            even = EvenSteps(head.name, head.unit, str(path), keywords.quantity("rate", rate, FREQUENCY))
+            kept: list[list[Doubles]] = [[] for _ in names]
+            for piece in table.pieces():
+                even.add(piece.values[:, number], piece.numbers, piece.resolution(number))
+                for column, parts in enumerate(kept):
+                    parts.append(piece.column(column))
+            found = cls._of(
+                str(path), table.heads, [np.concatenate(parts) for parts in kept], number, where=table.where
+            )
+            return found if rate is None else replace(found, step=even.step())
 
     @classmethod
     def from_arrays(cls, columns: Mapping[str, ArrayLike], *, place: str | None = None, name: str = "<python>") -> Self:
         """Make a trace of arrays of equal length, with headers as names; raises Refused as `from_csv` does."""
-        arrays = [np.asarray(values, dtype=np.float64) for values in columns.values()]
+        arrays = [real_numbers(values, f"{name}: {header}") for header, values in columns.items()]
         if not arrays or any(each.shape != (arrays[0].size,) for each in arrays):
             raise Refused(f"{name}: a trace needs columns of equal length, each of one dimension")
-        for header, each in zip(columns, arrays, strict=True):
-            if not np.isfinite(each).all():
-                row = int(np.argmin(np.isfinite(each)))
-                raise Refused(f"{name}: {header}: row {row} is {each[row]}; every value must be a finite number")
-        return cls._of(name, list(columns), arrays, place)
+        heads = [head_of(str(header)) for header in columns]
+        for head, each in zip(heads, arrays, strict=True):
+            check_values(each, f"{name}: {head.written}", lambda row: f"row {row}")
+        number = (
+            0 if place is None else chosen_column(name, [head.name for head in heads], place, None, keyword="place")
+        )
+        even_step(arrays[number], heads[number].name, heads[number].unit, name, first=0)
+        return cls._of(name, heads, arrays, number, where=name)
 
     @classmethod
-    def _of(
-        cls,
-        source: str,
-        headers: Sequence[str],
-        arrays: Iterable[Doubles],
-        place: str | None,
-        *,
-        lines: Sequence[int] | None = None,
-        resolution: Mapping[str, float] | None = None,
-    ) -> Self:
+    def _of(cls, source: str, heads: Sequence[Head], arrays: Iterable[Doubles], place: int, *, where: str) -> Self:
         columns: dict[str, Doubles] = {}
         units: dict[str, str] = {}
-        found: dict[str, str] = {}
-        for header, values in zip(headers, arrays, strict=True):
-            name, unit = _named(header)
-            if name in columns:
-                raise Refused(f"{source}: two columns are named {name}")
-            units[name], factor = _in_working_units(unit, f"{source}: {header}")
-            columns[name], found[name] = factor * np.ascontiguousarray(values), header
-        chosen = next(iter(columns)) if place is None else place
-        if chosen not in columns:
-            raise Refused(f"{source}: no column {chosen}; it has {', '.join(columns)}")
-        finest = (resolution or {}).get(found[chosen], 0.0) * _in_working_units(_named(found[chosen])[1], source)[1]
-        step = _step(columns[chosen], f"{source}: {found[chosen]}", units[chosen], lines, finest)
+        for head, values in zip(heads, arrays, strict=True):
+            if head.name in columns:
+                raise Refused(f"{where}: two columns are named {head.name}")
+            units[head.name], factor = _in_working_units(head.unit, f"{where}: {head.written}")
+            columns[head.name] = factor * np.ascontiguousarray(values)
+        chosen = heads[place].name
+        places = columns[chosen]
         return cls(
-            name=source, place=chosen, step=step, columns=MappingProxyType(columns), units=MappingProxyType(units)
+            name=source,
+            place=chosen,
+            step=float(places[-1] - places[0]) / (places.size - 1),
+            columns=MappingProxyType(columns),
+            units=MappingProxyType(units),
         )
 
     def __getitem__(self, name: str) -> Doubles:
@@ -137,8 +144,9 @@ class Trace:
     def psd(self, name: str | None = None, *, segment: Any = None) -> PowerSpectrum:
         """Return Welch's estimate of the spectrum of a column; see PowerSpectrum.
 
-        ``segment`` is the length of a segment in s or um; by default there are some 64 segments. Of a trace with one
-        column beside the place, that one is meant. Raises Refused for a record or a segment of fewer than 8 rows.
+        ``segment`` is the length of a segment with its unit, such as "0.5 s"; by default there are some 64 segments. Of
+        a trace with one column beside the place, that one is meant. Raises Refused for a length without a unit, and for
+        a record or a segment of fewer than 8 rows.
         """
         chosen = self._column(name)
         return power_spectrum(
@@ -148,19 +156,23 @@ class Trace:
             rows=len(self),
             step=self.step,
             place_units=self.units[self.place],
-            segment=segment,
+            segment=self._length("segment", segment),
         )
 
     def acf(self, name: str | None = None, *, longest: Any = None) -> Autocovariance:
-        """Return the autocovariance of a column at lags up to ``longest`` s or um, by default a tenth of the record.
+        """Return the autocovariance of a column at lags up to ``longest``, such as "0.1 s"; by default a tenth of it.
 
-        R_j = (1/n) sum of (x_i - mean)(x_(i+j) - mean). Raises Refused for a lag that the record does not have.
+        R_j = (1/n) sum of (x_i - mean)(x_(i+j) - mean). Raises Refused for a lag that the record does not have, and for
+        one without a unit.
         """
         chosen, units = self._column(name), self.units[self.place]
-        reach = max(1, len(self) // 10) if longest is None else round(float(in_unit(longest, units)) / self.step)
+        lag = self._length("longest", longest)
+        reach = max(1, len(self) // 10) if lag is None else round(lag / self.step)
         if not 0 < reach < len(self):
             most = (len(self) - 1) * self.step
-            raise Refused(f"{self.name}: a lag of {longest} {units}: the record has lags up to {most:.6g} {units}")
+            raise Refused(
+                f"{self.name}: longest=: {keywords.shown(longest)}: the record has lags up to {most:.6g} {units}"
+            )
         return Autocovariance(
             name=chosen,
             lag=self.step * np.arange(reach + 1, dtype=np.float64),
@@ -192,6 +204,15 @@ class Trace:
         frame.attrs["units"] = dict(self.units)
         return frame
 
+    def _length(self, keyword: str, value: Any) -> float | None:
+        """Return a length along the place; a number where the place has no unit that is known here."""
+        kind = next((each for each in KINDS if each.unit == self.units[self.place]), None)
+        if kind is not None:
+            return keywords.quantity(keyword, value, kind)
+        if value is not None and (isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value)):
+            raise Refused(f"{keyword}=: {keywords.shown(value)}: a number is needed, {self.place} has no unit")
+        return None if value is None else float(value)
+
     def _column(self, name: str | None) -> str:
         others = [each for each in self.columns if each != self.place]
         if name is None and len(others) == 1:
@@ -216,120 +237,18 @@ def _range(values: Doubles) -> str:
     return f"{values.min():.6g} to {values.max():.6g}"
 
 
-def _named(header: str) -> tuple[str, str]:
-    """Return name and unit of a header; a plain number has the unit 1."""
-    text = header.strip().strip('"').strip()
-    found = _HEADER.fullmatch(text)
-    if found is None:
-        return text, "1"
-    unit = found["round"] if found["round"] is not None else found["square"]
-    if unit is not None:
-        return found["name"].strip(), unit.strip() or "1"
-    for ending in ENDINGS:
-        if text.endswith(f"_{ending}"):
-            return text.removesuffix(f"_{ending}"), ending.replace("_per_", "/").replace("um2", "um^2")
-    return text, "1"
-
-
 def _in_working_units(unit: str, what: str) -> tuple[str, float]:
-    """Return the working unit of a unit, and how many of it that unit is; a unit of another kind stays as it is."""
-    if unit in ("1", "-"):
+    """Return the working unit of a unit, and how many of it that unit is; a known unit of another kind stays as it is.
+
+    Raises Refused for an unknown unit.
+    """
+    check_unit(unit, what)
+    if unit in NONE:
         return "1", 1.0
-    try:
-        read: Unit = parse_unit(unit)
-    except QuantityError as problem:
-        if re.fullmatch(r"[A-Za-z\u00b5\u03bc\u2126%][^,;]{0,39}", unit) and "unknown unit" in str(problem):
-            return unit, 1.0  # a volt, say: no unit of this model, and kept as it is
-        raise Refused(f"{what}: {problem}" + (f" ({problem.hint})" if problem.hint else "")) from None
+    if unit in OTHERS:
+        return unit, 1.0
+    read = parse_unit(unit)
     working = WORKING.get(tuple(read.dimension))
     if working is None:
         return unit, 1.0
     return working, float(read.size / parse_unit(working).size)
-
-
-def _step(places: Doubles, what: str, units: str, lines: Sequence[int] | None, resolution: float) -> float:
-    """Return the step of places that are uniform; raises Refused, naming the first gaps, where they are not."""
-    if places.size < 2:
-        raise Refused(f"{what}: {places.size} rows; a trace has two or more")
-    steps = np.diff(places)
-    usual = float(np.median(steps))
-    if not usual > 0.0:
-        row = int(np.argmin(steps > 0.0))
-        raise Refused(f"{what}: must rise from row to row; it falls or stays at {_where(row + 1, lines)}")
-    wrong = np.flatnonzero(~((0.5 * usual < steps) & (steps < 1.5 * usual)))
-    if wrong.size:
-        examples = "; ".join(
-            f"{_where(row + 1, lines)}: {steps[row]:.6g} {units} after the row before" for row in wrong[:3].tolist()
-        )
-        more = f"; and {wrong.size - 3:,} more" if wrong.size > 3 else ""
-        raise Refused(
-            f"{what}: not uniform: {wrong.size:,} of {steps.size:,} steps are not {usual:.6g} {units}: {examples}{more}"
-        )
-    mean = float(places[-1] - places[0]) / (places.size - 1)
-    allowed = UNEVEN * mean + 2.0 * resolution
-    if float(np.abs(steps - mean).max()) > allowed:
-        row = int(np.argmax(np.abs(steps - mean)))
-        raise Refused(
-            f"{what}: not uniform: the step to {_where(row + 1, lines)} is {steps[row]:.6g} {units}, the mean is"
-            f" {mean:.6g}; interpolate onto equal steps first"
-        )
-    return mean
-
-
-def _where(row: int, lines: Sequence[int] | None) -> str:
-    return f"row {row}" if lines is None else f"line {lines[row]}"
-
-
-def _cells(path: str | os.PathLike[str]) -> tuple[list[str], Doubles, list[int], dict[str, float]]:
-    """Return the headers of a file, its numbers row by row, their lines, and the last digit of each column."""
-    try:
-        with open_stream(path) as stream:
-            content = stream.read(LARGEST_FILE + 1)
-    except OSError as problem:
-        raise Refused(f"{path}: {(problem.strerror or str(problem)).lower()}") from problem
-    if len(content) > LARGEST_FILE:
-        raise Refused(f"{path}: larger than {LARGEST_FILE // 1024**3} GB")
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise Refused(f"{path}: not UTF-8 text (at byte {problem.start})") from None
-    kept = [
-        (n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if len(kept) < 2:
-        raise Refused(f"{path}: needs a line of headers and rows of numbers below it")
-    separator = max(",;\t", key=kept[0][1].count)
-    headers = next(csv.reader(StringIO(kept[0][1]), delimiter=separator))
-    lines = [n for n, _ in kept[1:]]
-    rows = np.empty((len(lines), len(headers)))
-    for at, (line, cells) in enumerate(
-        zip(lines, csv.reader((text for _, text in kept[1:]), delimiter=separator), strict=True)
-    ):
-        if len(cells) != len(headers):
-            raise Refused(f"{path}: line {line}: {len(cells)} cells below {len(headers)} headers")
-        for column, cell in enumerate(cells):
-            rows[at, column] = _number(cell, separator, f"{path}: line {line}: {headers[column].strip()}")
-    return headers, rows, lines, _resolutions(headers, kept[1][1].split(separator), kept[-1][1].split(separator))
-
-
-def _number(cell: str, separator: str, what: str) -> float:
-    text = cell.strip()
-    if separator != "," and text.count(",") == 1 and "." not in text:
-        text = text.replace(",", ".")  # 0,5 in a file whose cells a semicolon separates
-    try:
-        value = float(text)
-    except ValueError:
-        raise Refused(f"{what}: {'is empty' if not text else f'{text[:40]!r} is no number'}") from None
-    if not isfinite(value):
-        raise Refused(f"{what}: {text[:40]!r} is no finite number; interpolate or cut such rows first")
-    return value
-
-
-def _resolutions(headers: Sequence[str], *rows: Sequence[str]) -> dict[str, float]:
-    """Return the size of the last digit of each column, from some rows as written; 0 where they are rounded nowhere."""
-    found: dict[str, float] = {}
-    for header, *cells in zip(headers, *rows, strict=True):
-        digits = [re.fullmatch(r"\s*[+-]?\d*[.,]?(\d*)(?:[eE]([+-]?\d+))?\s*", cell) for cell in cells]
-        sizes = [10.0 ** (int(each[2] or 0) - len(each[1])) for each in digits if each is not None]
-        found[header] = max(sizes, default=0.0)
-    return found

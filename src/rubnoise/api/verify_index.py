@@ -1,7 +1,7 @@
 """The index of a sweep compared with its own hashes, and with an index made again from sweep.json and the journals."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -24,14 +24,14 @@ from rubnoise.scenario.points import Case, Point, points_of
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.storage.index import POINTS, RUNS, seal_of_index
+from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index
 from rubnoise.storage.inventory import expected_index
 from rubnoise.storage.reader import Unseen
 from rubnoise.storage.schema import HASH
 from rubnoise.sweep.folder import SweepFolder, identity
 from rubnoise.sweep.index import index_of
-from rubnoise.sweep.journal import Entry
-from rubnoise.sweep.run_status import DONE, RecordedRuns
+from rubnoise.sweep.run_status import DONE, PLANNED, RecordedRuns
 
 INDEX: Final = "index.h5"
 
@@ -50,17 +50,6 @@ class IndexFound:
 
     checks: tuple[Check, ...]
     run_ids: frozenset[str] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class AsOfIndex(SweepFolder):
-    """A folder whose journals hold no more than its index does, which may be older than they are."""
-
-    states: Mapping[str, str]
-
-    def entries(self) -> Iterator[Entry]:
-        """Yield what the journals say of runs that the index calls as they do."""
-        return (entry for entry in SweepFolder.entries(self) if self.states.get(entry.run_id) == entry.state)
 
 
 def index_checks(folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOut]) -> IndexFound:
@@ -95,7 +84,13 @@ def _hash_check(index: IndexFile) -> Check:
 
 
 def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: list[LeftOut]) -> Check:
-    """Compare an index with one that is made again from the sweep and the journals, as far as it knew these."""
+    """Compare an index with one that is made again from the sweep and the journals, unless they know more by now."""
+    try:
+        check_index(index)
+    except RunFileRefused as refusal:
+        reason = str(refusal).removeprefix(f"{index.path}: ")
+        first = Difference(place=INDEX, row=None, found=reason, expected="an index as the program writes it")
+        return Check(name="index", values=1, different=1, first=first)
     notes, attributes = Notes("index", of=INDEX), index.attributes
     sides = {name: _list(attributes[name]) for name in ("grid", "side_by_side")}
     notes.say("swept keys", found=[*sides["grid"], *sides["side_by_side"]], expected=[*sweep.keys])
@@ -104,10 +99,12 @@ def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: 
         return notes.check()
     stored = replace(sweep, text=attributes["scenario_toml"], side_by_side=tuple(sides["side_by_side"]), cases=cases)
     points = _points(cases, index)
-    states = dict(zip(*(map(str, index.read(RUNS, name)) for name in ("run_id", "state")), strict=True))
-    then = AsOfIndex(folder.root, states)
-    known = RecordedRuns.of(then, points, counts=lambda _entry: True)
-    right, values = expected_index(index_of(then, stored, points, known, attributes["command"]))
+    known = RecordedRuns.of(folder, points, counts=lambda _entry: True)
+    if len(cases) < len(sweep.cases) or _since(index, known):
+        reason = "it is older than sweep.json or the journals; the same sweep renews it"
+        left_out.append(LeftOut(name="index", reason=reason))
+        return notes.check()
+    right, values = expected_index(index_of(folder, stored, points, known, attributes["command"]))
     found = index.inventory()
     compare_structure(notes, found, right)
     compare_attributes(notes, RULES, found, right)
@@ -115,13 +112,7 @@ def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: 
         group, _, name = path[1:].partition("/")
         if any(each.name == name for each in index.columns(group)):
             _compare_rows(notes, path, index.raw(group, name), column)
-    stale = len(cases) < len(sweep.cases) or _since(folder, points, known)
-    if stale:
-        left_out.append(
-            LeftOut(name="index", reason="it is older than sweep.json or the journals; the same sweep renews it")
-        )
-    else:
-        _compare_text(notes, stored, points, attributes, left_out)
+    _compare_text(notes, stored, points, attributes, left_out)
     return notes.check()
 
 
@@ -152,10 +143,10 @@ def _points(cases: tuple[Case, ...], index: IndexFile) -> tuple[Point, ...]:
     return tuple(point for case, count in zip(cases, counts, strict=True) for point in points_of([case], int(count)))
 
 
-def _since(folder: SweepFolder, points: tuple[Point, ...], known: RecordedRuns) -> bool:
-    """Whether the journals call runs done that an index does not."""
-    now = RecordedRuns.of(folder, points, counts=lambda _entry: True)
-    return any(state == DONE != before for state, before in zip(now.states, known.states, strict=True))
+def _since(index: IndexFile, known: RecordedRuns) -> bool:
+    """Whether the journals call runs done, or failed at all, that an index does not."""
+    before = map(str, index.read(RUNS, "state"))
+    return any(now != then and (now == DONE or then == PLANNED) for now, then in zip(known.states, before, strict=True))
 
 
 def _compare_rows(notes: Notes, path: str, found: NDArray[Any], right: NDArray[Any]) -> None:

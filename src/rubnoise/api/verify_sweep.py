@@ -4,7 +4,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, get_args
 
@@ -84,6 +84,9 @@ MANIFEST: Final = "sweep.json"
 OWN: Final = frozenset(("index.h5", "merged.h5", MANIFEST, "runs", "journal"))
 """What a sweep makes in its folder, beside locks and what is being written."""
 
+SHOWN: Final = 10
+"""How many names of one kind are listed; of others their number is."""
+
 UNFINISHED: Final = (".part", ".part.journal", ".part.rows")
 
 Watch = Callable[[int, int], None]
@@ -113,9 +116,9 @@ def verify_sweep(
 ) -> Verification:
     """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
 
-    ``regenerate``: how many blocks of each run to make again; ``watch`` is called with the number of runs
-    checked and of all runs. Raises RunFileRefused for a folder that is not that of a sweep, that cannot be read, or on
-    which a sweep is at work.
+    ``watch`` is called with the number of runs checked and of all runs. Raises RunFileRefused for a folder that is not
+    that of a sweep, that cannot be read, or on which a sweep is at work, and Refused for ``regenerate`` if the sweep
+    keeps no runs.
     """
     place = SweepFolder(Path(folder))
     try:
@@ -134,7 +137,7 @@ def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification
     manifest, sweep = _manifest_check(place)
     if regenerate and sweep is not None and sweep.keep == "summary":
         raise Refused(f"{folder}: the sweep keeps no runs of which blocks could be made again")
-    results = _results(place, regenerate, watch)
+    results = _results(place, watch)
     left_out = list(_left_out(place, results))
     journals, known = journal_check(place, results.figures, left_out)
     index = index_checks(place, sweep, left_out)
@@ -190,7 +193,7 @@ def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
     )
 
 
-def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
+def _results(folder: SweepFolder, watch: Watch) -> Results:
     """Look at every file in the folder of runs."""
     results = Results(names=Notes("names"))
     runs = folder.root / "runs"
@@ -204,7 +207,7 @@ def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
             continue
         try:
             with open_run(path) as run:
-                _take_in(results, run, path, regenerate)
+                _take_in(results, run, path)
         except RunFileRefused as refusal:
             reason = str(refusal).removeprefix(f"{path}: ")
             results.different.append(
@@ -213,27 +216,20 @@ def _results(folder: SweepFolder, regenerate: int, watch: Watch) -> Results:
     return results
 
 
-def _take_in(results: Results, run: ResultFile, path: Path, regenerate: int) -> None:
+def _take_in(results: Results, run: ResultFile, path: Path) -> None:
     name = name_of(run)
     right = path.stem if name == path.stem else f"that of {path.stem}"
     results.names.say(f"runs/{path.name}", found=name if name == path.stem else f"the result of {name}", expected=right)
     if not run.provenance["finished"]:
         raise RunFileRefused("unfinished")
     results.figures[path.stem] = {name: value for name, value in run.summary.items() if isinstance(value, int | float)}
-    try:
-        found = verify(run, regenerate)
-    except Refused as refusal:
-        if isinstance(refusal, RunFileRefused):
-            raise
-        results.left_out["regenerated", str(refusal)] += 1
-        found = verify(run)
+    found = verify(run)
     results.values += found.values
     results.left_out.update((each.name, each.reason) for each in found.left_out)
     for check in found.different:
         if check.first is not None:
             first = check.first
-            place = f"runs/{path.name} {first.place}"
-            results.different.append(Difference(place=place, row=first.row, found=first.found, expected=first.expected))
+            results.different.append(replace(first, place=f"runs/{path.name} {first.place}"))
 
 
 def _unknown_runs(results: Results, known: frozenset[str]) -> None:
@@ -250,11 +246,19 @@ def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
         yield LeftOut(name=name, reason=runs + reason)
     if folder.merged.exists():
         yield LeftOut(name="merged.h5", reason="it is a copy of index and runs; `sweep --merge` writes it again")
-    for path in sorted((folder.root / "runs").glob("*.h5.part")):
-        yield LeftOut(name=f"runs/{path.name}", reason="unfinished; the same sweep resumes it")
-    for path in sorted(folder.root.iterdir()):
-        if path.name not in OWN and not path.name.startswith(".") and not path.name.endswith(UNFINISHED):
-            yield LeftOut(name=path.name, reason="it is no file of the sweep")
+    parts = [f"runs/{path.name}" for path in (folder.root / "runs").glob("*.h5.part")]
+    yield from _some(parts, "unfinished; the same sweep resumes it", "runs/*.h5.part")
+    names = [path.name for path in folder.root.iterdir()]
+    strays = [name for name in names if name not in OWN and not name.startswith(".") and not name.endswith(UNFINISHED)]
+    yield from _some(strays, "it is no file of the sweep", "others")
+
+
+def _some(names: list[str], reason: str, of: str) -> Iterator[LeftOut]:
+    """Yield the first names with a reason, and how many more there are."""
+    for name in sorted(names)[:SHOWN]:
+        yield LeftOut(name=name, reason=reason)
+    if len(names) > SHOWN:
+        yield LeftOut(name=f"{len(names) - SHOWN:,} more of {of}", reason="the same holds for them")
 
 
 def _one(name: str, place: str, found: str, expected: str) -> Check:

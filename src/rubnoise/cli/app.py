@@ -8,6 +8,7 @@ import gc
 import os
 import sys
 import traceback
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib import import_module
@@ -18,7 +19,7 @@ import typer
 from typer import Typer
 
 from rubnoise.cli.commands import Command, Commands, escaping
-from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, in_shell
+from rubnoise.errors import OutputRefused, RubnoiseError, RunFileRefused, ScenarioRefused, in_shell
 
 DEBUG = "--debug"
 
@@ -105,6 +106,7 @@ def main() -> None:
         # A file name or title that the terminal's encoding lacks is no reason to fail.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    warnings.formatwarning = _warning_text
     flags = Flags()
     try:
         _call(flags)
@@ -140,8 +142,15 @@ def _debug_first(arguments: list[str]) -> list[str]:
     return [DEBUG] * (len(others) < end) + others + arguments[end:]
 
 
+def _warning_text(message: Warning | str, *_where: object, **_line: object) -> str:
+    """Return a warning of a library, or of ours, as the line that every other warning of a command is."""
+    return f"warning: {message}\n"
+
+
 def _error_text(problem: Exception) -> str:
     """Return the message of a failure: one line, for a refused scenario one for each of its problems."""
+    if isinstance(problem, ScenarioRefused):
+        return str(problem)  # which holds lines of a file
     if isinstance(problem, RunFileRefused | OutputRefused):
         return in_shell(str(problem)).replace("\n", "\\n")  # of a name, which has no line of its own
     if isinstance(problem, RubnoiseError):

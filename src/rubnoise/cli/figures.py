@@ -59,7 +59,7 @@ def command(
     files = {name: {kind: folder / f"{name}.{kind}" for kind in kinds} for name in wanted}
     _check_places(folder, [file for own in files.values() for file in own.values()], force=force)
     shown = on_terminal() and not quiet
-    if shown:
+    if not quiet:
         announce_compilation()
     _make(folder)
     for name, own in files.items():

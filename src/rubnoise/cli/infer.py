@@ -1,6 +1,7 @@
 """`rubnoise infer`: from a measured trace back to its junctions, as text, as JSON, as a scenario and as a page."""
 
 from collections.abc import Iterator
+from contextlib import ExitStack
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import line, printable, remark
+from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
@@ -57,7 +59,9 @@ def command(
         str | None,
         typer.Option(help='Sliding speed, for a trace over time: "1 mm/s".', metavar="SPEED", show_default=False),
     ] = None,
-    column: Annotated[str | None, typer.Option(help="Which column.", metavar="NAME", show_default=False)] = None,
+    column: Annotated[
+        str | None, typer.Option(help="Which column, by its name or number.", metavar="NAME", show_default=False)
+    ] = None,
     unit: Annotated[
         str | None,
         typer.Option(
@@ -110,35 +114,32 @@ def command(
     for path in (output, report):
         if path is not None:
             check_output(path, force=force)
-    try:
-        found = infer(
-            trace,
-            speed=speed,
-            column=column,
-            unit=unit,
-            rate=rate,
-            zero=zero.value,
-            strength=strength,
-            law=law.value,
-            mask=tuple(mask or ()),
-            drift=drift,
-            bootstrap=bootstrap,
-        )
-    except FileNotFoundError as problem:
-        raise Refused(f"{trace}: no such file") from problem
-    scenario = (
-        None if output is None or found.refused_because else found_scenario(found, speed=speed, strength=strength)
+    if output is not None and report is not None and output.absolute() == report.absolute():
+        raise Refused(f"{output}: -o and --report name the same file")
+    found = infer(
+        trace,
+        speed=speed,
+        column=column,
+        unit=unit,
+        rate=rate,
+        zero=zero.value,
+        strength=strength,
+        law=law.value,
+        mask=tuple(mask or ()),
+        drift=drift,
+        bootstrap=bootstrap,
     )
-    print(json.dumps(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
-    if output is not None and scenario is not None:
-        with whole_file(output, force=force) as part:
-            part.write_text(scenario, encoding="utf-8")
+    texts: dict[Path, str] = {}
+    if output is not None and found.refused_because is None:
+        texts[output] = found_scenario(found, speed=speed, strength=strength)
     if report is not None and found.refused_because is None:
         from rubnoise.figures.inference import page
 
-        text = page(found, trace, list(described(found, trace)))
-        with whole_file(report, force=force) as part:
-            part.write_text(text, encoding="utf-8")
+        texts[report] = page(found, trace, list(described(found, trace)))
+    with ExitStack() as files:  # each gets its name when all are written: all or none
+        for path, text in texts.items():
+            files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
+    print(json.dumps(contents(found, trace)) if as_json else "\n".join(described(found, trace)))
     if found.refused_because is not None:
         raise TraceDoubtful(f"{printable(trace)}: refused: {found.refused_because}")
     if found.flags:
@@ -151,8 +152,8 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
         "trace": trace,
         "law": found.law,
         "estimates": {name: _as_json(found.estimates[name]) for name in NAMES if name in found.estimates},
-        "not_identified": dict(found.not_identified),
-        "flags": found.flags,
+        "not_identified": {name: in_shell(reason) for name, reason in found.not_identified.items()},
+        "flags": [in_shell(flag) for flag in found.flags],
         "refused": found.refused_because,
         "laws": {
             each.law: {
@@ -210,7 +211,7 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
     if alike:
         yield remark("Intervals hold 95 % whichever of these laws is right.")
     for name, reason in found.not_identified.items():
-        yield remark(f"{_LABELS[name]}: not identified: {reason}")
+        yield remark(f"{_LABELS[name]}: not identified: {in_shell(reason)}")
     yield "without a law"
     yield line("diameter m6/m5", f"{found.law_free['effective_diameter']:.4g} um")
     if "effective_count" in found.law_free:
@@ -221,7 +222,7 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
             yield line(_LABELS[name], f"{each.value:.4g} +- {each.standard_error:.2g} {_unit(each)}".rstrip())
     yield "tests of the trace"
     for test in found.tests:
-        yield remark(f"{'FLAGGED: ' if test.flagged else ''}{test.words} (p = {test.p:.2g})")
+        yield remark(f"{'FLAGGED: ' if test.flagged else ''}{in_shell(test.words)} (p = {test.p:.2g})")
 
 
 def _value(estimate: "Estimate") -> str:

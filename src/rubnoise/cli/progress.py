@@ -5,8 +5,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import wraps
-from pathlib import Path
+from functools import cache, wraps
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, ParamSpec, Self
 
@@ -164,12 +163,25 @@ def on_terminal() -> bool:
 
 
 def announce_compilation() -> None:
-    """Say once that the kernels are being compiled, where no compiled ones are kept yet."""
+    """Have this process say so, once, when it begins to compile kernels of which no machine code is kept."""
+    from rubnoise.compiling import BEFORE_COMPILING
+
+    BEFORE_COMPILING.add(_say_compiling)
+
+
+def announce_compilation_by_workers() -> None:
+    """Say once that workers will compile the kernels, where no machine code of them is kept yet."""
+    from rubnoise.compiling import is_kept
     from rubnoise.simulation.kernels import coarse
 
-    kept = coarse.deposit_coarse_lives.stats.cache_path
-    if kept is None or not any(Path(kept).glob("coarse.deposit_coarse_lives-*.nbi")):
-        print("Compiling the kernels; this happens once and takes some seconds.", file=sys.stderr)
+    if not is_kept(coarse.deposit_coarse_lives):
+        _say_compiling()
+
+
+@cache
+def _say_compiling() -> None:
+    begin = "\r" if on_terminal() else ""  # over what a terminal shows of the run
+    print(f"{begin}Compiling the kernels; this happens once and takes up to a minute.", file=sys.stderr)
 
 
 def clock(seconds: float) -> str:

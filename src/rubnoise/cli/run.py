@@ -84,7 +84,7 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
         _announce_resume(scenario, path)
     doubts = _doubts(scenario, quiet=quiet or as_json)
     shown = on_terminal() and not quiet and not as_json
-    if shown:
+    if not quiet and not as_json:
         announce_compilation()
     began = time.monotonic()
     with watching(scenario.model().distance, shown=shown) as watcher:
@@ -154,7 +154,7 @@ def resume(
     began = time.monotonic()
     scenario = unfinished_scenario(part)
     doubts = _doubts(scenario, quiet=quiet or as_json)
-    if shown:
+    if not quiet and not as_json:
         announce_compilation()
     with watching(scenario.model().distance, shown=shown) as watcher:
         result = api.resume(part, force=force, watch=watcher)

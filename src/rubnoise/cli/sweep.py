@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rubnoise.cli.layout import grouped, printable, remark
-from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching_sweep
+from rubnoise.cli.progress import announce_compilation_by_workers, interrupted_at_once, on_terminal, watching_sweep
 from rubnoise.cli.run import engines
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ def command(
         ),
     ] = None,
     merge: Annotated[
-        bool, typer.Option("--merge", help="At the end, write everything into one file, merged.h5.")
+        bool,
+        typer.Option("--merge", help="At the end, or that of the last shard, write all into one file, merged.h5."),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")] = False,
@@ -88,8 +89,8 @@ def command(
     sweep = sweep_of(file, overrides(changes, engine=engine), quiet=quiet or as_json)
     place = Path(file.stem) if folder is None else folder
     shown = on_terminal() and not quiet and not as_json
-    if shown:
-        announce_compilation()
+    if not quiet and not as_json:
+        announce_compilation_by_workers()
     with watching_sweep(shown=shown) as watch:
         ending = carry_out(
             sweep,
@@ -101,7 +102,11 @@ def command(
             command=["rubnoise", *sys.argv[1:]],
             watch=watch,
         )
-    _print_outcome(sweep, place, ending, merged=_merged(place) if merge else None, as_json=as_json, quiet=quiet)
+    # Of shards that end one after another the last one merges, when no run is left for the others.
+    merged = _merged(place) if merge and (shard is None or not ending.known.count("planned")) else None
+    _print_outcome(sweep, place, ending, merged=merged, as_json=as_json, quiet=quiet)
+    if merge and merged is None and not quiet and not as_json:
+        print(remark("not merged yet: the shard that ends last does that"))
     if ending.known.count("failed"):
         raise typer.Exit(1)
 

@@ -16,9 +16,6 @@ from rubnoise.regular_file import is_folder
 if TYPE_CHECKING:
     from rubnoise.analysis.verifying.findings import Check, Difference, Verification
 
-BLOCKS: Final = 8
-"""The default number of blocks that are made again."""
-
 REGENERATE: Final = "--regenerate"
 
 
@@ -30,7 +27,7 @@ class BareCount(Command):
         words = []
         for word, following in zip(args, [*args[1:], ""], strict=True):
             bare = word == REGENERATE and not following.lstrip("-").isdigit()
-            words += [word, str(BLOCKS)] if bare else [word]
+            words += [word, "1"] if bare else [word]
         return super().parse_args(ctx, words)
 
 
@@ -45,24 +42,24 @@ def command(
         int | None,
         typer.Option(
             REGENERATE,
-            help=f"Make K blocks again from the seed, spread evenly over the run, and compare bits; bare, {BLOCKS}.",
+            help="Refuse a file whose random numbers cannot be drawn again here; rows are made again in any case.",
             metavar="[K]",
             show_default=False,
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
-    """Check every value of a result against hashes, rows and scenario; the exit code is 3 if something differs.
+    """Play a run again and compare every value of its result; the exit code is 3 if something differs.
 
     For the folder of a sweep, check its journals, names and index too, and every run.
 
-    Example: rubnoise verify fig5.h5 --regenerate
+    Example: rubnoise verify fig5.h5
     """
     from rubnoise.analysis.verification import verify
     from rubnoise.cli.loading import finished_run
 
     if regenerate is not None and regenerate < 1:
-        raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number of blocks; it is 1 or more")
+        raise typer.BadParameter(f"{REGENERATE}: {regenerate} is no number; it is 1 or more")
     if is_folder(file):
         found = _verify_folder(file, regenerate or 0, shown=not as_json)
     else:
@@ -70,7 +67,8 @@ def command(
             found = verify(run, regenerate or 0)
     print(json.dumps(verification_as_json(found, file)) if as_json else "\n".join(format_verification(found, file)))
     if found.different:
-        raise RunDiffers(printable(f"{file}: differs: {_first_place(found)}"))
+        remark = f"; {found.remark}" if found.remark else ""
+        raise RunDiffers(printable(f"{file}: differs: {_first_place(found)}{remark}"))
 
 
 def _verify_folder(folder: Path, regenerate: int, *, shown: bool) -> "Verification":
@@ -89,13 +87,14 @@ def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
         "different": [check.name for check in found.different],
         "checks": {check.name: _fields(check) for check in found.checks},
         "left_out": {each.name: each.reason for each in found.left_out},
+        **({"remark": found.remark} if found.remark else {}),
     }
 
 
 def format_verification(found: "Verification", file: Path) -> Iterator[str]:
     """Yield a table of the checks, the first place at which each that fails does so, and the verdict."""
-    of_folder, of_file = "its description, its journals and its runs", "its hashes, its rows and its scenario"
-    parts = of_folder if is_folder(file) else of_file
+    of_file = "its hashes and its run, played again"
+    parts = "its description, its journals and its runs" if is_folder(file) else of_file
     yield f"{printable(str(file))}: compared with {parts}"
     yield f"\n{'check':<24}{'values':>16}{'different':>14}"
     for check in found.checks:
@@ -105,6 +104,8 @@ def format_verification(found: "Verification", file: Path) -> Iterator[str]:
     if found.left_out:
         yield "\nleft out"
         yield from (remark(printable(f"{each.name}: {each.reason}")) for each in found.left_out)
+    if found.remark:
+        yield "\n" + remark(printable(found.remark))
     yield ""
     failing = len(found.different)
     holding = f"{len(found.checks) - failing} of {len(found.checks)} checks hold"

@@ -1,7 +1,7 @@
 """How the area of one junction rises and falls over its life: the pulse shapes.
 
 What is known of a shape by itself stands here. Its compiled kernel (`simulation`), its Fourier transform and the law of
-its live area (`theory`), and the formulas that check it (`analysis.verifying`) are tables by shape that have an entry
+its live area (`theory`), and the formulas that judge it (`tests/oracle/second`) are tables by shape that have an entry
 for each of `PULSES`; a test asks every one of them.
 """
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from rubnoise.figures.style import BLUE, FAINT, VERMILION, as_bytes, house_style, logarithmic, new_figure
 from rubnoise.inference.inference import Inference
+from rubnoise.web_page import web_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,13 +30,9 @@ def page(found: Inference, name: str, lines: list[str]) -> str:
     tests = "".join(
         f"<li>{'<strong>flagged</strong>: ' if test.flagged else ''}{escape(test.words)}</li>" for test in found.tests
     )
-    title = escape(f"Junctions behind {name}")
-    return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{_STYLE}</style></head>"
-        f"<body><h1>{title}</h1><pre>{escape(chr(10).join(lines))}</pre>{picture}"
-        f"<h2>Tests</h2><ul>{tests}</ul></body></html>\n"
-    )
+    title = f"Junctions behind {name}"
+    body = f"<h1>{escape(title)}</h1><pre>{escape(chr(10).join(lines))}</pre>{picture}<h2>Tests</h2><ul>{tests}</ul>"
+    return web_page(body, title=title, styles=[_STYLE])
 
 
 def _drawn(found: Inference) -> "Figure":

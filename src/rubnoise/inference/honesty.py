@@ -244,7 +244,7 @@ def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
         cuts = (int(part * values.size) for part in _RUN_IN)
         steady = next((cut for cut in cuts if _steadiness(values[cut:], fit)[1] > _STEADY_AGAIN), None)
         words += (
-            "; no part of it after a run-in is steady: wear, or a sensor that drifts (--drift)"
+            "; no part of it after a run-in is steady: wear, or a sensor that drifts (drift=True)"
             if steady is None
             else f"; after a run-in of {steady:,} samples they do not: cut these off"
         )

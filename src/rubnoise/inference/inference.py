@@ -98,7 +98,7 @@ def infer_signal(
     ``drift`` adds a random walk. Raises Refused for a law that is not one of LAWS, for values that are no trace.
     """
     if law != "auto" and law not in POPULATIONS:
-        raise Refused(f"--law: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
+        raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
     values = np.asarray(signal.values, dtype=np.float64)
     if values.size < _SHORTEST:
         return _refusal(signal, f"the record has {values.size} samples; it needs at least {_SHORTEST}")
@@ -239,11 +239,11 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     """Return what is not identified, each with what would identify it."""
     free, reasons = fit.known.free, {}
     if free == ("strength",):
-        either = 'a trusted zero of the sensor (--zero known) or the strength (--strength "250 MPa") would identify it'
+        either = 'a trusted zero of the sensor (zero="known") or the strength (strength="250 MPa") would identify it'
         reasons["junction_count"] = f"spectrum alone gives births times strength squared; {either}"
         reasons["mean_real_contact_area"] = f"follows from the number of junctions; {either}"
     if not (fit.problem.population.spread or compared):
-        reasons["relative_spread"] = f"the law {fit.problem.population.name} has none to find; --law auto compares laws"
+        reasons["relative_spread"] = f'the law {fit.problem.population.name} has none to find; law="auto" compares laws'
     if signal.is_area:
         reasons["shear_strength"] = reasons["strength_spread"] = "a trace of area has no strengths"
         return reasons
@@ -251,10 +251,12 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
         reasons["shear_strength"] = (
             "it was given"
             if fit.known.strength is not None
-            else "needs a trusted zero of the sensor (--zero known) and a unit of force (--unit mN)"
+            else 'needs a trusted zero of the sensor (zero="known") and a unit of force (unit="mN")'
         )
     if "inequality" not in free:
-        reasons["strength_spread"] = "needs a trusted zero (--zero known) and the mean strength (--strength) together"
+        reasons["strength_spread"] = (
+            'needs a trusted zero (zero="known") and the mean strength (strength="250 MPa") together'
+        )
     return reasons
 
 

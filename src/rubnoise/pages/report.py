@@ -23,6 +23,7 @@ from rubnoise.figures.study_picture import study_picture
 from rubnoise.pages.page import HERE
 from rubnoise.pages.words import in_words
 from rubnoise.record.reader import Reader
+from rubnoise.scenario.writing import text_of
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.web_page import part, web_page
 
@@ -62,7 +63,7 @@ def run_report(file: Reader, between: Between) -> str:
         _section("Pictures", "".join(_pictures(stretch, between))),
         _section("Sound", _sound(file, between), "on-screen"),
         _section("Film", _film(stretch, between), "on-screen"),
-        _section("Scenario", f"<pre>{escape(_as_toml(str(origin['scenario_resolved'])))}</pre>"),
+        _section("Scenario", f"<pre>{escape(text_of(json.loads(str(origin['scenario_resolved']))))}</pre>"),
         _section("How to repeat this run", _repeat(origin, "rubnoise run scenario.toml -o run.h5", file.attributes)),
     ]
     return _page(stretch.title or file.path.stem, str(origin["finished"]), sections)
@@ -197,16 +198,6 @@ def _repeat(origin: Mapping[str, object], command: str, attributes: Mapping[str,
     listed = "".join(f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in facts)
     words = "<p>Save the scenario above as scenario.toml. This command makes the same numbers again, to the bit:</p>"
     return f"{words}<pre>{escape(command)}</pre><dl>{listed}</dl>"
-
-
-def _as_toml(resolved: str) -> str:
-    """Return a resolved scenario, which has every key, as a scenario file; its values are written alike in both."""
-    scenario = json.loads(resolved)
-    lines = [f"{key} = {json.dumps(value)}" for key, value in scenario.items() if not isinstance(value, dict)]
-    for name, section in scenario.items():
-        if isinstance(section, dict):
-            lines += ["", f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in section.items())]
-    return "\n".join(lines)
 
 
 def _studies(sweep: SweepResult, quantities: Sequence[str], between: Between) -> Iterator[str]:

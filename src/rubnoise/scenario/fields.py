@@ -6,7 +6,6 @@ Each class is an annotation for pydantic: it reads and refuses the value, and de
 import re
 import unicodedata
 from abc import ABC, abstractmethod
-from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date, datetime, time
 from difflib import get_close_matches
@@ -18,7 +17,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from rubnoise.scenario.limits import TITLE_CHARACTERS
-from rubnoise.units import NUMBER, Kind, Quantity, QuantityError, in_unit, is_of_pint, read_quantity
+from rubnoise.units import NUMBER, Kind, Quantity, QuantityError, from_pint, is_of_pint, read_quantity
 
 FROM_PYTHON = {"from_python": True}
 
@@ -107,16 +106,9 @@ class Measure(Field):
         return Quantity(Fraction(repr(int(value) if isinstance(value, int) else float(value))), self.kinds[0])
 
     def _of_pint(self, value: Any) -> Quantity:
-        """Read a quantity of pint as it is written, which is exact, or else converted to the unit of the key."""
-        magnitude = float(value.magnitude)
-        if reason := _no_double(magnitude):
-            raise Unfit(reason)
         try:
-            return read_quantity(f"{magnitude!r} {value.units:~C}", *self.kinds)
+            return from_pint(value, *self.kinds)
         except QuantityError as error:
-            for kind in self.kinds:
-                with suppress(QuantityError):
-                    return Quantity(Fraction(repr(float(in_unit(value, kind.unit)))), kind)
             raise Unfit(str(error), error.hint) from None
 
     def refusal(self, value: Any) -> Unfit:

@@ -11,10 +11,15 @@ from rubnoise.scenario import layers
 def as_toml(path: Path) -> str:
     """Return the keys of a file and of what it extends, merged, as the text of one file."""
     given = layers.from_file(path)
-    comments = [line for line in given.main.text.splitlines() if line.startswith("# ")]
-    top = [f"{key} = {_value(value)}" for key, value in given.data.items() if not isinstance(value, Mapping)]
-    tables = [line for name, table in given.data.items() if isinstance(table, Mapping) for line in _table(name, table)]
-    return "\n".join([*comments, *top, *tables]) + "\n"
+    comments = [f"{line}\n" for line in given.main.text.splitlines() if line.startswith("# ")]
+    return "".join(comments) + text_of(given.data)
+
+
+def text_of(scenario: Mapping[str, Any]) -> str:
+    """Return the keys of a scenario as the text of a file."""
+    top = [f"{key} = {_value(value)}" for key, value in scenario.items() if not isinstance(value, Mapping)]
+    tables = [line for name, table in scenario.items() if isinstance(table, Mapping) for line in _table(name, table)]
+    return "\n".join([*top, *tables]) + "\n"
 
 
 def _table(name: str, table: Mapping[str, Any]) -> Iterator[str]:
@@ -28,5 +33,5 @@ def _table(name: str, table: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _value(value: Any) -> str:
-    """Return a text, number, boolean or list of these as TOML, which writes them as JSON does."""
-    return json.dumps(value, ensure_ascii=False)
+    """Return a text, number, boolean or list of these as TOML, which differs from JSON in one character."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

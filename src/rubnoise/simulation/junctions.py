@@ -115,7 +115,7 @@ def aggregate(
         if tick_range is tick_ranges[-1]:
             yield block_end
         else:
-            yield env.timeout(tick_range.last_distance + 0.5 * tick_range.tick - env.now)
+            yield env.timeout(tick_range.wake - env.now)
         rows = live.rows()
         next_sample.publish(rows, sample(tick_range, rows))
     yield block_end

@@ -8,7 +8,7 @@ from functools import lru_cache, partial
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.sink import Sink
-from rubnoise.simulation.batch import play_at_once
+from rubnoise.simulation.batch import Ended, play_at_once
 from rubnoise.simulation.block import Play, RunSetup, Watch, next_state
 from rubnoise.simulation.cells import cells_per_tick
 from rubnoise.simulation.draws import start
@@ -46,6 +46,7 @@ def simulate(
     watch: Watch | None = None,
     commit: Callable[[State], None] | None = None,
     alone: bool = False,
+    ended: Ended | None = None,
 ) -> State:
     """Run a model block by block, hand its rows to a sink as they come to be, and return the last state.
 
@@ -54,12 +55,15 @@ def simulate(
     caller's beside those of the contact, begun where the run begins or continues; ``observe``: is called at
     births, mid-lives, deaths and landmarks; ``watch``: is called after each tick range; ``commit``: is handed the state
     after each block, or after several that are played at once, from which the run could continue; ``alone``: blocks are
-    played one by one.
+    played one by one; ``ended``: where an intervention ended lives, for the batch engine to play such a run again.
     Raises Refused as `check_guests` does.
     """
     check_guests(model, engine, observe, intervene)
     notifier = None if observe is None else Notifier(observe, two_way=model.is_two_way)
-    play = _play(model, engine, notifier if observe is not None and observe.of_lives else None, intervene)
+    if engine == "batch":
+        play: Play = partial(play_at_once, ended=ended)
+    else:
+        play = _among_events(model, notifier if observe is not None and observe.of_lives else None, intervene)
     run = RunSetup(
         model=model,
         seed=seed,
@@ -125,9 +129,7 @@ def check_guests(model: Model, engine: Engine, observe: Observer | None, interve
             raise Refused(f'{what}: it needs the engine "events", not "{engine}"')
 
 
-def _play(model: Model, engine: Engine, notifier: Notifier | None, intervene: Intervention | None) -> Play:
-    if engine == "batch":
-        return play_at_once
+def _among_events(model: Model, notifier: Notifier | None, intervene: Intervention | None) -> Play:
     return partial(
         play_block,
         intervening=None if intervene is None else Intervening(intervene, model.pulse),

@@ -25,6 +25,11 @@ class TickRange:
         """The distance of the last tick in um."""
         return float(self.end - 1) * self.tick
 
+    @property
+    def wake(self) -> float:
+        """Where the range is sampled among events (um): half a tick late, so that all at its last tick has happened."""
+        return self.last_distance + 0.5 * self.tick
+
 
 def tick_ranges(model: Model, state: State, births: BlockBirths, cells_per_tick: int) -> Iterator[TickRange]:
     """Yield the tick ranges of blocks, up to the next block's first birth or the end of the run."""

@@ -7,7 +7,7 @@ from shutil import disk_usage
 from typing import Final, Literal, TextIO
 
 from rubnoise.errors import OutputRefused, Refused, needing
-from rubnoise.storage.output import check_output, whole_file
+from rubnoise.storage.output import check_output, naming_file, whole_files
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.resume import refusal
 from rubnoise.storage.schema import Scalar
@@ -49,7 +49,7 @@ def plan(file: RunFile, kind: Kind, *, group: str | None = None, output: Path | 
 
 
 def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Callable[[], None]) -> None:
-    """Write files from an open run, each named when it is whole; memory does not depend on the length of the run.
+    """Write files from an open run, which get their names once all are whole; memory does not depend on its length.
 
     ``between`` is called after each chunk of rows and may raise to stop. Raises, before anything is created, Refused
     for a run that is not finished, an output that exists already (unless ``force``) or is the run itself, and
@@ -60,8 +60,11 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
     for each in exports:
         _check(file, each, force=force)
     writers = {each.kind: _writer(each.kind) for each in exports}
-    for each in exports:
-        _export(file, each, writers[each.kind], force=force, between=between)
+    with whole_files([each.path for each in exports], force=force) as parts:
+        for part, each in zip(parts, exports, strict=True):
+            tables = [Table.of(file, name) for name in each.groups]
+            with naming_file(each.path):
+                writers[each.kind](part, tables, origin(file), between)
 
 
 def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[], None]) -> None:
@@ -77,7 +80,6 @@ def _check(file: RunFile, each: Export, *, force: bool) -> None:
     paths = check_output(each.path, force=force)
     if paths.final.exists() and paths.final.samefile(file.path):
         raise OutputRefused(f"{each.path}: is the run itself")
-    # HDF5 takes the whole program down where a disk is full, so that there must be room before the first row.
     needed, free = sum(Table.of(file, name).bytes for name in each.groups), disk_usage(paths.final.parent).free
     if each.kind == "netcdf" and needed > free:
         raise OutputRefused(f"{each.path}: needs {needed:,} bytes, and the disk has {free:,} free")
@@ -95,9 +97,3 @@ def _writer(kind: Kind) -> Write:
     from rubnoise.storage.export_csv import write
 
     return write
-
-
-def _export(file: RunFile, each: Export, write: Write, *, force: bool, between: Callable[[], None]) -> None:
-    tables = [Table.of(file, name) for name in each.groups]
-    with whole_file(each.path, force=force) as part:
-        write(part, tables, origin(file), between)

@@ -7,6 +7,7 @@ from typing import Any, Final
 import h5netcdf
 import numpy as np
 
+from rubnoise.storage.pages import unfailing
 from rubnoise.storage.schema import Column, Scalar
 from rubnoise.storage.table import Table
 
@@ -15,7 +16,7 @@ CHUNK_ROWS: Final = 65_536
 
 def write(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
     """Write tables with units at their variables and their origin at the root."""
-    with h5netcdf.File(path, "w") as file:
+    with unfailing(path) as target, h5netcdf.File(target, "w") as file:
         file.attrs.update(origin)
         for table in tables:
             _write_table(file.create_group(table.group.name) if len(tables) > 1 else file, table, between)

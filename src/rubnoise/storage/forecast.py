@@ -210,6 +210,23 @@ def expected(scenario: Scenario) -> Budget:
     return _budget(scenario, rows)
 
 
+MOST_TIMES, MOST_MORE = 4, 10**6
+"""Births are counted, 60 ns each, only if at most so many times the rows of a file, and so many more, are expected.
+
+No run is that far off by chance."""
+
+
+def counted_rows(scenario: Scenario, rows: Extent) -> Extent | None:
+    """Return how many rows a run has, to compare with those of its file; None if far more are expected, or fewer ticks.
+
+    Raises ScenarioRefused for more rows, or more live junctions, than rubnoise can write.
+    """
+    likely = expected(scenario)
+    if rows.ticks != likely.ticks or likely.junctions > MOST_TIMES * rows.junctions + MOST_MORE:
+        return None
+    return extent(scenario.model(), scenario.run.seed)
+
+
 def together(runs: Iterable[tuple[Budget, int]]) -> Budget:
     """Return the budget of runs made one after the other, each with its number.
 

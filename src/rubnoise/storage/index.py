@@ -12,6 +12,7 @@ import xxhash
 from numpy.typing import NDArray
 
 from rubnoise.storage.layout import stored_columns
+from rubnoise.storage.pages import unfailing
 from rubnoise.storage.provenance import now, package_version
 from rubnoise.storage.schema import CONVENTIONS, HASH, SLIDER, TRACE, Column, Feature, Group
 from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text, text_bytes
@@ -96,8 +97,8 @@ class Index:
 
 
 def write_index(path: Path, index: Index) -> None:
-    """Write an index under a name of its own; raises OSError where the disk fails."""
-    with h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
+    """Write an index into an empty file; raises OSError where the disk fails."""
+    with unfailing(path) as target, h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file:
         compose_index(file, index)
 
 

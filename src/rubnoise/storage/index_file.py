@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
-from rubnoise.storage.reader import RunFile, examined, looked_at, open_run, refusing
+from rubnoise.storage.reader import RunFile, examined, looked_at, open_run, refusing, reopened
 from rubnoise.storage.rows import StoredColumn
 from rubnoise.storage.schema import HASH, Column
 
@@ -30,6 +30,7 @@ class IndexFile:
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
         """Take over the descriptor of a file, and what a survey found in it."""
         self.path = Path(path)
+        self._place = self.path.absolute()
         self._descriptor = descriptor
         self.attributes: Mapping[str, str] = found["index"]
         self._places: Mapping[str, Mapping[str, Any]] = {POINTS: {}, RUNS: {}, SUMMARIES: {}} | found["columns"]
@@ -55,6 +56,12 @@ class IndexFile:
     def closed(self) -> bool:
         """Whether the file was closed."""
         return not self._close.alive
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Have copies open the file for themselves, as those of a run do."""
+        if self.closed:
+            raise ValueError(f"{self.path}: the index is closed")
+        return reopened, (open_index, self._place, self.seal)
 
     @property
     def seal(self) -> str | None:

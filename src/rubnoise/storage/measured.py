@@ -7,8 +7,10 @@ import json
 import os
 import sys
 import threading
-from functools import partial
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +20,9 @@ from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.regular_file import open_regular, read_at_most
 from rubnoise.storage.measured_text import read_text
-from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_finite, chosen_column, even_step
+from rubnoise.storage.samples import EvenSteps, Measured, along_of, check_values, chosen_column, even_step
+from rubnoise.storage.sandbox import MEMORY_BYTES, sandboxed
+from rubnoise.storage.wave_reader import read_wave
 
 LARGEST: Final = 2 * 1024**3
 """Bytes of a file of text, sound or MATLAB."""
@@ -27,16 +31,29 @@ MOST_VALUES: Final = 100_000_000
 """Of a dataset of another program's HDF5 file."""
 
 _PIECE_VALUES: Final = 1 << 21  # of a dataset: it and its scale go down the pipe of the sandbox
+_PATIENCE: Final = 8.0  # seconds for a look at a file
 _HDF5: Final = b"\x89HDF"
 _PROGRAM: Final = "from rubnoise.storage.measured import serve_dataset; serve_dataset()"
 
 
-def read_measured(trace: str | os.PathLike[str], column: str | None = None) -> Measured:
+@contextmanager
+def refusing_files(path: object) -> Iterator[None]:
+    """Turn what the system says of a file into a refusal that names it."""
+    try:
+        yield
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        raise Refused(f"{path}: {reason[:1].lower()}{reason[1:]}") from problem
+
+
+def read_measured(trace: str | os.PathLike[str], column: str | None = None, rate: float | None = None) -> Measured:
     """Return a column of a file; raises Refused, by name and line, for what is no trace.
 
     ``FILE.h5:PATH`` is a dataset. Without a ``column`` there has to be one that is neither time nor distance.
     """
     text = os.fspath(trace)
+    if "\0" in text:
+        raise Refused(f"{text[:40]!r}: no file has a zero byte in its name")
     path, dataset = (Path(text), "") if Path(text).exists() else _split(text)
     if read_at_most(path, len(_HDF5)) == _HDF5:
         if not dataset:
@@ -49,7 +66,7 @@ def read_measured(trace: str | os.PathLike[str], column: str | None = None) -> M
         return _of_wave(path, column)
     if kind == ".mat":
         return _of_matlab(path, column)
-    return read_text(path, column)
+    return read_text(path, column, rate)
 
 
 def _split(text: str) -> tuple[Path, str]:
@@ -58,53 +75,52 @@ def _split(text: str) -> tuple[Path, str]:
 
 
 def _of_wave(path: Path, wanted: str | None) -> Measured:
-    import warnings
-
-    from scipy.io import wavfile
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", wavfile.WavFileWarning)  # of chunks with texts
-        try:
-            rate, samples = wavfile.read(path)
-        except (ValueError, EOFError) as problem:
-            raise Refused(f"{path}: is no WAV file that can be read: {problem}") from problem
-    if samples.ndim == 1:
-        samples = samples[:, None]
-    names = [str(channel + 1) for channel in range(samples.shape[1])]
-    chosen = chosen_column(path, names, wanted, None)
-    values = samples[:, chosen].astype(np.float64)
-    if samples.dtype.kind in "iu":
-        full = float(np.iinfo(samples.dtype).max) + 1.0
-        values /= full if samples.dtype.kind == "i" else 0.5 * full
-        values -= 0.0 if samples.dtype.kind == "i" else 1.0
-    check_finite(values, f"{path}: channel {names[chosen]}")
-    return Measured(
-        name=f"channel {names[chosen]}", values=values, unit="", step=1.0 / rate, along="time", where=str(path)
-    )
+    channel, values, rate = read_wave(path, wanted)
+    check_values(values, f"{path}: channel {channel}")
+    return Measured(name=f"channel {channel}", values=values, unit="", step=1.0 / rate, along="time", where=str(path))
 
 
 def _of_matlab(path: Path, wanted: str | None) -> Measured:
-    from scipy.io import loadmat
-
+    """Return a vector of a MATLAB file, which the sandbox has read: some kilobytes may unpack to gigabytes."""
+    descriptor = open_regular(path)
     try:
-        content = loadmat(path, squeeze_me=True, struct_as_record=True)
-    except Exception as problem:
-        raise Refused(f"{path}: is no MATLAB 5 file that can be read: {problem}; save it with -v6 or -v7") from problem
-    rows = {
-        name: value
-        for name, value in content.items()
-        if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "fiu"
-    }
-    places = [name for name in rows if name.lower() in {"t", "time"}]
-    names = list(rows)
-    place = names.index(places[0]) if places else None
-    chosen = names[chosen_column(path, names, wanted, place)]
-    step = None
-    if places and rows[places[0]].size == rows[chosen].size:
-        step = even_step(rows[places[0]].astype(np.float64), (places[0], "s"), path)
-    values = rows[chosen].astype(np.float64)
-    check_finite(values, f"{path}: {chosen}")
+        listed: dict[str, Any] = json.loads(_from_sandbox(descriptor, "matlab", "", 0))
+        if "refused" in listed:
+            raise Refused(f"{path}: {_reason(listed)}")
+        names: list[str] = listed["names"]
+        places = [name for name in names if name.lower() in {"t", "time"}]
+        place = names.index(places[0]) if places else None
+        chosen = names[chosen_column(path, names, wanted, place)]
+        values, times = (_vector(path, descriptor, each) if each else None for each in (chosen, (places or [""])[0]))
+    finally:
+        os.close(descriptor)
+    if values is None:
+        raise AssertionError("a column was chosen")
+    check_values(values, f"{path}: {chosen}")
+    step = even_step(times, places[0], "s", str(path)) if times is not None and times.size == values.size else None
     return Measured(name=chosen, values=values, unit="", step=step, along="time", where=str(path))
+
+
+def _vector(path: Path, descriptor: int, name: str) -> Doubles:
+    parts: list[Doubles] = []
+    count = 0
+    while True:
+        head, _, rest = _from_sandbox(descriptor, "matlab", name, count).partition(b"\n")
+        found: dict[str, Any] = json.loads(head)
+        if "refused" in found:
+            raise Refused(f"{path}: {_reason(found)}")
+        parts.append(np.frombuffer(rest, dtype="<f8").astype(np.float64))
+        count += parts[-1].size
+        if count >= found["count"] or not parts[-1].size:
+            return np.concatenate(parts)
+
+
+def _reason(found: dict[str, Any]) -> str:
+    """Return why the sandbox refused a MATLAB file: its own words, or that it took too much."""
+    if "unseen" not in found:
+        return str(found["refused"])
+    most = MEMORY_BYTES // 1024**2
+    return f"is damaged, or unpacking it takes more than {most} MB or {_PATIENCE:g} s; save the one vector with -v7"
 
 
 def _of_dataset(path: Path, name: str) -> Measured:
@@ -115,7 +131,7 @@ def _of_dataset(path: Path, name: str) -> Measured:
     descriptor = open_regular(path)
     try:
         while True:
-            head, _, rest = _from_sandbox(descriptor, name, count).partition(b"\n")
+            head, _, rest = _from_sandbox(descriptor, "dataset", name, count).partition(b"\n")
             found: dict[str, Any] = json.loads(head)
             if "refused" in found:
                 raise Refused(f"{path}: {found['refused']}")
@@ -123,7 +139,7 @@ def _of_dataset(path: Path, name: str) -> Measured:
             values, places = both[: found["here"]], both[found["here"] :]
             if count == 0:
                 along = along_of(found["place"].rpartition("/")[2], found["place_unit"])
-                even = EvenSteps((found["place"], found["place_unit"]), path, 0.0) if along else None
+                even = EvenSteps(found["place"], found["place_unit"], str(path), word="row") if along else None
             if even is not None:
                 even.add(places, range(count + 1, count + 1 + values.size))
             kept.append(values)
@@ -133,7 +149,7 @@ def _of_dataset(path: Path, name: str) -> Measured:
     finally:
         os.close(descriptor)
     whole = np.concatenate(kept)
-    check_finite(whole, f"{path}: {name}")
+    check_values(whole, f"{path}: {name}")
     return Measured(
         name=name,
         values=whole,
@@ -150,27 +166,45 @@ def _load_hdf5() -> None:
     import_module("h5py._hl.dims")
 
 
-def _from_sandbox(descriptor: int, name: str, first: int) -> bytes:
-    from rubnoise.storage.sandbox import sandboxed
+def _load_matlab() -> None:
+    """Load all that reading a MATLAB file needs, by reading one."""
+    from scipy.io import loadmat, savemat, whosmat
 
+    content = BytesIO()
+    savemat(content, {"a": np.zeros(2)}, do_compression=True)
+    whosmat(content)
+    loadmat(content, squeeze_me=True)
+
+
+def _look(kind: str) -> Callable[[int, str, int], bytes]:
+    """Return what looks at a file of this kind in the sandbox, with all that it needs loaded."""
+    if kind == "matlab":
+        from rubnoise.storage.matlab_reader import read_matlab
+
+        _load_matlab()
+        return read_matlab
     _load_hdf5()
+    return read_dataset
+
+
+def _from_sandbox(descriptor: int, kind: str, name: str, first: int) -> bytes:
+    look = _look(kind)
     if threading.active_count() == 1:
-        return sandboxed(descriptor, partial(read_dataset, name=name, first=first))
+        return sandboxed(descriptor, lambda file: look(file, name, first), patience=_PATIENCE)
     # A program with threads should not copy itself: a new one of one thread does it.
-    from subprocess import run
+    from subprocess import run  # which only a program with threads needs
 
     folders = os.pathsep.join(filter(None, sys.path))
-    command = [sys.executable, "-P", "-c", _PROGRAM, name, str(first)]
+    command = [sys.executable, "-P", "-c", _PROGRAM, kind, name, str(first)]
     done = run(command, stdin=descriptor, capture_output=True, check=False, env={**os.environ, "PYTHONPATH": folders})  # noqa: S603  (our own words)
     return done.stdout or b'{"refused": "the process that reads it has ended"}'
 
 
 def serve_dataset() -> None:
     """Be that program: read the dataset that the arguments name, from a row on, of the file on standard input."""
-    from rubnoise.storage.sandbox import sandboxed
-
-    _load_hdf5()
-    sys.stdout.buffer.write(sandboxed(0, partial(read_dataset, name=sys.argv[1], first=int(sys.argv[2]))))
+    kind, name, first = sys.argv[1:]
+    look = _look(kind)
+    sys.stdout.buffer.write(sandboxed(0, lambda file: look(file, name, int(first)), patience=_PATIENCE))
 
 
 def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
@@ -194,7 +228,9 @@ def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
             piece = slice(first, min(first + _PIECE_VALUES, dataset.size))
             head = {"count": dataset.size, "here": piece.stop - piece.start, "unit": _unit(dataset)}
             head |= (
-                {"place": "", "place_unit": ""} if scale is None else {"place": scale.name, "place_unit": _unit(scale)}
+                {"place": "", "place_unit": ""}
+                if scale is None
+                else {"place": scale.name or f"scale of {name}", "place_unit": _unit(scale)}
             )
             parts = [dataset[piece]] if scale is None else [dataset[piece], scale[piece]]
             return json.dumps(head).encode() + b"\n" + b"".join(part.astype("<f8").tobytes() for part in parts)

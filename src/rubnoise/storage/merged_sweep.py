@@ -17,6 +17,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.storage import disk
 from rubnoise.storage.index import RUN, RUNS, SUMMARIES, TRACES, attach, create_scale, describe_column
 from rubnoise.storage.index_file import open_index, open_named
+from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import CHUNK_ROWS, GROUPS, JUNCTIONS, Column
 from rubnoise.storage.structure import LIBRARY_VERSIONS
@@ -78,14 +79,18 @@ def _hash(dataset: h5py.Dataset) -> xxhash.xxh3_128:
 
 
 def write_merged(path: Path, index: Path) -> None:
-    """Write a file that needs no other: tables and traces as in the index, and /junctions with the run of each.
+    """Fill an empty file that needs no other: tables and traces as in the index, and /junctions with the run of each.
 
     Memory does not grow with the length of runs. Raises RunFileRefused where a result cannot be read or is damaged,
     OSError where the disk fails, NotAsWritten where what was written is not read back.
     """
     filling = _Filling()
     results = _results(index)  # the door for strangers' files looks at the index before HDF5 has it in this process
-    with h5py.File(index, "r") as given, h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
+    with (
+        h5py.File(index, "r") as given,
+        unfailing(path) as target,
+        h5py.File(target, "w", libver=LIBRARY_VERSIONS) as file,
+    ):
         for name, value in given.attrs.items():
             file.attrs.create(name, value, dtype=given.attrs.get_id(name).dtype)
         for name in COPIED:

@@ -6,7 +6,7 @@ What is refused is refused before anything is created.
 import os
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -218,23 +218,40 @@ def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     Raises OutputRefused, before anything is created, where nothing may or can be written, RubnoiseError where the disk
     fails. Whatever is raised meanwhile leaves nothing behind.
     """
-    paths = check_output(path, force=force)
-    if not lock.AVAILABLE:
-        with _unlocked_file(paths, force=force) as part:
-            yield part
-        return
-    with sole_writer(paths):
-        check_output(path, force=force)
-        with _naming_file(paths), _new(paths.part) as descriptor:
-            yield paths.part
-            disk.sync(descriptor)
-            give_final_name(paths, descriptor, force=force)
+    with whole_files([path], force=force) as (part,), naming_file(path):
+        yield part
+
+
+@contextmanager
+def whole_files(paths: Sequence[str | os.PathLike[str]], *, force: bool) -> Iterator[list[Path]]:
+    """Yield names as `whole_file` does; the files get their own once all are on the disk, or none of them does.
+
+    What a disk that fails meanwhile raises is for the caller to name (see `naming_file`).
+    """
+    outputs = [check_output(path, force=force) for path in paths]
+    with ExitStack() as held:
+        if not lock.AVAILABLE:
+            yield [held.enter_context(_unlocked_file(each, force=force)) for each in outputs]
+            return
+        made = []
+        for path, each in zip(paths, outputs, strict=True):
+            held.enter_context(sole_writer(each))
+            check_output(path, force=force)
+            with naming_file(each.final):
+                made.append(held.enter_context(_new(each.part)))
+        yield [each.part for each in outputs]
+        for each, descriptor in zip(outputs, made, strict=True):
+            with naming_file(each.final):
+                disk.sync(descriptor)
+        for each, descriptor in zip(outputs, made, strict=True):
+            with naming_file(each.final):
+                give_final_name(each, descriptor, force=force)
 
 
 @contextmanager
 def _unlocked_file(paths: OutputPaths, *, force: bool) -> Iterator[Path]:
     """Do as `whole_file` where there are no locks; the file is closed before it gets its name, as Windows asks."""
-    with _naming_file(paths):
+    with naming_file(paths.final):
         try:
             with _new(paths.part):
                 pass
@@ -272,11 +289,11 @@ def _new(part: Path) -> Iterator[int]:
 
 
 @contextmanager
-def _naming_file(paths: OutputPaths) -> Iterator[None]:
+def naming_file(path: str | os.PathLike[str]) -> Iterator[None]:
     """Say of a disk that fails which file it is about."""
     try:
         yield
     except OSError as problem:
-        raise RubnoiseError(f"{paths.final}: writing failed: {problem.strerror or problem}") from problem
+        raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {problem.strerror or problem}") from problem
     except disk.NotAsWritten as problem:
-        raise RubnoiseError(f"{paths.final}: writing failed: {problem}") from problem
+        raise RubnoiseError(f"{Path(path).absolute()}: writing failed: {problem}") from problem

@@ -7,7 +7,9 @@ writes. Behind these two files it sees memory, or a disk that never fails; what 
 import io
 import os
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, Self
 
 from rubnoise.storage import disk
@@ -155,6 +157,20 @@ class Unfailing(_Positioned):
         if self._failure is not None:
             raise self._failure
         disk.resize(self._descriptor, self._size)
+
+
+@contextmanager
+def unfailing(path: Path) -> Iterator[Unfailing]:
+    """Yield an empty file that is there, to be written through HDF5; raises OSError afterwards where the disk fails."""
+    descriptor = disk.reopen(path)
+    try:
+        file = Unfailing(descriptor)
+        try:
+            yield file
+        finally:
+            file.raise_first_error()
+    finally:
+        disk.close(descriptor)
 
 
 def _pieces(position: int, data: memoryview) -> Iterable[tuple[int, int, memoryview]]:

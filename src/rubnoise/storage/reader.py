@@ -60,6 +60,7 @@ class RunFile:
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
         """Take over the descriptor of a file, and what a survey found in it."""
         self.path = Path(path)
+        self._place = self.path.absolute()
         self.descriptor = descriptor
         self._found = found
         self.features: frozenset[Feature] = frozenset(found["features"])
@@ -80,6 +81,10 @@ class RunFile:
     def close(self) -> None:
         """Close the file; columns can no longer be read."""
         self._close()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Have copies, also in other processes, open the file for themselves; raises ValueError once it is closed."""
+        return reopened, (open_run, self._place, self.seal)
 
     @property
     def columns(self) -> Mapping[str, tuple[str, ...]]:
@@ -198,6 +203,15 @@ def open_run(path: str | os.PathLike[str], own: "Written | None" = None, *, stri
     except BaseException:
         os.close(descriptor)
         raise
+
+
+def reopened(opening: Callable[[Path], Any], path: Path, seal: str | None) -> Any:
+    """Open a file that was open elsewhere; raises RunFileRefused where another one, by its seal, is there by now."""
+    file = opening(path)
+    if file.seal == seal:
+        return file
+    file.close()
+    raise RunFileRefused(f"{path}: has changed since it was opened")
 
 
 def _check_run(found: Mapping[str, Any]) -> None:

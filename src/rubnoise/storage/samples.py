@@ -1,10 +1,11 @@
 """One column of samples at even steps, as every reader of measured traces returns it, and the checks they share."""
 
+import re
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
@@ -15,8 +16,14 @@ from rubnoise.units import LENGTH, TIME, QuantityError, parse_unit
 UNEVEN: Final = 0.01
 """How far one step between samples may be from the mean step, in parts of it, beyond the digits that are written."""
 
+_LISTED: Final = 20
+_SHOWN: Final = 40
+LARGEST_VALUE: Final = 1e60
+"""Size of a value at most: fourth powers of values are numbers."""
+
+_FEW: Final = 3
 _ROUNDED: Final = 0.01
-"""Part of the steps that differ from the usual one, above which they differ by rounding."""
+"""Part of the steps that differ from the usual one, above which they differ by rounding, not by some missing rows."""
 
 
 class Lines:
@@ -78,75 +85,150 @@ def along_of(name: str, unit: str) -> str:
     return "distance" if dimension == LENGTH.dimension and travelled else ""
 
 
-def chosen_column(path: Path, names: list[str], wanted: str | None, place: int | None) -> int:
-    """Return the number of the wanted column, or of the only one beside the place; raises Refused where it is open."""
+def chosen_column(
+    path: str | Path, names: list[str], wanted: str | None, place: int | None, *, keyword: str = "column"
+) -> int:
+    """Return the number of the wanted column, or of the only one beside the place; raises Refused where it is open.
+
+    ``wanted`` is a name, or where no column has that name a number from 1 on.
+    """
     if wanted is not None:
-        if names.count(wanted) != 1:
-            raise Refused(f"{path}: --column {wanted}: the columns are {', '.join(names)}")
-        return names.index(wanted)
-    others = [number for number in range(len(names)) if number != place]
+        if names.count(wanted) == 1:
+            return names.index(wanted)
+        if re.fullmatch("[0-9]{1,9}", wanted) and 0 < int(wanted) <= len(names):
+            return int(wanted) - 1
+        what = "the name of several" if wanted in names else "none"
+        raise Refused(f"{path}: {keyword}=: {wanted[:_SHOWN]} is {what} of the columns {_listed(names)}")
+    others = [name for number, name in enumerate(names) if number != place]
     if len(others) != 1:
-        listed = ", ".join(names[number] for number in others) or "none but the place"
-        raise Refused(f"{path}: which column? --column NAME takes one of: {listed}")
-    return others[0]
+        raise Refused(f"{path}: which column? column= takes one of: {_listed(others) or 'none but the place'}")
+    return next(number for number in range(len(names)) if number != place)
+
+
+def _listed(names: list[str]) -> str:
+    """Return names, each cut short, and how many more there are."""
+    more = f" and {len(names) - _LISTED:,} more" if len(names) > _LISTED else ""
+    return ", ".join(name[:_SHOWN] for name in names[:_LISTED]) + more
 
 
 class EvenSteps:
-    """Places of samples, taken in pieces and refused with the line where they are not even."""
+    """Places of samples, taken in pieces and refused with their line where they are not even.
 
-    def __init__(self, head: tuple[str, str], path: Path, resolution: float) -> None:
-        """Name the column, its file and the last decimal with which places are written."""
-        self._head, self._path, self._resolution = head, path, resolution
+    With a ``rate`` in Hz, which times have to agree with, they may be written with too few digits to tell them apart.
+    """
+
+    def __init__(self, name: str, unit: str, path: str, rate: float | None = None, *, word: str = "line") -> None:
+        """Name the column, its unit, its file, and what numbers stand for: lines or rows."""
+        self._name, self._unit, self._path, self._word = name, unit, path, word
+        self._size = _size_of(unit)
+        if rate is not None and along_of(name, unit) != "time":
+            raise Refused(f"rate=: the trace is over {name}, which says how its samples lie")
+        self._given = None if rate is None else 1.0 / (rate * self._size)
         self._usual = self._tolerance = 0.0
         self._first = self._last = 0.0
         self._count = 0
 
-    def add(self, places: Doubles, lines: Sequence[int]) -> None:
-        """Take the next places, and the line of each; the usual step is that of the first piece."""
-        name, unit = self._head
-        if not np.isfinite(places).all():
-            raise Refused(f"{self._path}: line {lines[int(np.argmin(np.isfinite(places)))]}: {name} is no number")
+    def add(self, places: Doubles, numbers: Sequence[int], resolution: float = 0.0) -> None:
+        """Take the next places, the line of each, and their last decimal; the usual step is that of the first piece."""
+        check_values(places, f"{self._path}: {self._name}", lambda row: f"{self._word} {numbers[row]}")
         steps = np.diff(places, prepend=self._last if self._count else places[0])
         own = steps[1:] if self._count == 0 else steps
         if self._usual == 0.0 and own.size:
-            self._usual = float(np.median(own))
-            if self._usual <= 0.0:
-                raise Refused(f"{self._path}: {name} does not grow from row to row")
-            self._tolerance = self._allowed(own)
+            self._begin(own, resolution)
         off = np.abs(own - self._usual) > self._tolerance
         if off.any():
             row = int(np.argmax(off))
             raise Refused(
-                f"{self._path}: line {lines[row + steps.size - own.size]}: {name} grows by {own[row]:g} {unit} where"
-                f" the usual step is {self._usual:g}; samples have to be evenly spaced"
+                f"{self._path}: {self._word} {numbers[row + steps.size - own.size]}: {self._name} grows by {own[row]:g}"
+                f" {self._unit} where the usual step is {self._usual:g}; samples have to be evenly spaced"
             )
         if self._count == 0:
             self._first = float(places[0])
         self._last = float(places[-1])
         self._count += places.size
 
-    def _allowed(self, steps: Doubles) -> float:
+    def _begin(self, steps: Doubles, resolution: float) -> None:
+        self._usual = float(np.median(steps))
+        if self._given is not None:
+            self._tolerance = UNEVEN * self._given + 1.01 * resolution
+            if abs(self._usual - self._given) > self._tolerance:
+                self._refuse_rate(self._usual)
+            self._usual = self._given
+            return
+        if self._usual <= 0.0:
+            rounded = '; if it is rounded, rate="10 kHz" says how often it was sampled' if self._usual == 0.0 else ""
+            raise Refused(f"{self._path}: {self._name} does not grow from {self._word} to {self._word}{rounded}")
+        self._tolerance = self._allowed(steps, resolution)
+
+    def _allowed(self, steps: Doubles, resolution: float) -> float:
         """Return how far a step may be from the usual one: 1 %, and a digit of the places, by which they are rounded.
 
         Where a step is a digit, and nearly all are equal, a longer one is a row that is missing and no rounding.
         """
         uneven = UNEVEN * self._usual
-        rounded = float(np.mean(np.abs(steps - self._usual) > uneven)) > _ROUNDED
-        return uneven if self._resolution > 0.5 * self._usual and not rounded else uneven + 1.01 * self._resolution
+        rounded = np.count_nonzero(np.abs(steps - self._usual) > uneven) > max(_FEW, _ROUNDED * steps.size)
+        return uneven if resolution > 0.5 * self._usual and not rounded else uneven + 1.01 * resolution
 
     def step(self) -> float:
-        """Return the mean step in s or um."""
-        return (self._last - self._first) / (self._count - 1) * float(parse_unit(self._head[1]).size)
+        """Return the mean step in s or um (or in the unit of the places); a rate that was given is right within 1 %."""
+        if self._count < 2:
+            raise Refused(f"{self._path}: {self._name} has {self._count} rows; a trace has two or more")
+        mean = (self._last - self._first) / (self._count - 1)
+        if self._given is None:
+            return mean * self._size
+        if abs(mean - self._given) > UNEVEN * self._given + 2.0 * self._tolerance / (self._count - 1):
+            self._refuse_rate(mean)
+        return self._given * self._size
+
+    def _refuse_rate(self, step: float) -> NoReturn:
+        says = f"{1.0 / (step * self._size):.6g} Hz" if step > 0.0 else "none"
+        raise Refused(
+            f"rate=: {self._path}: by its {self._name} the rate is {says}; leave rate= out, or mend the column"
+        )
 
 
-def even_step(places: Doubles, head: tuple[str, str], path: Path) -> float:
-    """Return the step in s or um; raises Refused where places are not even, as if each value had a line."""
-    steps = EvenSteps(head, path, 0.0)
-    steps.add(places, range(1, places.size + 1))
+def _size_of(unit: str) -> float:
+    """Return how many s or um a unit is; 1 for what is no unit of ours."""
+    try:
+        return float(parse_unit(unit).size)
+    except QuantityError:
+        return 1.0
+
+
+def even_step(places: Doubles, name: str, unit: str, path: str, *, first: int = 1) -> float:
+    """Return the step in s or um; raises Refused, by row from ``first`` on, where places are not even."""
+    steps = EvenSteps(name, unit, path, word="row")
+    if places.size > 1:
+        steps.add(places, range(first, first + places.size))
     return steps.step()
 
 
-def check_finite(values: Doubles, what: str) -> None:
-    """Raise Refused with the first value that is no number."""
-    if not np.isfinite(values).all():
-        raise Refused(f"{what}: value {int(np.argmin(np.isfinite(values))) + 1} is no number")
+def real_numbers(values: Any, what: str) -> Doubles:
+    """Return values as doubles; raises Refused for texts, complex and masked values, and all else that is no number."""
+    try:
+        found = np.asarray(values)
+    except (ValueError, TypeError) as problem:
+        raise Refused(f"{what}: rows of numbers are needed, all of one length") from problem
+    if found.dtype.kind not in "fiu":
+        raise Refused(f"{what}: holds {found.dtype}; real numbers are needed")
+    if np.ma.is_masked(values):
+        raise Refused(f"{what}: holds masked values; every sample needs a number")
+    return found.astype(np.float64)
+
+
+def check_values(values: Doubles, what: str, place: Callable[[int], str] | None = None) -> None:
+    """Raise Refused with the first value that is no number, or whose square is none.
+
+    ``place`` names a value, by default as the how many-th it is.
+    """
+    wrong = ~(np.abs(values) <= LARGEST_VALUE)
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        where = f"value {row + 1:,}" if place is None else place(row)
+        which = "every sample needs a number" if not np.isfinite(values[row]) else f"up to {LARGEST_VALUE:g} is read"
+        path, _, name = what.rpartition(": ")
+        raise Refused(
+            f"{path}: {where}: {name} is {values[row]:g}; {which}"
+            if path
+            else f"{where} of {name} is {values[row]:g}; {which}"
+        )

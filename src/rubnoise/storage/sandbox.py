@@ -74,6 +74,7 @@ def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
     """Be the child: look, write the answer down the pipe and leave at once, whatever happens."""
     code = 1
     try:
+        descriptor, sending = _beyond_streams(descriptor), _beyond_streams(sending)
         _let_go_but(descriptor, sending)
         _be_quiet()
         _be_small()
@@ -81,6 +82,13 @@ def _answer(descriptor: int, look: Look, sending: int) -> NoReturn:
         code = 0
     finally:
         os._exit(code)
+
+
+def _beyond_streams(descriptor: int) -> int:
+    """Return a descriptor whose number is that of no standard stream; without these a file may get one of theirs."""
+    import fcntl
+
+    return descriptor if descriptor > 2 else fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, 3)
 
 
 def _let_go_but(*kept: int) -> None:

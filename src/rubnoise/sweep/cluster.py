@@ -12,6 +12,7 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from rubnoise.errors import Refused, needing
+from rubnoise.sweep.execution import in_words, versions
 
 PATIENCE: Final = 30.0
 """Seconds for a scheduler to answer."""
@@ -20,6 +21,7 @@ _COUNTED_EVERY: Final = 1.0
 
 
 TLS: Final = "tls://"
+LAST_PORT: Final = 65_535
 
 
 def security_of(
@@ -64,11 +66,21 @@ def _address(scheduler: str, *, encrypted: bool) -> str:
             address = str(json.loads(Path(scheduler).read_bytes())["address"])
         except (OSError, ValueError, KeyError, TypeError) as problem:
             raise Refused(f"{scheduler}: is no file of a scheduler") from problem
-    if not encrypted:
-        return address
-    if "://" in address and not address.startswith(TLS):
+    if encrypted and "://" in address and not address.startswith(TLS):
         raise Refused(f"{scheduler}: does not use TLS: its address is {address}")
-    return address if address.startswith(TLS) else TLS + address
+    return _checked(TLS + address if encrypted and not address.startswith(TLS) else address, scheduler)
+
+
+def _checked(address: str, scheduler: str) -> str:
+    """Return an address as Dask has it; raises Refused for what is none, at which Dask's client would never end."""
+    known = import_module("distributed.comm.addressing")
+    try:
+        _, port = known.get_address_host_port(known.normalize_address(address), strict=True)
+    except ValueError:
+        port = 0
+    if not 1 <= port <= LAST_PORT:
+        raise Refused(f"{scheduler}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786")
+    return address
 
 
 class Cluster:
@@ -81,7 +93,7 @@ class Cluster:
     most = 1_000_000
 
     def __init__(self, scheduler: str, security: Any = None) -> None:
-        """Find the scheduler; raises ExtraMissing without the library, Refused where none answers.
+        """Find the scheduler; raises ExtraMissing without the library, Refused where none answers, or others' workers.
 
         ``security``: a ``distributed.Security``, by which all that is said goes over TLS; without it what Dask's own
         configuration says.
@@ -95,6 +107,11 @@ class Cluster:
             self._client: Any = dask.Client(where, timeout=PATIENCE, set_as_default=False, security=security)
         except (OSError, ValueError) as problem:
             raise Refused(f"{scheduler}: no scheduler answers there: {problem}") from problem
+        try:
+            self._check_versions()
+        except BaseException:
+            self._client.close()
+            raise
         self._executor: Any = self._client.get_executor(pure=False)
         self._counted = -_COUNTED_EVERY
         self._lanes = 1
@@ -107,6 +124,16 @@ class Cluster:
     ) -> None:
         self._executor.shutdown(wait=False)
         self._client.close()
+
+    def _check_versions(self) -> None:
+        """Raise Refused for a worker of other versions than this process's; later workers return their work undone."""
+        ours = versions()
+        for worker, theirs in self._client.run(versions, on_error="return").items():
+            if theirs != ours:
+                raise Refused(
+                    f"{worker}: this worker has {in_words(theirs)}, and this process {in_words(ours)}; all runs of a"
+                    " sweep are made by one version"
+                )
 
     @property
     def lanes(self) -> int:

@@ -3,7 +3,7 @@
 import pickle
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import dataclass
 from functools import partial
@@ -17,6 +17,9 @@ from rubnoise.record.sink import Extent, Sink
 from rubnoise.scenario.points import Point
 from rubnoise.simulation.extent import Engine, extent
 from rubnoise.simulation.run import simulate
+from rubnoise.storage.provenance import package_version
+from rubnoise.storage.schema import FORMAT_VERSION
+from rubnoise.streams import STREAM_VERSION
 
 SECONDS: Final = 1.0
 """Work that one message brings: the message itself then costs nothing, and little is lost with a worker."""
@@ -83,7 +86,7 @@ class Workers(Protocol):
 
 
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
-    """The process that handed out the work has ended."""
+    """The process that handed out the work has ended, or hands it to workers that are of no use."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,18 +98,37 @@ class Outcome(Generic[Result]):
     problem: Exception | None = None
 
 
+Versions = Mapping[str, object]
+
+
+def versions() -> Versions:
+    """Return what has to be the same wherever runs of one sweep are made."""
+    return {"rubnoise": package_version("rubnoise"), "stream": STREAM_VERSION, "format": FORMAT_VERSION}
+
+
+def in_words(found: object) -> str:
+    """Return versions as a text; of a worker that says none, that it does not."""
+    return (
+        ", ".join(f"{name} {each}" for name, each in found.items())
+        if isinstance(found, Mapping)
+        else "no version that it says"
+    )
+
+
 @dataclass(frozen=True)
 class Attempt(Generic[Result]):
-    """What came of the points of a message, in their order, and how long it took."""
+    """What came of the points of a message, in their order, how long it took, and which versions made it."""
 
     results: list[Result | Exception]
     seconds: float
+    made_by: Versions | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle it; of an exception that other processes could not make again, its text."""
         return Attempt, (
             [_portable(each) if isinstance(each, Exception) else each for each in self.results],
             self.seconds,
+            self.made_by,
         )
 
 
@@ -118,9 +140,14 @@ def _portable(problem: Exception) -> Exception:
     return problem
 
 
-def attempted(work: Callable[[Point], Result], points: Sequence[Point]) -> Attempt[Result]:
-    """Carry out points one after another; one that goes wrong does not keep the others from being tried."""
-    began = time.monotonic()
+def attempted(work: Callable[[Point], Result], points: Sequence[Point], asked: Versions) -> Attempt[Result]:
+    """Carry out points one after another; one that goes wrong does not keep the others from being tried.
+
+    None is begun where other versions than those of this process are ``asked`` for.
+    """
+    began, made_by = time.monotonic(), versions()
+    if made_by != asked:
+        return Attempt([], 0.0, made_by)
     results: list[Result | Exception] = []
     for point in points:
         try:
@@ -129,7 +156,7 @@ def attempted(work: Callable[[Point], Result], points: Sequence[Point]) -> Attem
             raise
         except Exception as problem:  # noqa: BLE001  (whatever it is, it is recorded for this point)
             results.append(problem)
-    return Attempt(results, time.monotonic() - began)
+    return Attempt(results, time.monotonic() - began, made_by)
 
 
 def _nothing_to_find(_point: Point) -> None:
@@ -159,6 +186,7 @@ class Execution(Generic[Result]):
         """
         self._fresh = iter(points)
         self._work = work
+        self._versions = versions()
         self._workers = workers
         self._recover = recover
         self._watch = watch
@@ -170,7 +198,8 @@ class Execution(Generic[Result]):
     def outcomes(self) -> Iterator[Outcome[Result]]:
         """Yield every point with its outcome as soon as it is there; left early, what waits is not begun.
 
-        A point whose worker dies is tried once more, alone. Raises WorkLost where no work can be handed out any more.
+        A point whose worker dies is tried once more, alone. Raises WorkLost where no work can be handed out any more,
+        or a worker has other versions than this process.
         """
         try:
             self._hand_out()
@@ -187,7 +216,7 @@ class Execution(Generic[Result]):
     def _hand_out(self) -> None:
         lanes = self._workers.lanes
         while len(self._out) < lanes * (1 + self._workers.ahead) and (points := self._next(lanes)):
-            self._out[self._workers.submit(attempted, self._work, points)] = points
+            self._out[self._workers.submit(attempted, self._work, points, self._versions)] = points
 
     def _next(self, lanes: int) -> tuple[Point, ...]:
         if self._again:
@@ -204,6 +233,11 @@ class Execution(Generic[Result]):
         except Exception as problem:  # noqa: BLE001  (whatever it says, the worker did not come back)
             yield from self._lost(points, problem)
             return
+        if attempt.made_by != self._versions:
+            raise WorkLost(
+                f"a worker has {in_words(attempt.made_by)}, and this process {in_words(self._versions)}; give it the"
+                " same version, and the same command resumes the sweep"
+            )
         self._pace.took(len(points), attempt.seconds)
         for point, result in zip(points, attempt.results, strict=True):
             if isinstance(result, Exception):

@@ -122,7 +122,7 @@ class Shard:
         """Return the shard that a text such as `2/8` names; raises Refused."""
         found = _SHARD.fullmatch(text)
         if found is None or int(found[1]) > int(found[2]):
-            raise Refused(f'shard: "{text[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
+            raise Refused(f'shard=: "{text[:20]}" is no part of a whole; right form: shard="2/8", from 1/8 to 8/8')
         return cls(number=int(found[1]), count=int(found[2]))
 
     def of_points(self, points: Sequence[Point], whole: Sequence[Point]) -> tuple[Point, ...]:

@@ -10,11 +10,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.errors import OutputRefused
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.sweep import Sweep
-from rubnoise.storage.index import Arrays, Filled, Index, Stack, write_index
+from rubnoise.storage.index import POINTS, RUNS, Arrays, Filled, Index, Stack, write_index
 from rubnoise.storage.index_file import open_index
 from rubnoise.storage.layout import features_of
 from rubnoise.storage.merged_sweep import write_merged
@@ -93,6 +94,7 @@ def index_of(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], known: 
     """Return the index of what is known of a sweep."""
     numbers = point_numbers(points)
     firsts = dict(zip(reversed(numbers), reversed(points), strict=True))
+    shapes: Shapes = {}
     of_points = [firsts[number] for number in range(len(firsts))]
     return Index(
         title=sweep.title,
@@ -104,8 +106,8 @@ def index_of(folder: SweepFolder, sweep: Sweep, points: Sequence[Point], known: 
         points=list(_points(sweep, of_points)),
         runs=[*_plan(sweep, points, of_points, numbers), *_progress(known)],
         stacks=list(_stacks(points, known)),
-        arrays_of_runs=_arrays_of_runs(folder, known),
-        arrays_of_points=_arrays_of_points(folder, known, numbers),
+        arrays_of_runs=_alike(RUNS, _arrays_of_runs(folder, known), shapes, folder),
+        arrays_of_points=_alike(POINTS, _arrays_of_points(folder, known, numbers), shapes, folder),
     )
 
 
@@ -165,6 +167,22 @@ def _arrays_of_points(folder: SweepFolder, known: RecordedRuns, numbers: Sequenc
             yield numbers[known.places[entry.run_id]], entry.row.of_point
 
 
+Shapes = dict[str, tuple[str, tuple[int, ...]]]
+"""The shapes of arrays by name, and what they are of."""
+
+
+def _alike(of: str, arrays: Arrays, shapes: Shapes, folder: SweepFolder) -> Arrays:
+    """Yield arrays as they come; raises OutputRefused for one that is not like those of its name before it."""
+    for row, found in arrays:
+        for name, values in found.items():
+            if shapes.setdefault(name, (of, values.shape)) != (of, values.shape):
+                raise OutputRefused(
+                    f"{folder.root / 'journal'}: damaged: {name} is of several shapes; move this folder away, and the"
+                    " same command makes its runs again"
+                )
+        yield row, found
+
+
 EVERY: Final = 5.0
 """Seconds between two indices, at least."""
 
@@ -208,9 +226,9 @@ class IndexRefresh:
 def merge(folder: SweepFolder) -> Path:
     """Write the index of a folder and every result of it, by value, into merged.h5, and return its path.
 
-    An older one is replaced. Raises RunFileRefused where there is no index or a result cannot be read, RubnoiseError
-    where the disk fails.
+    An older one is replaced. Another process that merges or writes the index ends first. Raises RunFileRefused where
+    there is no index or a result cannot be read, RubnoiseError where the disk fails.
     """
-    with open_index(folder.index), whole_file(folder.merged, force=True) as path:
+    with folder.alone_at("index"), open_index(folder.index), whole_file(folder.merged, force=True) as path:
         write_merged(path, folder.index)
     return folder.merged

@@ -5,6 +5,7 @@ It is read back after any crash: a torn last line is no entry.
 
 import json
 import os
+import re
 import time
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
@@ -12,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Literal, Self
+from typing import Any, Final, Literal, Self, get_args
 
 import numpy as np
 import xxhash
@@ -45,6 +46,8 @@ SYNC_EVERY: Final = 1.0
 Stamp = tuple[int, int]
 """Size of a file in bytes, and the time of its last change in ns."""
 
+State = Literal["begun", "done", "failed"]
+
 Fault = Literal["cut short", "damaged"]
 """What is wrong with a line that is no entry."""
 
@@ -52,6 +55,16 @@ LINE_BYTES: Final = 1 << 24
 """No line is longer: the curves of a run's summary take some hundred kB."""
 
 _DIGITS: Final = 16
+
+TAKEN: Final = frozenset(("run", "run_id", "point", "replicate", "seed", "file", "state", "reason"))
+"""Names of columns of /runs, which no figure has."""
+
+_WHOLE: Final = 1 << 62
+"""Whole numbers of a figure lie below it."""
+
+_ID: Final = re.compile(r"[0-9a-z]{1,64}")
+_FILE: Final = re.compile(r"(runs/[0-9a-z]{1,64}\.h5)?")
+_NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,99}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +76,7 @@ class Entry:
     """
 
     run_id: str
-    state: Literal["begun", "done", "failed"]
+    state: State
     row: RunRow | None = None
     reason: str = ""
     stamp: Stamp | None = None
@@ -76,6 +89,7 @@ class Journal:
         """Open a journal to go on at its end."""
         if path.exists() and not path.is_file():
             raise OutputRefused(f"{path}: exists and is not a regular file")
+        self._path = path
         self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         self._synced = time.monotonic()
         size = os.fstat(self._descriptor).st_size
@@ -103,7 +117,10 @@ class Journal:
         self._synced = time.monotonic()
 
     def _write(self, line: bytes) -> None:
-        disk.append_all(self._descriptor, memoryview(line))
+        try:
+            disk.append_all(self._descriptor, memoryview(line))
+        except OSError as problem:
+            raise OSError(problem.errno, problem.strerror, str(self._path)) from problem
 
 
 def entries(path: Path) -> Iterator[Entry]:
@@ -118,7 +135,7 @@ def numbered(path: Path) -> Iterator[tuple[int, Entry | Fault]]:
             for number, line in enumerate(iter(partial(lines.readline, LINE_BYTES), b""), 1):
                 digest, _, text = line.rstrip(b"\n").partition(b" ")
                 if _is_sound(digest, text):
-                    yield number, _unpacked(json.loads(text))
+                    yield number, _entry(text) or "damaged"
                 else:
                     yield number, "cut short" if _is_cut_short(digest, text) else "damaged"
     except FileNotFoundError:
@@ -163,6 +180,30 @@ def _packed(entry: Entry) -> dict[str, Any]:
     if entry.stamp is not None:
         fields["stamp"] = entry.stamp
     return fields
+
+
+def _entry(text: bytes) -> Entry | None:
+    """Return the entry that a line holds; None for one that this program has not written, whatever its checksum."""
+    try:
+        fields: Any = json.loads(text)
+        return _unpacked(fields) if _is_right(fields) else None
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError, OverflowError):
+        return None
+
+
+def _is_right(fields: Any) -> bool:
+    """Whether the fields of an entry are of their kinds, and its names lead nowhere else."""
+    figures, arrays = fields.get("figures", {}), fields.get("arrays", {}) | fields.get("of_point", {})
+    return (
+        _ID.fullmatch(fields["run"]) is not None
+        and fields["state"] in get_args(State)
+        and isinstance(fields.get("reason", ""), str)
+        and [type(number) for number in fields.get("stamp", (0, 0))] == [int, int]
+        and _FILE.fullmatch(fields.get("file", "")) is not None
+        and all(_NAME.fullmatch(name) and name not in TAKEN for name in (*figures, *arrays))
+        and all(type(value) is float or abs(int(value)) < _WHOLE for value in figures.values())
+        and all(np.dtype(kind).kind in "iuf" for kind, _, _ in arrays.values())
+    )
 
 
 def _unpacked(fields: Mapping[str, Any]) -> Entry:

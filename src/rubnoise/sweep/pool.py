@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -59,6 +60,7 @@ def serve(descriptor: int) -> NoReturn:
     loaded stays for good, and garbage is looked for from then on, but not there.
     """
     CANCELLATION.follow_signals()
+    warnings.filterwarnings("ignore", "compiled code cannot be kept")  # which each worker would say
     with Connection(descriptor) as line:
         go_on = _answer(line)
         gc.freeze()

@@ -1,5 +1,4 @@
-"""A result file verified, one file for each check.
+"""A result file verified: what it says of itself composed again, and its run played again, row by row.
 
-Every check works out again what the file says, by formulas that the simulation does not share, and notes the first
-place that is wrong. Begin with `findings`, then `contact`, which sums area and force at every tick again.
+Begin with `findings`, then `replay`, which asks most of a file, and `areas`, which asks it without the engine.
 """

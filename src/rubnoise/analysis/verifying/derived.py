@@ -1,17 +1,17 @@
 """What a file derives from its own rows for its readers: the life curve and the summary."""
 
+from collections.abc import Mapping
 from math import isnan
 from typing import Final
 
 import numpy as np
 
 from rubnoise.analysis.agreement import ERROR, EXACT, Agreement
-from rubnoise.analysis.reading import chunks
 from rubnoise.analysis.summary import summarise
 from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader
-from rubnoise.record.tally import TALLIED, Moments, Tally
+from rubnoise.record.tally import Moments, Tally
 from rubnoise.storage.life_curve import life_tables
 
 MEASURED: Final = 1e-9
@@ -36,16 +36,12 @@ def curve_check(model: Model, run: Reader) -> Check:
     return notes.check()
 
 
-def summary_check(model: Model, run: Reader) -> Check:
-    """Return whether the summary has every figure of the run, as its columns and the theory of its scenario have it.
+def summary_check(model: Model, tally: Tally, stored: Mapping[str, object]) -> Check:
+    """Return whether the summary has every figure of the run, as its rows and the theory of its scenario have it.
 
     Standard errors are worked out again, too; a figure that a run of the scenario does not have is named.
     """
-    notes, tally, stored = Notes("summary"), Tally.of(model), run.summary
-    for group in TALLIED:
-        if group in run.columns:
-            for chunk in chunks(run, group):
-                tally.write(group, chunk.first, chunk.columns)
+    notes = Notes("summary")
     known: set[str] = set()
     for figure in summarise(model, tally):
         right = figure.as_attributes()

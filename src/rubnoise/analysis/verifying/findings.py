@@ -25,7 +25,8 @@ class Difference:
     def __str__(self) -> str:
         """Return the place with both values, on one line."""
         row = "" if self.row is None else f" row {self.row}"
-        return f"{self.place}{row} is {self.found}, should be {self.expected}"
+        verb = "" if self.found.startswith(("is ", "has ")) else "is "  # which reasons of a refusal begin with
+        return f"{self.place}{row} {verb}{self.found}, should be {self.expected}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,10 +54,14 @@ class LeftOut:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """Everything that a file was asked, in the order in which it was asked, and what was left out."""
+    """Everything that a file was asked, in the order in which it was asked, and what was left out.
+
+    ``remark`` says what may explain a difference; empty if there is nothing to say.
+    """
 
     checks: tuple[Check, ...]
     left_out: tuple[LeftOut, ...] = ()
+    remark: str = ""
 
     @property
     def different(self) -> list[Check]:
@@ -85,7 +90,7 @@ class Notes:
 
     def equal(self, place: str, first_row: int, found: NDArray[Any], expected: ArrayLike) -> None:
         """Note where rows of a column are not the same, bit for bit: -0 is not 0, and nan is nan."""
-        right = np.broadcast_to(np.asarray(expected).astype(found.dtype), found.shape)
+        right = np.broadcast_to(np.asarray(expected).astype(found.dtype, copy=False), found.shape)
         self._note(place, first_row, bits(found) == bits(right), found, lambda row: shown(right[row]))
 
     def near(self, place: str, first_row: int, found: NDArray[Any], expected: NDArray[Any], allowed: ArrayLike) -> None:

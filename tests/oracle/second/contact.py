@@ -5,13 +5,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.reading import Chunk, Junctions, Window, chunks
+from rubnoise.analysis.reading import Chunk, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.sums import add_areas
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
 from rubnoise.record.reader import Rows
+from tests.oracle.second.sums import add_areas
+from tests.oracle.second.window import Junctions, Window
 
 FORMULA: Final = 2.0**-48
 """By how much two ways to an area over d^2 may differ: each is right to 2^-50, ages are to 2^-51."""

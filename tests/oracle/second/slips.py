@@ -14,11 +14,11 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rubnoise.analysis.verifying.sums import lens_fraction
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.compiling import compiled
 from rubnoise.contact.pulses import Shape
 from rubnoise.record.rows import Phase
+from tests.oracle.second.sums import lens_fraction
 
 SHAPES: Final[dict[Shape, int]] = {"lens": 0, "triangle": 1}
 _SLIP, _STICK = int(Phase.SLIP), int(Phase.STICK)

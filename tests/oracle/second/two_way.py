@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from rubnoise.analysis.reading import Ahead, chunks
 from rubnoise.analysis.stick_slip import first_landmark
 from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
-from rubnoise.analysis.verifying.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
-from rubnoise.analysis.verifying.two_way import PHASES
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind, Phase
+from tests.oracle.second.slips import SHAPES, Contact, Led, Nodes, Oscillator, follow
+
+PHASES: Final = np.array([Phase.STICK, Phase.SLIP, Phase.REVERSAL, Phase.SLIP])
+"""The phase that begins at a landmark, by its kind."""
 
 STRETCH: Final = 1024
 """Rows that are integrated one after the other at most, between two of which there may be some that are not."""

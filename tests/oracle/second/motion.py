@@ -3,19 +3,19 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil, log2
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, Window, chunks
+from rubnoise.analysis.reading import CHUNK_ROWS, Ahead, chunks
 from rubnoise.analysis.verifying.findings import Check, Notes
-from rubnoise.analysis.verifying.sums import force_moments
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.theory.motion_cumulants import free_motion
 from rubnoise.theory.quadrature import panels
+from tests.oracle.second.sums import force_moments
+from tests.oracle.second.window import Window
 
 _NODES = 20
 _HALVINGS = 60
@@ -82,33 +82,11 @@ LONG: Final = 8.0
 """Mean lives of the longest lives: those born so long before the run have places as far out as its own."""
 
 
-def slider_checks(model: Model, rows: Rows, cells: int) -> list[Check]:
-    """Return whether /slider has its times and the forces of /trace at its places, and moves as they make it move.
-
-    Row i of a one-way slider lies at the time i tick / V, when it has slid by i ticks.
+def motion_check(model: Model, rows: Rows, cells: int) -> Check:
+    """Return whether every tick of a one-way slider follows from the one before it and the force between them.
 
     ``cells`` is into how many equal parts a tick is divided, in each of which the force is known by three moments.
     """
-    return [_columns_check(model, rows), _motion_check(model, rows, cells)]
-
-
-def _columns_check(model: Model, rows: Rows) -> Check:
-    notes = Notes("slider_columns")
-    for chunk in chunks(rows, "slider"):
-        distance = np.arange(chunk.first, chunk.end, dtype=np.float64) * model.tick
-        notes.equal("/slider/distance", chunk.first, chunk["distance"], distance)
-        notes.equal("/slider/time", chunk.first, chunk["time"], distance / (model.sliding_speed or 1.0))
-        notes.equal("/slider/friction_force", chunk.first, chunk["friction_force"], _force_at(distance, model, rows))
-    return notes.check()
-
-
-def _force_at(distance: Doubles, model: Model, rows: Rows) -> NDArray[Any]:
-    """Return the force of /trace at distances in um one tick apart."""
-    first = round(float(distance[0]) / model.tick) if distance.size else 0
-    return rows.column("trace", "friction_force", first, first + distance.size)
-
-
-def _motion_check(model: Model, rows: Rows, cells: int) -> Check:
     notes, ahead = Notes("motion"), Ahead(rows)
     for name, begin in (("displacement", model.equilibrium_displacement), ("velocity", 0.0)):
         notes.equal(f"/slider/{name}", 0, rows.column("slider", name, 0, 1), begin)

@@ -1,0 +1,112 @@
+"""The run of a file played again from its seed, and every row compared with the file, bit for bit.
+
+The batch engine writes into a sink that keeps nothing, so that a longer run needs no more memory.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Final
+
+import numpy as np
+
+from rubnoise.analysis.reading import Ahead
+from rubnoise.analysis.verifying.findings import Check, Notes
+from rubnoise.arrays import Doubles, Integers
+from rubnoise.errors import RubnoiseError
+from rubnoise.record.reader import Reader, Rows
+from rubnoise.record.rows import JunctionState
+from rubnoise.record.sink import Columns, Sink, Tee
+from rubnoise.scenario import Scenario
+from rubnoise.simulation.batch import Ended
+from rubnoise.simulation.run import simulate
+from rubnoise.storage.forecast import counted_rows
+from rubnoise.storage.seal import INTERVENTION
+
+NOT_PLAYED: Final = frozenset(("life_curve", "life_table"))
+"""Groups of which no row comes from the play."""
+
+
+class _BeyondFile(Exception):  # noqa: N818  (the file is wrong, not the program)
+    """Raised at the first row that a file does not have."""
+
+
+class Compared:
+    """A sink that compares the rows of a run with those of a file, in one check for each group."""
+
+    def __init__(self, rows: Rows) -> None:
+        """Begin before the first row."""
+        self._rows = Ahead(rows)
+        self.notes = {group: Notes(group) for group in rows.columns if group not in NOT_PLAYED}
+        self.written = dict.fromkeys(self.notes, 0)
+
+    def write(self, group: str, first_row: int, columns: Columns) -> None:
+        """Compare rows of a group (see Sink)."""
+        notes, total = self.notes[group], self._rows.rows(group)
+        end = first_row + next(iter(columns.values())).size
+        for name, values in columns.items():
+            found = self._rows.column(group, name, first_row, min(end, total))
+            notes.equal(f"/{group}/{name}", first_row, found, values[: found.size])
+        if end > total:
+            notes.say(f"/{group} rows", found=total, expected="more")
+            raise _BeyondFile
+        self.written[group] = end
+
+    def count(self, group: str, expected: object) -> None:
+        """Compare the number of rows of a group."""
+        self.notes[group].say(f"/{group} rows", found=self._rows.rows(group), expected=expected)
+
+
+def replay_checks(scenario: Scenario, run: Reader, tally: Sink) -> list[Check]:
+    """Return whether the rows of each group are those that the scenario gives, and as many; ``tally`` is given them.
+
+    Rows are counted before any is made, and made up to the first one that the file does not have. If an intervention
+    ended lives, births come from the seed and those ends from the file.
+    """
+    compared, model = Compared(run), scenario.model()
+    with _naming(compared, "junctions"):
+        expected = counted_rows(scenario, run.extent)
+        if expected is None:
+            compared.count("junctions", "far more")
+            return _checks(compared)
+        for group in compared.notes:
+            if (rows := expected.rows(group)) is not None:
+                compared.count(group, rows)
+        intervened = INTERVENTION in run.provenance and not model.is_two_way
+        with suppress(_BeyondFile), _naming(compared, "slider" if model.slider else "trace"):
+            ended = ended_of(run) if intervened else None
+            simulate(model, scenario.run.seed, Tee((compared, tally)), engine="batch", ended=ended)
+            for group, written in compared.written.items():
+                if expected.rows(group) is None:
+                    compared.count(group, written)
+    return _checks(compared)
+
+
+def ended_of(rows: Rows) -> Ended:
+    """Return what says where junctions were ended early (um), as a file has it, but never before run and life begin."""
+
+    def ended(number: Integers) -> Doubles:
+        if not number.size:
+            return np.empty(0)
+        first, end = int(number[0]), int(number[-1]) + 1
+        state, birth, death = (
+            rows.column("junctions", name, first, end) for name in ("state", "birth_distance", "death_distance")
+        )
+        begin, found = np.fmax(birth, 0.0), np.full(end - first, np.inf)
+        early = (state & JunctionState.ENDED_EARLY) != 0
+        found[: death.size] = np.where(early, np.where(death > begin, death, begin), np.inf)
+        return found[number - first]
+
+    return ended
+
+
+@contextmanager
+def _naming(compared: Compared, group: str) -> Iterator[None]:
+    """Name in a group why there can be no run of the scenario, if there can be none."""
+    try:
+        yield
+    except (RubnoiseError, ArithmeticError) as problem:
+        compared.count(group, str(problem).partition("\n")[0])
+
+
+def _checks(compared: Compared) -> list[Check]:
+    return [notes.check() for notes in compared.notes.values()]

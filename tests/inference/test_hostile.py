@@ -1,0 +1,225 @@
+"""Files that were damaged or made to do harm, and values that are no trace: a sentence each, and exit code 2."""
+
+import struct
+import time
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pint
+import pytest
+from scipy.io import savemat, wavfile
+
+import rubnoise
+from rubnoise.errors import Refused
+from rubnoise.storage import matlab_reader
+from rubnoise.storage.measured import read_measured
+from tests.cli.terminal import call
+
+VALUES = 50.0 + np.sin(np.arange(400.0))
+
+
+def wave(
+    *,
+    code: int = 1,
+    channels: int = 1,
+    rate: int = 8000,
+    bits: int = 16,
+    block: int | None = None,
+    byte_rate: int | None = None,
+) -> bytes:
+    """Return a WAV file with this header, right or wrong."""
+    data = np.rint(100.0 * VALUES).astype("<i2").tobytes()
+    size = channels * bits // 8 if block is None else block
+    form = struct.pack("<HHIIHH", code, channels, rate, rate * size if byte_rate is None else byte_rate, size, bits)
+    return (
+        b"RIFF"
+        + struct.pack("<I", 36 + len(data))
+        + b"WAVEfmt "
+        + struct.pack("<I", 16)
+        + form
+        + b"data"
+        + struct.pack("<I", len(data))
+        + data
+    )
+
+
+WAVES = {
+    "rate": (wave(rate=0), "at 0 Hz"),
+    "channels": (wave(channels=0, block=2), "0 channels"),
+    "no bits": (wave(bits=0, block=2), "0 bits"),
+    "seven bits": (wave(bits=7, block=2), "7 bits"),
+    "block": (wave(block=0), "blocks of 0 bytes"),
+    "byte rate": (wave(byte_rate=16000 // 3), "5333 bytes a second"),
+    "cut header": (wave()[:30], "header is cut"),
+    "cut before data": (wave()[:40], "header is cut"),
+    "cut data": (wave()[:-100], "is cut: its header names 800 bytes of samples, and 700 are there"),
+    "empty data": (wave()[:40] + bytes(4), "has no samples"),
+    "empty": (b"", "does not begin as one"),
+    "other": (b"RIFFxxxxAVI " + bytes(50), "does not begin as one"),
+    "compressed": (wave(code=2), r"code 2\) are not read"),
+    "many chunks": (wave()[:12] + b"junk\0\0\0\0" * 50_000, "header is cut"),
+}
+
+
+@pytest.mark.parametrize("name", WAVES)
+def test_a_wave_header_that_does_not_agree_with_itself_is_refused(tmp_path: Path, name: str) -> None:
+    content, problem = WAVES[name]
+    path = tmp_path / "a.wav"
+    path.write_bytes(content)
+    with pytest.raises(Refused, match=rf"a\.wav: .*{problem}"):
+        read_measured(path)
+
+
+@pytest.mark.parametrize("kind", ["u1", "<i2", "<i4", "<f4", "<f8"])
+def test_sound_of_every_kind_is_read_as_scipy_reads_it(tmp_path: Path, kind: str) -> None:
+    full = {"u1": 255, "<i2": 2**15 - 1, "<i4": 2**31 - 1}.get(kind, 1.0)
+    both = np.stack([np.linspace(0, 1, 99), np.linspace(0, 0.5, 99)], axis=-1) * full
+    wavfile.write(tmp_path / "a.wav", 8000, both.astype(kind))
+    offset, scale = {"u1": (128.0, 128.0), "<i2": (0.0, 2.0**15), "<i4": (0.0, 2.0**31)}.get(kind, (0.0, 1.0))
+    assert (
+        read_measured(tmp_path / "a.wav", "2").values.tolist() == ((both.astype(kind)[:, 1] - offset) / scale).tolist()
+    )
+
+
+def test_sound_of_24_bits_is_read(tmp_path: Path) -> None:
+    steps = np.array([-(2**23), -5, -1, 0, 1, 2**23 - 1])
+    data = b"".join(int(each).to_bytes(3, "little", signed=True) for each in steps)
+    head = wave(bits=24)[:40]
+    (tmp_path / "a.wav").write_bytes(head + struct.pack("<I", len(data)) + data)
+    assert read_measured(tmp_path / "a.wav").values.tolist() == (steps / 2.0**23).tolist()
+
+
+def bomb(path: Path, *, rows: int, told: int) -> None:
+    """Write a MATLAB file whose one vector unpacks to so many rows, whatever its header tells."""
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + struct.pack("<HH", 0x0100, 0x4D49)
+    begun = (
+        struct.pack("<IIII", 6, 8, 6, 0) + struct.pack("<IIii", 5, 8, told, 1) + struct.pack("<HH4s", 1, 1, b"f\0\0\0")
+    )
+    array = begun + struct.pack("<II", 9, 8 * rows % 2**32)
+    packer = zlib.compressobj(9)
+    parts = [packer.compress(struct.pack("<II", 14, (len(array) + 8 * rows) % 2**32) + array)]
+    zeros = bytes(1 << 20)
+    parts += [packer.compress(zeros) for _ in range(8 * rows >> 20)]
+    packed = b"".join([*parts, packer.flush()])
+    path.write_bytes(head + struct.pack("<II", 15, len(packed)) + packed)
+
+
+@pytest.mark.parametrize(("rows", "told"), [(1 << 25, 1 << 25), (1 << 25, 100), (1 << 20, 1 << 27)])
+def test_a_matlab_file_that_unpacks_to_gigabytes_is_refused_at_once(tmp_path: Path, rows: int, told: int) -> None:
+    path = tmp_path / "a.mat"
+    bomb(path, rows=rows, told=told)
+    assert path.stat().st_size < 400_000
+    begun = time.perf_counter()
+    with pytest.raises(Refused, match=r"a\.mat: .*(values; up to|damaged|no MATLAB|no vector)"):
+        read_measured(path)
+    assert time.perf_counter() - begun < 10.0
+
+
+def test_what_is_no_vector_of_a_matlab_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.mat"
+    for content, problem in (
+        ({"a": np.zeros((3, 3))}, "has no vector of real numbers; it has a 3x3"),
+        ({"a": 1j * VALUES}, "no vector of real numbers"),
+        ({"a": np.zeros((0, 1))}, "has no vector"),
+        ({"a": "text"}, "has no vector"),
+        ({"a": np.full(9, np.nan)}, "every sample needs a number"),
+        ({"a": 1e300 * VALUES}, "up to 1e"),
+    ):
+        savemat(path, content, do_compression=True)
+        with pytest.raises(Refused, match=rf"a\.mat: .*{problem}"):
+            read_measured(path)
+    savemat(path, {"a": VALUES})
+    for end in (10, 128, 140, 300, 1000):
+        path.write_bytes(path.read_bytes()[:end])
+        with pytest.raises(Refused, match=r"a\.mat: "):
+            read_measured(path)
+        savemat(path, {"a": VALUES})
+    monkeypatch.setattr(matlab_reader, "_PIECE_VALUES", 64)
+    assert read_measured(path).values.tolist() == VALUES.tolist()
+
+
+def long(folder: Path) -> Path:
+    return folder / ("x" * 5000)
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        lambda _: "/dev/zero",
+        lambda folder: folder,
+        long,
+        lambda folder: f"{folder}/a\0b.csv",
+        lambda folder: folder / "absent.csv",
+        lambda folder: folder / "absent.h5:/a",
+        lambda _: "/proc/self/mem",
+        lambda _: "",
+        lambda folder: f"{folder}/a.h5:/gone",
+    ],
+)
+def test_what_is_no_file_is_refused_by_its_name(tmp_path: Path, place: Callable[[Path], Any]) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["a"] = VALUES
+    path = place(tmp_path)
+    for read in (lambda: rubnoise.infer(path, speed="1 mm/s"), lambda: rubnoise.Trace.from_csv(path)):
+        with pytest.raises(Refused) as refused:
+            read()
+        assert len(str(refused.value)) <= 1500
+    if "\0" not in str(path):
+        answer = call("infer", str(path), "--speed", "1 mm/s")
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.startswith(str(path).partition(":/")[0][:200])
+
+
+def test_a_dataset_whose_scale_is_gone_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.h5"
+    with h5py.File(path, "w") as file:
+        file["force"], file["time"] = VALUES, 0.01 * np.arange(400.0)
+        file["time"].attrs["units"] = "s"
+        file["time"].make_scale("time")
+        file["force"].dims[0].attach_scale(file["time"])
+        del file["time"]
+    with pytest.raises(Refused, match=r"a\.h5: damaged"):
+        read_measured(f"{path}:force")
+
+
+def test_a_file_of_another_program_needs_a_path_inside(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["a"] = VALUES
+    with pytest.raises(Refused, match=r"a\.h5:PATH names a dataset"):
+        rubnoise.infer(tmp_path / "a.h5", speed="1 mm/s")
+
+
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [
+        ([], "has the shape"),
+        (np.empty((0, 3)), "has the shape"),
+        (5.0, "has the shape"),
+        (np.zeros((3, 3)), "has the shape"),
+        (1j * VALUES, "holds complex128"),
+        (np.array(["a", "b"]), "holds"),
+        ([[1.0], [1.0, 2.0]], "of one length"),
+        ([None, 1.0], "holds object"),
+        (VALUES > 50.0, "holds bool"),
+        (np.ma.masked_less(VALUES, 49.5), "masked"),
+        (np.append(VALUES, np.nan), "value 401 of trace is nan"),
+        (np.append(VALUES, 1e300), "value 401 of trace is 1e"),
+        (1e300 * VALUES, "value 1 of trace is 5e"),
+        (1e-300 * VALUES, "give the values in a smaller unit"),
+    ],
+)
+def test_values_that_are_no_trace_are_refused(values: Any, problem: str) -> None:
+    with pytest.raises(Refused, match=problem):
+        rubnoise.infer(values, rate="1 kHz", speed="1 mm/s", unit="mN")
+
+
+def test_an_array_of_pint_keeps_its_unit() -> None:
+    units: Any = pint.UnitRegistry()
+    found = rubnoise.infer(units.Quantity(VALUES, "mN"), rate="1 kHz", speed="1 mm/s")
+    assert found.signal.scale == 1000.0
+    with pytest.raises(Refused, match="trace: unit: m"):
+        rubnoise.infer(units.Quantity(VALUES, "m"), rate="1 kHz", speed="1 mm/s")

@@ -1,0 +1,200 @@
+"""Keywords of `infer` and of Trace: quantities with a unit, refused in the words of Python and of the shell."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pint
+import pytest
+
+import rubnoise
+from rubnoise.api.keywords import scale_of
+from rubnoise.errors import LONGEST, Refused, ScenarioRefused, in_shell
+from tests.cli.terminal import call
+from tests.inference.traces import contact, signal
+
+UNITS = pint.UnitRegistry()
+MADE = signal(contact("fixed", 0.0, 20, 100), 3)
+GIVEN = {"rate": f"{1000.0 / MADE.tick} Hz", "speed": "1 mm/s", "unit": "uN", "zero": "known", "law": "fixed"}
+
+
+def inferred(**changed: Any) -> rubnoise.Inference:
+    return rubnoise.infer(MADE.values, **(GIVEN | changed))
+
+
+@pytest.mark.parametrize(
+    "unit", ["0 mN", "1e999 mN", "nan mN", "-1 mN", "inf N", "1.2.3 mN", "1e300 mN", "1_0 mN", ".5 mN"]
+)
+def test_a_factor_that_is_no_positive_finite_number_is_refused(unit: str) -> None:
+    for given in (unit, unit.replace("mN", "V")):
+        with pytest.raises(Refused, match=r"unit=: .*right form: unit="):
+            inferred(unit=given)
+
+
+@pytest.mark.parametrize(
+    "unit", ["parsec", "m", "Mpa", "counts", "5", "", "mN mN", 5.0, True, None, UNITS("3 m"), b"N"]
+)
+def test_a_unit_that_is_no_force_and_no_voltage_is_refused_by_name(unit: Any) -> None:
+    with pytest.raises(Refused, match="unit") as refused:
+        inferred(unit=unit)
+    assert "right form: unit=" in str(refused.value) or 'unit="mN" names it' in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("unit", "scale"),
+    [
+        ("mN", 1e3),
+        ("0.5 mN", 500.0),
+        ("5e-1mN", 500.0),
+        ("um^2", 1.0),
+        ("newton", 1e6),
+        ("kgf", 9806650.0),
+        (UNITS("2 mN"), 2e3),
+        (UNITS("3 nN"), 3e-3),
+        ("V", None),
+        ("0.1 V", None),
+        ("2mV", None),
+        (UNITS("5 V"), None),
+    ],
+)
+def test_a_unit_is_a_force_an_area_or_a_voltage(unit: Any, scale: float | None) -> None:
+    found, is_area = scale_of(unit, "unit=")
+    assert found == (None if scale is None else pytest.approx(scale, rel=1e-14))
+    assert is_area == (unit == "um^2")
+
+
+def test_quantities_of_pint_are_those_of_texts() -> None:
+    want = inferred(strength="250 MPa", mask="50 Hz")
+    rate = UNITS.Quantity(1000.0 / MADE.tick, "Hz")
+    got = inferred(
+        rate=rate, speed=UNITS("1 mm/s"), unit=UNITS("1 uN"), strength=UNITS("0.25 GPa"), mask=[UNITS("50 Hz")]
+    )
+    assert got.intervals == want.intervals
+    assert got.estimates["noise"].unit == "1 \u00b5N"
+    trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(400) / 100.0, "force (mN)": np.sin(np.arange(400.0))})
+    assert trace.psd(segment=UNITS("500 ms")).place.tolist() == trace.psd(segment="0.5 s").place.tolist()
+    assert trace.acf(longest=UNITS("200 ms")).lag.tolist() == trace.acf(longest="0.2 s").lag.tolist()
+
+
+@pytest.mark.parametrize(
+    ("keyword", "value", "problem"),
+    [
+        ("speed", 1000.0, "1000.0: a number without a unit"),
+        ("speed", np.float64(2.0), "2.0: a number without a unit"),
+        ("speed", "1000", "no unit"),
+        ("speed", UNITS("-2 mm/s"), "-2.0 millimeter / second is not above 0"),
+        ("speed", UNITS("2 mm"), "is the unit of a length"),
+        ("speed", UNITS.Quantity([1.0, 2.0], "mm/s"), "one finite number"),
+        ("speed", "1e99 m/s", "1e99 m/s is not between"),
+        ("speed", [1], "needs a number with a unit"),
+        ("rate", 20000, "a number without a unit"),
+        ("rate", "20000", "no unit"),
+        ("rate", "0 Hz", "0 Hz is not above 0"),
+        ("rate", True, "needs a number with a unit"),
+        ("strength", 250.0, "a number without a unit"),
+        ("strength", "1e300 MPa", "1e300 MPa is not between"),
+        ("mask", 50.0, "a number without a unit"),
+        ("mask", ("50 Hz", "x"), "not a number and a unit"),
+        ("mask", "50 Hz,", "not a number and a unit"),
+        ("mask", "1 MHz", "1e+06 Hz is beyond half the rate of the samples"),
+        ("zero", True, 'True is neither "known" nor "unknown"'),
+        ("zero", [], '[] is neither "known" nor "unknown"'),
+        ("law", "cauchy", "cauchy is none of"),
+        ("law", {}, "{} is none of"),
+        ("drift", "no", "no is neither True nor False"),
+        ("bootstrap", 999_999_999_999, "no whole number from 0 to 10,000"),
+        ("bootstrap", 2.5, "no whole number"),
+        ("bootstrap", -1, "no whole number"),
+        ("bootstrap", True, "no whole number"),
+        ("column", 2.5, "no whole number"),
+        ("speed", "1 " + "m" * 5000, "of more than"),
+    ],
+)
+def test_what_is_refused_is_called_by_its_keyword(keyword: str, value: Any, problem: str) -> None:
+    with pytest.raises(Refused) as refused:
+        inferred(**{keyword: value})
+    text = str(refused.value)
+    assert text.startswith(f"{keyword}=: ")
+    assert problem in text
+    assert in_shell(text).startswith(f"--{keyword}: ")
+    assert "--" not in text
+    assert "=" not in in_shell(text)
+    assert len(text) <= 400
+
+
+def test_numbers_are_for_what_has_no_unit() -> None:
+    trace = rubnoise.Trace.from_arrays({"time (s)": np.arange(400) / 100.0, "force (mN)": np.sin(np.arange(400.0))})
+    for asked in (lambda: trace.psd(segment=0.5), lambda: trace.acf(longest=0.2)):
+        with pytest.raises(Refused, match=r"(segment|longest)=: 0\.[25]: a number without a unit; right form"):
+            asked()
+    plain = rubnoise.Trace.from_arrays({"row": np.arange(400.0), "force (mN)": np.sin(np.arange(400.0))})
+    assert plain.acf(longest=20).lag[-1] == 20.0
+    with pytest.raises(Refused, match="longest=: 1 s: a number is needed"):
+        plain.acf(longest="1 s")
+
+
+def test_what_would_identify_a_number_speaks_python_and_the_shell(tmp_path: Path) -> None:
+    reasons = inferred(zero="unknown").not_identified
+    assert 'zero="known"' in reasons["junction_count"]
+    path = tmp_path / "a.csv"
+    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
+    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
+    answer = call("infer", str(path), "--law", "fixed", "--json")
+    assert (
+        '--zero known) or the strength (--strength "250 MPa")'
+        in json.loads(answer.out)["not_identified"]["junction_count"]
+    )
+    for words in (["--zero", "known", "--mask", "50 Hz"], ["--bootstrap", "999999999999"], ["--unit", "parsec"]):
+        answer = call("infer", str(path), *words)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.startswith(words[-2] + ": ")
+    noise = MADE.values + 0.5 * MADE.values.std() * np.sin(2.0 * np.arange(MADE.values.size))
+    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(noise.tolist()))
+    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
+    flagged = call("infer", str(path), "--law", "fixed", "--zero", "known", "--json")
+    assert flagged.code == 3
+    assert json.loads(flagged.out)["flags"]
+    for each in json.loads(flagged.out)["estimates"].values():
+        assert each["interval"][0] < each["value"] < each["interval"][1]
+    page = tmp_path / "page.html"
+    assert call("infer", str(path), "--law", "fixed", "--report", str(page)).code in {0, 3}
+    assert "default-src 'none'" in page.read_text(encoding="utf-8")
+
+
+def test_files_are_written_all_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.csv"
+    rows = "\n".join(f"{MADE.tick * n:.9g},{value:.9g}" for n, value in enumerate(MADE.values.tolist()))
+    path.write_text(f"distance (um),force (uN)\n{rows}\n", encoding="utf-8")
+    words = ["infer", str(path), "--law", "fixed", "--zero", "known", "--json", "-o", str(tmp_path / "a.toml")]
+    same = call(*words, "--report", str(tmp_path / "a.toml"))
+    assert (same.code, same.out) == (2, "")
+    write = Path.write_text
+
+    def full(self: Path, text: str, **options: Any) -> int:
+        if "html" in self.name:
+            raise OSError(28, os.strerror(28))
+        return write(self, text, **options)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    answer = call(*words, "--report", str(tmp_path / "a.html"))
+    assert (answer.code, answer.out) == (1, "")
+    assert "a.html: writing failed" in answer.err
+    assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_a_refusal_is_no_longer_than_a_screen() -> None:
+    for text in ("x" * 9000, "a.csv: " + "column " * 900 + "; the remedy"):
+        assert len(str(Refused(text))) <= LONGEST
+        assert str(Refused(text))[-12:] == text[-12:]
+    listed = ScenarioRefused("x" * 9000)
+    assert len(str(listed)) == 9000
+
+
+def test_names_of_files_are_no_keywords() -> None:
+    for text in ("speed=1.csv: no such file", "x/speed=2.csv", "a b=c.csv: line 3", "speed=/x.csv"):
+        assert in_shell(text) == text
+    assert in_shell('column=2, rate="10 kHz" and unit="N"; strength_spread=') == (
+        '--column 2, --rate "10 kHz" and --unit N; --strength-spread'
+    )

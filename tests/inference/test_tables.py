@@ -1,0 +1,231 @@
+"""Tables of text as laboratories write them, and as nobody should: one reader for `infer`, Trace and pictures."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.errors import Refused, in_shell
+from rubnoise.storage import text_lines
+from rubnoise.storage.measured import read_measured
+from tests.cli.terminal import call
+
+COUNT = 40
+TIMES = [f"{0.01 * n:.2f}" for n in range(COUNT)]
+FORCES = [f"{50.0 + np.sin(n):.4f}" for n in range(COUNT)]
+VALUES = [float(each) for each in FORCES]
+
+
+def rows(separator: str = ",", *, comma: bool = False) -> str:
+    text = "\n".join(f"{t}\t{f}" for t, f in zip(TIMES, FORCES, strict=True))
+    return (text.replace(".", ",") if comma else text).replace("\t", separator)
+
+
+LABVIEW = """LabVIEW Measurement\t
+Writer_Version\t2
+Separator\tTab
+Decimal_Separator\t.
+X_Columns\tOne
+Operator\tMaier
+Date\t2014/03/27
+***End_of_Header***\t
+
+Channels\t1\t
+Samples\t40\t
+Y_Unit_Label\tN\t
+X_Dimension\tTime\t
+X0\t0.0000000000000000E+0\t
+Delta_X\t0.010000\t
+***End_of_Header***\t
+X_Value\tForce\tComment
+"""
+DIN = "Pr\u00fcfung nach DIN 50324\nPr\u00fcfer;M\u00fcller\nNormalkraft;5;N\nProben\n3\n1000\n\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        (f"time (s),force (mN)\n{rows()}\n", "mN"),
+        (f"Time/s;Force/N\n{rows(';')}\n", "N"),
+        (f"Time / s;Force / mN\n{rows(';')}\n", "mN"),
+        (f"time_s,force_N\n{rows()}\n", "N"),
+        (f"Time [s]\tForce [N]\n{rows(chr(9))}\n", "N"),
+        (f"Time (Seconds),Force (Newton)\n{rows()}\n", "newton"),
+        (f"Zeit in s;Kraft in N\n{rows(';')}\n", "N"),
+        (f"Time;Force\ns;N\n{rows(';')}\n", "N"),
+        (f"Time;Force\n[s];[mN]\n{rows(';')}\n", "mN"),
+        (f"Time;Force\n(s);(mN)\n\n{rows(';')}\n", "mN"),
+        (f"Zeit (s);Kraft (N)\n{rows(';', comma=True)}\n", "N"),
+        (f"Zeit (s)\tKraft (N)\n{rows(chr(9), comma=True)}\n", "N"),
+        (f"\ufefftime (s),force (N)\n{rows()}\n", "N"),
+        (f"time (s),force (N)\n{rows()}\n".replace("\n", "\r\n"), "N"),
+        (f"time (s),force (N)\n{rows()}\n".replace("\n", "\r"), "N"),
+        (f'"time (s)","force, normal (N)"\n{rows()}\n', "N"),
+        (LABVIEW + rows("\t"), "N"),
+        (DIN + f"Zeit;Kraft\ns;N\n{rows(';', comma=True)}\n", "N"),
+        (DIN + f"Zeit [s];Kraft [N]\n{rows(';', comma=True)}\n", "N"),
+        ("time (s),force (N),\n" + rows().replace("\n", ",\n") + ",\n", "N"),
+        (f"1000\ntime (s),force (N)\n{rows()}\n", "N"),
+        (f"# of a tribometer\n\ntime (s),force (V)\n# begin\n{rows()}\n", "V"),
+    ],
+)
+def test_what_laboratories_write_is_read_the_same_by_infer_and_by_trace(tmp_path: Path, text: str, unit: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(text.encode())
+    read = read_measured(path)
+    assert (read.unit, read.along, read.step) == (unit, "time", pytest.approx(0.01, rel=1e-12))
+    assert read.values.tolist() == VALUES
+    trace = rubnoise.Trace.from_csv(path)
+    (column,) = [name for name in trace if name != trace.place]
+    factor = {"mN": 1e3, "N": 1e6, "newton": 1e6, "V": 1.0}[unit]
+    assert trace[column].tolist() == [factor * value for value in VALUES]
+    assert (trace.units[trace.place], trace.step) == ("s", pytest.approx(0.01, rel=1e-12))
+    assert trace.units[column] == ("V" if unit == "V" else "uN")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_preamble_of_numbers_is_no_data(tmp_path: Path, count: int) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("".join(f"{n}\n" for n in range(count)) + "force (N)\n" + "\n".join(FORCES), encoding="utf-8")
+    read = read_measured(path)
+    assert (read.values.tolist(), read.unit, read.place(0)) == (VALUES, "N", f"line {count + 2}")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("time (s),force (N)\nx,y\n", 2),
+        ("time (s),force (N)\n0.00,x\n", 2),
+        ("time (s),force (N)\n,\n", 2),
+        ("time (s),force (N)\n0.00\n", 2),
+        ("time (s),force (N)\n0.00,1,2\n", 2),
+        ("time (s),force (N)\nerror\n0.00,x\n", 2),
+        ("Messung\ntime (s),force (N)\ns,parsec\n", 3),
+        ("time,force\ns,N\n0.00,x\n", 3),
+        ("0.00,x\n", 1),
+        ("0.00,\n", 1),
+    ],
+)
+def test_damaged_first_rows_are_neither_preamble_nor_names(tmp_path: Path, text: str, line: int) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text + rows(), encoding="utf-8")
+    for read in (read_measured, rubnoise.Trace.from_csv):
+        with pytest.raises(Refused) as refused:
+            read(path)
+        if "no line of names" not in str(refused.value):
+            assert f"a.csv: line {line}: " in str(refused.value)
+
+
+def test_data_are_never_taken_for_names(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(rows() + "\n", encoding="utf-8")
+    with pytest.raises(Refused, match=r'has no line of names .*column=2, rate="10 kHz" and unit="N"') as refused:
+        read_measured(path)
+    assert '--column 2, --rate "10 kHz" and --unit N' in in_shell(str(refused.value))
+    read = read_measured(path, "2")
+    assert (read.values.tolist(), read.step, read.unit, read.place(0)) == (VALUES, None, "", "line 1")
+    with pytest.raises(Refused, match="has no line of names above its numbers; write one"):
+        rubnoise.Trace.from_csv(path)
+    for words, missing in (
+        (["--column", "2", "--rate", "100 Hz"], "--unit mN"),
+        (["--column", "2", "--unit", "N"], '--rate "20 kHz"'),
+    ):
+        answer = call("infer", str(path), "--speed", "1 mm/s", *words)
+        assert (answer.code, missing in answer.err) == (2, True)
+    words = ["--column", "2", "--unit", "N", "--rate", "100 Hz"]
+    assert call("infer", str(path), "--speed", "1 mm/s", *words).code == 3  # 40 samples are too few
+    path.write_text("\n".join(FORCES), encoding="utf-8")
+    assert read_measured(path).values.tolist() == VALUES
+
+
+@pytest.mark.parametrize("head", ["force (parsec)", "force [Mpa]", "force (Nm)", "force (mm^^2)"])
+def test_an_unknown_unit_is_refused_by_name(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"time (s),{head}\n{rows()}\n", encoding="utf-8")
+    unit = head[7:-1]
+    with pytest.raises(Refused, match=r"a\.csv: line 1: force .*unit") as refused:
+        rubnoise.Trace.from_csv(path)
+    assert unit in str(refused.value)
+    answer = call("infer", str(path), "--speed", "1 mm/s")
+    assert (answer.code, answer.out, unit in answer.err, "line 1: force" in answer.err) == (2, "", True, True)
+    path.write_text(f"time (parsec),force (N)\n{rows()}\n", encoding="utf-8")
+    with pytest.raises(Refused, match="parsec"):
+        read_measured(path)
+
+
+def test_times_rounded_to_three_decimals_are_read_with_a_rate(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    lines = [f"{n / 10_000:.3f},{value}" for n, value in enumerate(VALUES * 10)]
+    path.write_text("\n".join(["time (s),force (N)", *lines]), encoding="utf-8")
+    with pytest.raises(Refused, match=r'time does not grow .*rate="10 kHz"'):
+        read_measured(path)
+    assert read_measured(path, rate=10_000.0).step == pytest.approx(1e-4, rel=1e-12)
+    assert rubnoise.Trace.from_csv(path, rate="10 kHz").step == pytest.approx(1e-4, rel=1e-12)
+    with pytest.raises(Refused, match=r"rate=: .*a\.csv: by its time the rate is 9975 Hz"):
+        read_measured(path, rate=8_000.0)
+    path.write_text("\n".join(["time (s),force (N)", *lines[:200], *lines[300:]]), encoding="utf-8")
+    with pytest.raises(Refused, match=r"line 202: time grows by 0\.01\d* s where the usual step is 0\.0001"):
+        read_measured(path, rate=10_000.0)
+
+
+@pytest.mark.parametrize(
+    ("cell", "problem"),
+    [
+        ("1_000", "line 12: force: '1_000' is no number"),
+        ('"5"', "line 12: force: '\"5\"' is no number; numbers stand without quotes"),
+        ("1e300", r"line 12: force is 1e\+300; up to 1e\+60 is read"),
+        ("-1e999", "line 12: force is -inf; every sample needs a number"),
+        ("0x10", "line 12: force: '0x10' is no number"),
+        ("1+2j", "line 12: force: '1\\+2j' is no number"),
+        ("\u0663", "line 12: force: '\u0663' is no number"),
+        ("x" * 200_000, "line 12: force: 'x{40}' is no number"),
+        ("5 N", "line 12: force: '5 N' is no number"),
+    ],
+)
+def test_a_bad_cell_names_its_column_and_line(tmp_path: Path, cell: str, problem: str) -> None:
+    path = tmp_path / "a.csv"
+    lines = rows().split("\n")
+    lines[10] = f"{TIMES[10]},{cell}"
+    path.write_text("\n".join(["time (s),force (N)", *lines]), encoding="utf-8")
+    for read in (read_measured, rubnoise.Trace.from_csv):
+        with pytest.raises(Refused, match=problem) as refused:
+            read(path)
+        assert len(str(refused.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"time (s),force (N)\n" + b"1" * 10_000_000, "line 2: has more than 1,048,576 characters"),
+        (b"x" * 10_000_000, "line 1: has more than 1,048,576 characters"),
+        (b"x" * 2_000_000 + b"\ntime (s),force (N)\n0,1\n1,2\n", "line 1: has more than 1,048,576 characters"),
+        (b"time (s)," + b"f" * 200_000 + b" (parsec)\n0,1\n1,2\n2,4\n", "a name of 200,0"),
+        (b'time (s),"' + b"f" * 200_000 + b' (parsec)"\n0,1\n1,2\n2,4\n', "a name of 200,0"),
+        (bytes(1_000_000), "line 1: holds a zero byte"),
+        (b"time (s),force (N)\n0,1\n" + bytes(1_000_000), "line 3: holds a zero byte"),
+        ("time (s),force (N)\n0,1\n".encode("utf-16"), "line 1: the byte 0xff|zero byte"),
+        ("time (s),force (\u00b5N)\n0,1\n1,2\n".encode("latin-1"), "line 1: the byte 0xb5 is no text in UTF-8"),
+        (b"\n\n\n", "has 0 lines"),
+        (b"just a text\nof two lines\n", "line 1: 'just a text': no row of numbers in 2 lines"),
+        (b"\x1f\x8b\x08\x00 zipped", "the byte 0x8b|zero byte"),
+    ],
+)
+def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes, problem: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(content)
+    for read in (lambda: rubnoise.infer(path, speed="1 mm/s"), lambda: rubnoise.Trace.from_csv(path)):
+        with pytest.raises(Refused, match=problem) as refused:
+            read()
+        assert "a.csv: " in str(refused.value)
+        assert len(str(refused.value)) <= 1500
+
+
+def test_lines_keep_their_numbers_wherever_a_piece_ends(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.csv"
+    for ending in ("\n", "\r\n", "\r"):
+        path.write_bytes(f"# x\ntime (s),force (N)\n\n{rows()}".replace("\n", ending).encode())
+        for size in (7, 20, 64, 1000):
+            monkeypatch.setattr(text_lines, "_PIECE_BYTES", size)
+            found = [line for piece in text_lines.lines_of(path) for line in piece]
+            assert found == [(2, "time (s),force (N)"), *enumerate(rows().split("\n"), 4)]
