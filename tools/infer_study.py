@@ -6,7 +6,8 @@
 
 `run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints
 every cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
-colon: right:, clean:, long:, drift:, auto:, unknown:, wrong:, round trip:.
+colon: right:, clean:, long:, drift:, auto:, unknown:, wrong:, round trip:, outside:. Traces of `outside:` are those of
+right_traces.py, read as a user would; `docs` keeps what they showed in docs/right_traces.json as well.
 """
 
 from __future__ import annotations
@@ -24,13 +25,15 @@ from typing import Any, Literal
 from zlib import crc32
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parent))  # PYTHONSAFEPATH and -P leave it out
 
 import numpy as np
+from right_traces import Contact, trace
 
-from rubnoise.api.inferring import found_scenario
+from rubnoise.api.inferring import found_scenario, infer
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import LAWS
-from rubnoise.inference.inference import infer_signal
+from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.signal import Signal
 from rubnoise.model import Model, Slider
 from rubnoise.record.sink import Columns
@@ -53,7 +56,12 @@ ZEROS: tuple[Literal["known", "unknown"], ...] = ("known", "unknown")
 DRIFT = 0.02
 """Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
 
+JUDGED, SHOWN = 200, 60
+"""Traces of a case that judges, and of one that shows something."""
+CYCLES = (5, 10, 15, 20, 40)
+
 PAGE = Path(__file__).parents[1] / "docs" / "inference.md"
+DATA = PAGE.with_name("right_traces.json")
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
 
@@ -70,6 +78,37 @@ class Cell:
     zero: Literal["known", "unknown"] = "known"
     kind: str = "right"
     drift: float = 0.0
+    contact: Contact | None = None
+    options: tuple[tuple[str, str], ...] = ()
+    most: int = 10**9
+
+
+def outside() -> list[Cell]:
+    """Return the cells whose traces are made outside the package: with an option, and without it."""
+
+    def cell(name: str, contact: Contact, most: int, law: str = "fixed", **options: str) -> Cell:
+        given = tuple(options.items())
+        return Cell(name=f"outside {name}", kind="outside", contact=contact, fitted=law, options=given, most=most)
+
+    one, two = Contact(bandwidth=5), Contact(bandwidth=5, poles=2)
+    unequal, off_centre = Contact(strength_spread=0.5), Contact(off_centre=True)
+    found = [
+        cell("equal strengths, through the centre", Contact(), JUDGED),
+        cell("one pole at 5 cycles a life", one, JUDGED, "auto", bandwidth="5"),
+        cell("one pole at 5 cycles a life, not said", one, SHOWN),
+        cell("two poles at 5 cycles a life", two, SHOWN, bandwidth="5", poles="2"),
+        cell("strengths of 50 %", unequal, JUDGED, "auto", strength_spread="50 %"),
+        cell("strengths of 50 %, not said", unequal, SHOWN),
+        cell("two strokes", Contact(strokes=2, lives=225, zero=0.3), JUDGED, "auto", strokes="5 %"),
+        cell("ten strokes", Contact(strokes=10, lives=60, zero=0.3), SHOWN, strokes="5 %"),
+        cell("off the centre", off_centre, JUDGED, "auto", offset="uniform"),
+        cell("off the centre, not said", off_centre, SHOWN),
+        cell("drift of 0.3", Contact(drift=0.3), JUDGED),
+    ]
+    for cycles in CYCLES:
+        found.append(cell(f"{cycles} cycles without", Contact(bandwidth=cycles), SHOWN))
+        found.append(cell(f"{cycles} cycles with", Contact(bandwidth=cycles), SHOWN, bandwidth=f"{cycles}"))
+    return found
 
 
 def cells() -> list[Cell]:
@@ -94,7 +133,7 @@ def cells() -> list[Cell]:
         Cell(name=f"round trip {law}", law=law, fitted="auto", kind="round trip")
         for law in ("normal", "lognormal", "exponential")
     ]
-    return found
+    return found + outside()
 
 
 class Column:
@@ -189,15 +228,39 @@ def again(signal: Signal, seed: int) -> tuple[Signal, dict[str, float]]:
     return Signal(values=np.concatenate(kept.parts), tick=contact.tick, unit="uN", scale=1.0), values
 
 
+def read_outside(cell: Cell, seed: int) -> Inference:
+    """Return what `infer` says of a trace made outside the package, over time, with the options of the cell."""
+    contact = cell.contact or Contact()
+    values = trace(contact, np.random.default_rng(crc32(f"{cell.name} {seed}".encode())))
+    options: dict[str, Any] = dict(cell.options)
+    speed = 1000.0 * contact.tick
+    if "bandwidth" in options:
+        options["bandwidth"] = f"{float(options['bandwidth']) * speed / (2.0 * contact.diameter):.12f} Hz"
+    if "poles" in options:
+        options["poles"] = int(options["poles"])
+    if "strokes" not in options:
+        options["zero"] = "known"
+    return infer(values, rate="1 kHz", speed=f"{speed:.12f} um/s", unit="uN", law=cell.fitted, **options)
+
+
 def fit(job: tuple[Cell, int]) -> dict[str, Any]:
     """Make one trace and fit it; return what was found beside what is true."""
     cell, seed = job
+    if cell.contact is not None:
+        begun = time.process_time()
+        true = {"junction_count": 20.0, "diameter": 5.5, "shear_strength": 250.0}
+        return _answer(cell, seed, begun, read_outside(cell, seed), true)
     signal = wrong(cell.law, cell, seed) if cell.kind == "wrong" else right(cell, seed)
     true = truth(cell) if cell.kind != "wrong" else {}
     if cell.kind == "round trip":
         signal, true = again(signal, seed)
     begun = time.process_time()
-    found = infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0)
+    return _answer(
+        cell, seed, begun, infer_signal(signal, zero=cell.zero, law=cell.fitted, drift=cell.drift > 0.0), true
+    )
+
+
+def _answer(cell: Cell, seed: int, begun: float, found: Inference, true: dict[str, float]) -> dict[str, Any]:
     answer: dict[str, Any] = {"cell": cell.name, "seed": seed, "cpu": round(time.process_time() - begun, 4)}
     answer["refused"] = found.refused_because
     answer["flags"] = [test.name for test in found.tests if test.flagged]
@@ -240,7 +303,12 @@ def run(folder: Path, traces: int, jobs: int, only: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     done = {(row["cell"], row["seed"]) for rows in read(folder).values() for row in rows}
     chosen = [cell for cell in cells() if any(part in f"{cell.kind}: {cell.name}" for part in only.split(","))]
-    wanted = [(cell, seed) for seed in range(1, traces + 1) for cell in chosen if (cell.name, seed) not in done]
+    wanted = [
+        (cell, seed)
+        for seed in range(1, traces + 1)
+        for cell in chosen
+        if (cell.name, seed) not in done and seed <= cell.most
+    ]
     with ProcessPoolExecutor(jobs) as pool, (folder / "fits.jsonl").open("a", encoding="utf-8") as out:
         for number, row in enumerate(pool.map(fit, wanted, chunksize=4), 1):
             out.write(json.dumps(row) + "\n")
@@ -278,11 +346,11 @@ def table(folder: Path) -> None:
             score = scores(rows, name)
             text += f"{'':>20}" if score is None else f"{100 * score[0] / score[1]:9.1f} %{100 * score[2]:7.2f} %"
         print(text)
-    for kind in ("right", "clean", "drift", "auto", "unknown", "round trip"):
+    for kind in ("right", "clean", "drift", "auto", "unknown", "round trip", "outside"):
         print(f"{kind}: {pooled(found, kind)}")
     flags: dict[str, int] = {}
     for row in (row for cell in cells() if cell.kind != "wrong" for row in found.get(cell.name, [])):
-        for flag in row["flags"]:
+        for flag in row["flags"] or ():
             flags[flag] = flags.get(flag, 0) + 1
     print("flags of right traces:", flags)
 
@@ -312,11 +380,83 @@ OTHERS = {
 def document(folder: Path) -> None:
     """Write the tables of the study into docs/inference.md."""
     text, found = PAGE.read_text(encoding="utf-8"), read(folder)
-    for name, lines in (("coverage", _coverage(found)), ("others", _others(found)), ("wrong", _wrong(found))):
+    if seen := seen_outside(found):
+        DATA.write_text(json.dumps(seen, indent=1) + "\n", encoding="utf-8")
+    tables = {"coverage": _coverage(found), "others": _others(found), "wrong": _wrong(found)}
+    # What was not made again stays as it is.
+    tables = {name: lines for name, lines in tables.items() if len(lines) > _HEADS[name]}
+    if DATA.exists():
+        data = json.loads(DATA.read_text(encoding="utf-8"))
+        tables |= {"outside": outside_table(data), "bandwidth": bandwidth_table(data)}
+    for name, lines in tables.items():
         begin, end = f"<!-- study: {name} -->\n", "<!-- end -->"
         before, _, rest = text.partition(begin)
         text = before + begin + "\n".join(lines) + "\n" + end + rest.partition(end)[2]
     PAGE.write_text(text, encoding="utf-8")
+
+
+_HEADS = {"coverage": 5, "others": 2, "wrong": 2}
+
+
+def seen_outside(found: dict[str, list[dict[str, Any]]]) -> dict[str, Any]:
+    """Return of each case made outside how many intervals held the truth, of how many, and the median error."""
+    seen: dict[str, Any] = {}
+    for cell in outside():
+        rows = found.get(cell.name, [])
+        if rows:
+            held = {name: score for name in QUANTITIES if (score := scores(rows, name)) is not None}
+            # Tests may have been made of fewer traces than intervals.
+            tested = [row for row in rows if row["flags"] is not None]
+            warned = sum(bool(row["flags"] or row["refused"]) or _holds(row, "junction_count") for row in tested)
+            seen[cell.name.removeprefix("outside ")] = {
+                "law": cell.fitted,
+                "traces": len(rows),
+                "tested": len(tested),
+                "flagged_or_refused": stopped(tested),
+                "flagged_or_number_held": warned,
+                "held": {name: {"held": a, "of": b, "median_error": round(c, 5)} for name, (a, b, c) in held.items()},
+            }
+    return seen
+
+
+def _holds(row: dict[str, Any], name: str) -> bool:
+    low, high = row["estimates"].get(name, [0.0, 0.0, 0.0, 0.0])[2:]
+    return bool(low <= row["true"][name] <= high)
+
+
+def _held(case: dict[str, Any], name: str) -> str:
+    each = case["held"].get(name)
+    return "" if each is None else f"{each['held']} of {each['of']}, {100.0 * each['median_error']:.1f} %"
+
+
+def outside_table(data: dict[str, Any]) -> list[str]:
+    """Return the table of traces made outside the package."""
+    heads = ["trace", "law", "option", "N", "diameter", "strength", "flagged or refused"]
+    lines = [_row(*heads), "|---" * len(heads) + "|"]
+    for cell in outside():
+        case = data.get(cell.name.removeprefix("outside "))
+        if case is None or cell.name.split()[2:3] == ["cycles"]:
+            continue
+        option = " ".join(f"--{key.replace('_', '-')} {_SAID.get(key, value)}" for key, value in cell.options)
+        shown = [_held(case, name) for name in ("junction_count", "diameter", "shear_strength")]
+        name = cell.name.removeprefix("outside ").removesuffix(", not said")
+        stops = f"{case['flagged_or_refused']} of {case['tested']}"
+        lines.append(_row(name, cell.fitted, f"`{option}`" if option else "", *shown, stops))
+    return lines
+
+
+_SAID = {"bandwidth": "F", "strength_spread": '"50 %"', "strokes": '"5 %"'}
+
+
+def bandwidth_table(data: dict[str, Any]) -> list[str]:
+    """Return the table of one pole at some cycles a life, with and without its corner given."""
+    lines = ["| cycles a life | N without | strength without | N with | strength with |", "|---|---|---|---|---|"]
+    for cycles in CYCLES:
+        pair = [data[name] for which in ("without", "with") if (name := f"{cycles} cycles {which}") in data]
+        if len(pair) == len(("without", "with")):
+            shown = [_held(case, name) for case in pair for name in ("junction_count", "shear_strength")]
+            lines.append(_row(str(cycles), *shown))
+    return lines
 
 
 def _cell_scores(rows: list[dict[str, Any]]) -> str:

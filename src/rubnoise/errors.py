@@ -107,7 +107,7 @@ def resume_hint(part: str) -> str:
 
 _CALL: Final = re.compile(r"\brubnoise\.([a-z]+)\(\.\.\., ([^()]*)\)")
 _KEYWORD: Final = re.compile(
-    r"""(?<![\w.=/\\'"-])([a-z]+(?:_[a-z]+)*)=      # speed=, and no part of the name of a file
+    r"""(?<![\w.=/\\'"-])([a-z]+(?:_[a-z]+)*_?)=     # speed=, and no part of the name of a file
     (?:"([^"\n]*)"|(True|\d+(?![^\s;,)])|(?![^\s:;,)])))  # with a text, with a number, or alone""",
     re.VERBOSE,
 )
@@ -123,7 +123,7 @@ def in_shell(text: str) -> str:
 
 def _option(found: re.Match[str]) -> str:
     name, words, number = found.groups()
-    option = f"--{name.replace('_', '-')}"
+    option = f"--{name.rstrip('_').replace('_', '-')}"
     if words is not None:
         return f"{option} {words}" if re.fullmatch(r"[\w./]+", words) else f'{option} "{words}"'
     return option if number in ("", "True") else f"{option} {number}"

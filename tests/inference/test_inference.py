@@ -4,19 +4,21 @@ import re
 import tracemalloc
 from dataclasses import replace
 from statistics import NormalDist
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 
 from rubnoise.contact.laws import LAWS
-from rubnoise.contact.pulses import LENS
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.estimates import Estimate, reach_beyond, widened
 from rubnoise.inference.fitting import Place, Problem, climb, starts, whittle
 from rubnoise.inference.honesty import steadiness_test, third_cumulant, third_test
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
 from rubnoise.inference.populations import POPULATIONS, energy_table, life_energy, mean_life_energy
+from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal, strokes
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from rubnoise.theory.pulse_energy import mean_energy
@@ -55,14 +57,15 @@ def test_moments_are_those_of_the_laws(name: str, shape: float) -> None:
     )
 
 
+@pytest.mark.parametrize("pulse", [LENS, OFF_CENTRE_LENS])
 @pytest.mark.parametrize(("name", "shape"), [*SHAPES.items(), *WIDE.items()])
-def test_energies_are_those_of_theory(name: str, shape: float) -> None:
+def test_energies_are_those_of_theory(name: str, shape: float, pulse: Pulse) -> None:
     z = np.geomspace(2e-3, 200.0, 60)
-    exact = mean_energy(POPULATIONS[name].law(1.0, shape), LENS, z)
-    energy = energy_table(name, shape).at(z)[0]
+    exact = mean_energy(POPULATIONS[name].law(1.0, shape), pulse, z)
+    energy = energy_table(name, shape, pulse).at(z)[0]
     assert energy == pytest.approx(exact, rel=1e-5)
     other = {"fixed": "normal", "exponential": "gamma"}.get(name, name)
-    assert energy_table(other, 1.05 * shape or 0.05).at(z)[0] != pytest.approx(exact, rel=1e-3)
+    assert energy_table(other, 1.05 * shape or 0.05, pulse).at(z)[0] != pytest.approx(exact, rel=1e-3)
 
 
 def test_bands_are_expected_as_an_estimate_sees_them() -> None:
@@ -82,10 +85,17 @@ def test_bands_are_expected_as_an_estimate_sees_them() -> None:
     assert plain * diameter**6 * rate * model.tick**4 != pytest.approx(mean[-1], rel=0.1), "aliases count at the end"
 
 
-@pytest.mark.parametrize("name", ["normal", "lognormal", "gamma", "exponential", "fixed"])
-def test_derivatives_are_those_of_the_expectation(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        *[(name, {}) for name in ("normal", "lognormal", "gamma", "exponential", "fixed")],
+        ("normal", {"pulse": OFF_CENTRE_LENS}),
+        ("normal", {"sensor": Sensor(corner=0.5)}),
+    ],
+)
+def test_derivatives_are_those_of_the_expectation(name: str, options: dict[str, Any]) -> None:
     bands = banded(np.random.default_rng(1).standard_normal(6400), 32.0)
-    problem = Problem(bands, POPULATIONS[name], drift=True)
+    problem = Problem(bands, POPULATIONS[name], drift=True, **options)
     place = Place(rate=1e-9, diameter=30.0, shape=SHAPES[name], noise=3e-3, drift=1e-6)
     at = problem.expected(place)
     for column, parameter in enumerate(at.names):

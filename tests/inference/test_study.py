@@ -43,6 +43,7 @@ def test_the_tables_of_the_page_are_written_in_place(
     parts = "".join(f"<!-- study: {name} -->\nold\n<!-- end -->\nkept\n" for name in ("coverage", "others", "wrong"))
     page.write_text(f"before\n{parts}after\n", encoding="utf-8")
     monkeypatch.setattr(infer_study, "PAGE", page)
+    monkeypatch.setattr(infer_study, "DATA", tmp_path / "right_traces.json")
     for _ in range(2):
         infer_study.document(tmp_path)
         text = page.read_text(encoding="utf-8")
@@ -70,7 +71,43 @@ def test_a_study_resumes_where_it_stopped(tmp_path: Path, monkeypatch: pytest.Mo
     assert sorted(made) == [("drift lognormal", 1), ("drift normal", 1), ("long normal", 1), ("long normal", 2)]
 
 
-@pytest.mark.parametrize("name", ["normal 5", "clean fixed", "drift normal", "wrong sine (zero unknown)"])
+def test_traces_made_outside_are_kept_as_data_and_drawn_from_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = ["outside two strokes", *(f"outside 5 cycles {which}" for which in ("without", "with"))]
+    rows = [fit_of(name, seed, value) for name in names for seed, value in ((1, 21.0), (2, 25.0))]
+    (tmp_path / "fits.jsonl").write_text("\n".join(json.dumps(row) for row in rows), encoding="utf-8")
+    page = tmp_path / "page.md"
+    page.write_text("".join(f"<!-- study: {name} -->\n<!-- end -->\n" for name in ("outside", "bandwidth")))
+    monkeypatch.setattr(infer_study, "PAGE", page)
+    monkeypatch.setattr(infer_study, "DATA", tmp_path / "right_traces.json")
+    infer_study.document(tmp_path)
+    data = json.loads(infer_study.DATA.read_text(encoding="utf-8"))
+    assert data["two strokes"]["held"]["junction_count"] == {"held": 1, "of": 2, "median_error": 0.15}
+    assert data["two strokes"]["flagged_or_number_held"] == 1
+    text = page.read_text(encoding="utf-8")
+    assert '| two strokes | auto | `--strokes "5 %"` | 1 of 2, 15.0 % | | | 0 of 2 |' in text
+    assert "| 5 | 1 of 2, 15.0 % | | 1 of 2, 15.0 % | |" in text
+
+
+def test_the_page_shows_the_data() -> None:
+    text = infer_study.PAGE.read_text(encoding="utf-8")
+    data = json.loads(infer_study.DATA.read_text(encoding="utf-8"))
+    for line in (*infer_study.outside_table(data), *infer_study.bandwidth_table(data)):
+        assert line in text
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "normal 5",
+        "outside two poles at 5 cycles a life",
+        "outside two strokes",
+        "clean fixed",
+        "drift normal",
+        "wrong sine (zero unknown)",
+    ],
+)
 def test_a_cell_is_made_and_fitted(name: str) -> None:
     cell = next(each for each in infer_study.cells() if each.name == name)
     row = infer_study.fit((cell, 1))

@@ -20,20 +20,20 @@ MUTANTS = (
     one(
         "a slope by size without its sixth power",
         "test_derivatives_are_those_of_the_expectation",
-        "(by_log_diameter - 4.0 * tail) + 6.0 * mean",
-        "(by_log_diameter - 4.0 * tail) + 5.0 * mean",
+        "(by_log_diameter - table.power * tail) + 6.0 * mean",
+        "(by_log_diameter - table.power * tail) + 5.0 * mean",
     ),
     one(
         "a mean that grows with the square of the diameter",
         "test_number_size_spread_and_strength_lie_where_they_are",
-        "contact.strength * FIRST * third * contact.place.diameter**3",
-        "contact.strength * FIRST * third * contact.place.diameter**2",
+        "contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**3",
+        "contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**2",
     ),
     one(
         "half the junctions",
         "test_number_size_spread_and_strength_lie_where_they_are",
-        "_positive(2.0 * contact.births * place.diameter,",
-        "_positive(1.0 * contact.births * place.diameter,",
+        "fit.problem.pulse.mean_life * contact.births * place.diameter,",
+        "0.5 * fit.problem.pulse.mean_life * contact.births * place.diameter,",
     ),
     one(
         "clipped sensors taken for good",

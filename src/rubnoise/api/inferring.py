@@ -2,15 +2,18 @@
 
 import os
 from dataclasses import replace
+from math import sqrt
 from typing import Any, Final, Literal
 
 import numpy as np
 
 from rubnoise.api import keywords
+from rubnoise.api.infer_options import bandwidth_of, cut, pulse_of, strength_spread_of
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
 from rubnoise.inference.inference import Inference, infer_signal
@@ -37,9 +40,17 @@ def infer(
     rate: Any = None,
     zero: Literal["known", "unknown"] = "unknown",
     strength: Any = None,
+    strength_spread: Any = None,
+    pulse: str = "lens",
+    offset: str = "none",
+    bandwidth: Any = None,
+    poles: int = 1,
     law: str = "auto",
     mask: Any = (),
     drift: bool = False,
+    from_: Any = None,
+    to: Any = None,
+    strokes: Any = None,
     bootstrap: int = 0,
 ) -> Inference:
     """Return number, size, spread and strength of the junctions behind a friction trace, with 95 % intervals.
@@ -48,11 +59,16 @@ def infer(
     object with ``columns``, ``units``, ``place`` and ``step``. Quantities are texts with a unit, or quantities of pint.
     ``speed``, such as "1 mm/s", turns time into sliding distance. ``rate``, such as "20 kHz", is how often an array was
     sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
-    known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" where 0 means no force. ``mask`` names
-    frequencies that are left out, such as "50 Hz"; ``drift`` fits a random walk as well. ``bootstrap`` traces are
-    simulated from what was found, and ``Inference.bootstrap`` holds how the estimates scatter. Raises Refused for bad
-    input, and for a quantity without a unit. What statistics refuse stands in ``refused_because``, what speaks against
-    the model in ``flags``. Source: docs/inference.md.
+    known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" where 0 means no force.
+    ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
+    ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
+    of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
+    walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
+    ``strokes``, such as "10 %", cuts at reversals, leaves out so much of each stroke at either end, and fits the
+    strokes together. ``bootstrap`` traces are simulated from what was found, and ``Inference.bootstrap`` holds how the
+    estimates scatter. ``assumptions`` of the answer say what was taken for granted.
+    Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
+    ``refused_because``, what speaks against the model in ``flags``. Source: docs/inference.md.
     """
     keywords.choice("zero", zero, ("known", "unknown"))
     keywords.choice("law", law, ("auto", *SIZES))
@@ -65,6 +81,8 @@ def infer(
     measured = _measured(trace, column, often)
     signal = _signal(measured, velocity, unit, often)
     _check_sensor(measured, zero)
+    step = signal.tick / velocity if velocity is not None and measured.along == "time" else signal.tick
+    signal = cut(signal, from_, to, strokes, step=step, along=measured.along)
     if strength is not None and signal.scale is None:
         raise Refused(
             f'strength=: the trace is in {signal.unit}, which is no force; unit= takes one, such as unit="mN"'
@@ -72,12 +90,17 @@ def infer(
     if strength is not None and signal.is_area:
         raise Refused("strength=: a trace of area has no strengths")
     masked = _masked(left_out, velocity, measured.along, signal.tick)
-    found = infer_signal(signal, zero=zero, strength=psi, law=law, masked=masked, drift=drift)
+    assumed = Assumed(
+        strength_spread=strength_spread_of(strength_spread, signal, both_known=zero == "known" and psi is not None),
+        pulse=pulse_of(pulse, offset),
+        bandwidth=bandwidth_of(bandwidth, poles, velocity, measured.along),
+        poles=poles,
+    )
+    asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
+    found = infer_signal(signal, law=law, **asked)
     if not bootstrap or found.refused_because is not None:
         return found
-    return replace(
-        found, bootstrap=_bootstrapped(found, bootstrap, zero=zero, strength=psi, masked=masked, drift=drift)
-    )
+    return replace(found, bootstrap=_bootstrapped(found, bootstrap, asked))
 
 
 def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measured:
@@ -202,22 +225,12 @@ class _Trace:
             self.values[first_row : first_row + columns[self.name].size] = columns[self.name]
 
 
-def _bootstrapped(
-    found: Inference,
-    count: int,
-    *,
-    zero: Any,
-    strength: float | None,
-    masked: tuple[tuple[float, float], ...],
-    drift: bool,
-) -> dict[str, Estimate]:
+def _bootstrapped(found: Inference, count: int, asked: dict[str, Any]) -> dict[str, Estimate]:
     """Return mean, standard deviation and middle 95 % of the estimates of traces simulated from those found."""
     samples: dict[str, list[float]] = {}
     for seed in range(1, count + 1):
         again = replace(found.signal, values=_simulated(found, seed))
-        refit = infer_signal(
-            again, zero=zero, strength=strength, law=found.law, masked=masked, drift=drift, tests=False
-        )
+        refit = infer_signal(again, law=found.law, tests=False, **asked)
         for name, each in refit.estimates.items():
             samples.setdefault(name, []).append(each.value)
     return {
@@ -239,26 +252,28 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         raise Refused("nothing was found that could be simulated")
     contact, tick, rows = fit.contact, signal.tick, signal.values.size
     diameter = contact.place.diameter * tick
+    spread = sqrt(max(contact.inequality - 1.0, 0.0))
     model = Model(
         mean_real_contact_area=1.0,
-        mean_junction_count=2.0 * contact.births * contact.place.diameter,
+        mean_junction_count=fit.problem.pulse.mean_life * contact.births * contact.place.diameter,
         calibration="exact",
         calibrated_diameter=diameter,
         sizes=fit.problem.population.law(diameter, contact.place.shape),
         births=PoissonBirths(mean_spacing=tick / contact.births),
-        strengths=None,
+        strengths=LAWS["lognormal"].make(1.0, spread, {}) if spread else LAWS["fixed"].make(1.0, 0.0, {}),
         sliding_speed=None,
         distance=tick * (rows - 1),
         start="stationary",
         slider=None,
         tick=tick,
         tick_count=rows - 1,
+        pulse=fit.problem.pulse,
     )
-    sink = _Trace("real_contact_area", rows)
+    sink = _Trace("friction_force", rows)
     simulate(model, seed, sink, engine="batch")
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)
-    return scale * (contact.strength / tick**2 * sink.values + noise)
+    return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
 
 
 def found_scenario(found: Inference, *, speed: Any = None, strength: Any = None) -> str:
@@ -295,7 +310,8 @@ def found_scenario(found: Inference, *, speed: Any = None, strength: Any = None)
         f'law = "{law}"',
         *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
         "",
-        *(["[strength]", f'mean = "{psi:.6g} MPa"', ""] if psi is not None else []),
+        *(["[strength]", f'mean = "{psi:.6g} MPa"', *_unequal(fit.contact.inequality), ""] if psi is not None else []),
+        *(["[pulse]", f'offset = "{offset}"', ""] if (offset := fit.problem.pulse.offset) != "none" else []),
         "[sliding]",
         *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
         f'distance = "{signal.tick * signal.values.size:.6g} um"',
@@ -308,3 +324,9 @@ def found_scenario(found: Inference, *, speed: Any = None, strength: Any = None)
         "",
     ]
     return "\n".join(lines)
+
+
+def _unequal(inequality: float) -> list[str]:
+    """Return the lines of a scenario for strengths that are not equal, E[psi^2] / E[psi]^2 > 1."""
+    spread = sqrt(max(inequality - 1.0, 0.0))
+    return ['law = "lognormal"', f'spread = "{100.0 * spread:.6g} %"'] if spread else []

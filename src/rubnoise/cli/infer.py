@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import asdict
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -14,7 +15,7 @@ from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
-    from rubnoise.inference.inference import Inference
+    from rubnoise.inference.inference import Inference, OtherOffset
 
 NAMES = (
     "junction_count",
@@ -32,6 +33,19 @@ class Zero(StrEnum):
 
     KNOWN = "known"
     UNKNOWN = "unknown"
+
+
+class Shape(StrEnum):
+    """Lives that can be read."""
+
+    LENS = "lens"
+
+
+class Offset(StrEnum):
+    """How far passes miss the centre line."""
+
+    NONE = "none"
+    UNIFORM = "uniform"
 
 
 class LawChoice(StrEnum):
@@ -79,6 +93,19 @@ def command(
         str | None,
         typer.Option(help='Shear strength, where it is known: "250 MPa".', metavar="PSI", show_default=False),
     ] = None,
+    strength_spread: Annotated[
+        str | None,
+        typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
+    ] = None,
+    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens.", metavar="SHAPE")] = Shape.LENS,
+    offset: Annotated[
+        Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
+    ] = Offset.NONE,
+    bandwidth: Annotated[
+        str | None,
+        typer.Option(help='Corner of the sensor\'s filter: "200 Hz".', metavar="F", show_default=False),
+    ] = None,
+    poles: Annotated[int, typer.Option(help="Poles of this filter.", metavar="P", min=1, max=2)] = 1,
     law: Annotated[
         LawChoice,
         typer.Option(help="Law of sizes: auto, fixed, normal, lognormal, exponential, gamma.", metavar="LAW"),
@@ -88,6 +115,19 @@ def command(
         typer.Option(help='A frequency to leave out: "50 Hz". May be repeated.', metavar="F", show_default=False),
     ] = None,
     drift: Annotated[bool, typer.Option("--drift", help="Fit a random walk of the sensor as well.")] = False,
+    from_: Annotated[
+        str | None,
+        typer.Option("--from", help='First sample, from 1 on, or a time: "2 s".', metavar="A", show_default=False),
+    ] = None,
+    to: Annotated[
+        str | None, typer.Option(help='Last sample, or a time: "30 s".', metavar="B", show_default=False)
+    ] = None,
+    strokes: Annotated[
+        str | None,
+        typer.Option(
+            help='Cut at reversals, leave out so much of each end: "10 %".', metavar="PART", show_default=False
+        ),
+    ] = None,
     bootstrap: Annotated[
         int, typer.Option(help="Simulate so many traces of what was found, to check its errors.", metavar="N", min=0)
     ] = 0,
@@ -124,9 +164,17 @@ def command(
         rate=rate,
         zero=zero.value,
         strength=strength,
+        strength_spread=strength_spread,
+        pulse=pulse.value,
+        offset=offset.value,
+        bandwidth=bandwidth,
+        poles=poles,
         law=law.value,
         mask=tuple(mask or ()),
         drift=drift,
+        from_=from_,
+        to=to,
+        strokes=strokes,
         bootstrap=bootstrap,
     )
     texts: dict[Path, str] = {}
@@ -170,8 +218,19 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
             for each in found.tests
         },
         "law_free": dict(found.law_free),
+        "left_out": list(found.signal.left_out),
+        "assumptions": list(found.assumptions),
+        **_other(found),
+        "by_strength_spread": [asdict(each) for each in found.by_strength_spread],
         "bootstrap": {name: _as_json(each) for name, each in found.bootstrap.items()},
     }
+
+
+def _other(found: "Inference") -> dict[str, Any]:
+    other = found.other_offset
+    if other is None:
+        return {}
+    return {"other_offset": {"offset": other.offset, "worse_by": other.worse_by, "worse_by_error": other.error}}
 
 
 def _as_json(estimate: "Estimate") -> dict[str, Any]:
@@ -196,9 +255,7 @@ _LABELS = {
 
 def described(found: "Inference", trace: str) -> Iterator[str]:
     """Yield what was found, line by line."""
-    signal = found.signal
-    length = signal.tick * signal.values.size
-    yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
+    yield from _heading(found, trace)
     if found.refused_because is not None:
         yield remark(f"refused: {found.refused_because}")
         return
@@ -212,6 +269,7 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
         yield remark("Intervals hold 95 % whichever of these laws is right.")
     for name, reason in found.not_identified.items():
         yield remark(f"{_LABELS[name]}: not identified: {in_shell(reason)}")
+    yield from _granted(found)
     yield "without a law"
     yield line("diameter m6/m5", f"{found.law_free['effective_diameter']:.4g} um")
     if "effective_count" in found.law_free:
@@ -223,6 +281,35 @@ def described(found: "Inference", trace: str) -> Iterator[str]:
     yield "tests of the trace"
     for test in found.tests:
         yield remark(f"{'FLAGGED: ' if test.flagged else ''}{in_shell(test.words)} (p = {test.p:.2g})")
+
+
+def _heading(found: "Inference", trace: str) -> Iterator[str]:
+    """Yield how long the trace is, and what of it was left out."""
+    signal = found.signal
+    length = signal.tick * signal.values.size
+    yield f"{printable(trace)}: {signal.values.size:,} samples over {length:.4g} um of sliding"
+    for words in signal.left_out:
+        yield remark(words)
+
+
+def _granted(found: "Inference") -> Iterator[str]:
+    """Yield what was taken for granted, and how number and strength move with it."""
+    if found.assumptions:
+        yield "taken for granted"
+    for words in found.assumptions:
+        yield remark(in_shell(words))
+    if found.other_offset is not None:
+        yield remark(_compared(found.other_offset))
+    for each in found.by_strength_spread:
+        strength = "" if each.shear_strength is None else f" of {each.shear_strength:.4g} MPa"
+        numbers = f"{each.junction_count:.4g} junctions{strength}"
+        yield line(f"strengths spread by {100.0 * each.strength_spread:.0f} %", numbers)
+
+
+def _compared(other: "OtherOffset") -> str:
+    passes = "passes off the centre (--offset uniform)" if other.offset == "uniform" else "passes through the centre"
+    which = "worse" if other.worse_by >= 0.0 else "better"
+    return f"{passes} fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion"
 
 
 def _value(estimate: "Estimate") -> str:

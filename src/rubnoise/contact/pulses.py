@@ -25,6 +25,10 @@ class Pulse(Protocol):
     A(s; d) = d^2 a(s/d), so that the integral of A^n over a life is c_n d^(2n+1).
     """
 
+    def __hash__(self) -> int:
+        """Pulses of equal parameters are one: tables are kept by pulse."""
+        ...
+
     @property
     def shape(self) -> Shape:
         """The name of the shape in a scenario."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import erf, exp, log, sqrt
 from typing import Final
 
-from rubnoise.inference.scoring import FIRST, Fit
+from rubnoise.inference.scoring import Fit
 from rubnoise.inference.signal import Signal
 
 Z: Final = 1.959963984540054
@@ -38,9 +38,11 @@ def estimates_of(fit: Fit, signal: Signal, scale: float, *, compared: bool) -> d
     free = fit.known.free
     if free != ("strength",):
         powers = {"births": 1.0, "diameter": 1.0}
-        found["junction_count"] = _positive(2.0 * contact.births * place.diameter, fit.error(powers), "1")
+        found["junction_count"] = _positive(
+            fit.problem.pulse.mean_life * contact.births * place.diameter, fit.error(powers), "1"
+        )
     if "births" in free:
-        area = contact.births * FIRST * fit.moment(3) * place.diameter**3 * tick**2
+        area = contact.births * fit.problem.pulse.life_integral(1) * fit.moment(3) * place.diameter**3 * tick**2
         powers = {"births": 1.0, "diameter": 3.0, "shape": fit.by_shape(3)}
         found["mean_real_contact_area"] = _positive(area, fit.error(powers), "um^2")
     if signal.scale is not None and "strength" in free and "births" in free and not signal.is_area:

@@ -12,8 +12,10 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.periodogram import Bands, Expectation
 from rubnoise.inference.populations import EnergyTable, Population, energy_table
+from rubnoise.inference.sensor import OPEN, Sensor
 
 FLOOR: Final = 1e-13
 """Noise below this part of the largest band counts as none."""
@@ -55,19 +57,23 @@ class Expected:
 
 
 class Problem:
-    """Bands and a population whose parameters are wanted."""
+    """Bands and a population whose parameters are wanted, with the pulse of a life and the filter of the sensor."""
 
-    def __init__(self, bands: Bands, population: Population, *, drift: bool) -> None:
+    def __init__(
+        self, bands: Bands, population: Population, *, drift: bool, pulse: Pulse = LENS, sensor: Sensor = OPEN
+    ) -> None:
         """Keep what does not change from step to step."""
         self.bands = bands
         self.population = population
-        self.expectation = Expectation(bands)
+        self.pulse = pulse
+        self.sensor = sensor
+        self.expectation = Expectation(bands, pulse, sensor)
         self.floor = FLOOR * float(bands.energy.max())
         self.walk = self.expectation.drift() if drift else None
 
     def table(self, place: Place) -> EnergyTable:
         """Return the energies of the population at a place."""
-        return energy_table(self.population.name, place.shape)
+        return energy_table(self.population.name, place.shape, self.pulse)
 
     def expected(self, place: Place) -> Expected:
         """Return what is expected of each band at a place; what lies at a bound is not among the derivatives."""
@@ -86,6 +92,11 @@ class Problem:
                 names.append("drift")
                 by.append(place.drift * self.walk)
         return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names), signal=energy)
+
+    def longest_waves(self, place: Place) -> float:
+        """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""
+        sixth = self.population.moment(6, place.shape) * place.diameter**6
+        return place.rate * self.pulse.squared_integral * sixth + place.noise
 
     def is_widest(self, place: Place) -> bool:
         """Return whether the shape is at its upper bound: a step beyond would move the others alone, and wrongly."""
@@ -182,7 +193,9 @@ def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
         typical = (moments(8, shape) / moments(6, shape)) ** 0.5
         for factor in (0.7, 1.3):
             size = factor * diameter / typical
-            energy = problem.expectation.population(energy_table(problem.population.name, shape), size)[0]
+            energy = problem.expectation.population(energy_table(problem.population.name, shape, problem.pulse), size)[
+                0
+            ]
             level = float(np.sum(weights * low) / np.sum(weights * energy[: low.size]))
             drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
             found.append(Place(rate=level, diameter=size, shape=shape, noise=noise, drift=drift))

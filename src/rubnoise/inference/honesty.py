@@ -1,7 +1,7 @@
 """Tests that a trace is what the model says, each with a rate of false alarms that adds up to less than 5 %.
 
-Spectrum, time reversal, largest line, third cumulant and steadiness of the mean: where one speaks, the numbers found
-are those of a model that the trace does not follow.
+Spectrum, time reversal, largest line, third cumulant, steadiness of the mean and drift: where one speaks, the numbers
+found are those of a model that the trace does not follow.
 """
 
 from dataclasses import dataclass
@@ -11,9 +11,10 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LENS
+from rubnoise.inference.passes import first_integrals, life_integrals, offsets, passed
 from rubnoise.inference.periodogram import Bands, masked_bins
-from rubnoise.inference.scoring import FIRST, Fit
+from rubnoise.inference.scoring import RAMP_VARIANCE, Fit
+from rubnoise.inference.signal import ramp_of
 
 _GROUPS = 14
 _LIGHTEST_GROUP = 16.0  # bands' worth: a group of fewer is too skew even for its cube root
@@ -31,6 +32,7 @@ REVERSAL: Final = 0.006
 LINE: Final = 0.005
 THIRD: Final = 0.004
 STEADY: Final = 0.004
+DRIFT: Final = 0.01
 """Probabilities below which a test speaks; of a right trace one of them does in less than 5 %."""
 
 
@@ -57,10 +59,17 @@ def honesty_tests(values: Doubles, level: Doubles | float, fit: Fit, *, zero_kno
     """Return the tests of a trace against a fit; ``level`` is its mean, or where it drifts its course."""
     return (
         spectrum_test(fit),
-        reversal_test(values, level, fit.contact.place.diameter),
+        reversal_test(fit.problem.sensor.mirrored(values), level, fit.contact.place.diameter),
         line_test(fit),
-        third_test(third_cumulant(values, level), values.size, fit, zero_known=zero_known),
+        third_test(
+            third_cumulant(values, level),
+            values.size,
+            fit,
+            zero_known=zero_known,
+            scatter=0.0 if isinstance(level, np.ndarray) else third_scatter(values, level, fit),
+        ),
         steadiness_test(values, fit),
+        drift_test(values, fit),
     )
 
 
@@ -110,6 +119,8 @@ def spectrum_test(fit: Fit) -> HonestyTest:
     worst = int(np.argmax(np.abs(value / scale)))
     words = f"the spectrum in {value.size} log bands: chi-square {statistic:.1f} on {freedom}"
     words += f", furthest off by {100.0 * value[worst]:+.0f} % in band {worst + 1}"
+    if p < SPECTRUM:
+        words += "; the trace may hold no junctions, or others than assumed"
     return HonestyTest(name="spectrum", statistic=statistic, p=p, level=SPECTRUM, words=words)
 
 
@@ -197,27 +208,61 @@ def line_test(fit: Fit) -> HonestyTest:
     return HonestyTest(name="line", statistic=float(over[place]), p=p, level=LINE, words=words)
 
 
-def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> HonestyTest:
+def _leans_on(fit: Fit) -> tuple[float, float]:
+    """Return the powers of B = lam E[psi^2] and A = lam E[psi] that the third cumulant of a fitted contact goes with.
+
+    B^2 (1 + v)/A with a known mean, B psi (1 + v)^2 with a known strength, and B^3/(A^2 psi) where both tell v.
+    """
+    if fit.known.mean is None:
+        return 1.0, 0.0
+    return (2.0, -1.0) if fit.known.strength is None else (3.0, -2.0)
+
+
+def third_scatter(values: Doubles, mean: float, fit: Fit) -> float:
+    """Return the standard error of the third cumulant beside what mean and variance lead to expect, over blocks.
+
+    A large junction raises all three, so that their ratio scatters by half as much: to first order as the mean of
+    y^3 - 3 R(0) y - K3 (b y^2/R(0) + a y/mean), for b and a of `_leans_on`.
+    """
+    b, a = _leans_on(fit)
+    variance, third = max(1.0 - fit.contact.place.noise, 1e-12), third_cumulant(values, mean)
+    length = values.size // _BLOCKS
+    blocks = np.empty(_BLOCKS)
+    for number in range(_BLOCKS):
+        y = values[number * length : (number + 1) * length] - mean
+        second = y * y
+        blocks[number] = np.mean(second * y) - 3.0 * np.mean(y) - b * third / variance * np.mean(second)
+        if a:
+            blocks[number] -= a * third / mean * np.mean(y)
+    return float(blocks.std(ddof=1)) / sqrt(_BLOCKS)
+
+
+def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool, scatter: float = 0.0) -> HonestyTest:
     """Return the test of the third cumulant against that of the fitted contact, lam E[psi^3] c_3 E[d^7].
 
     Where neither mean nor strength is known, and where the trace drifts (so that it is taken about its course and lacks
-    some of it), only its sign can be tested. Its error over ``n`` samples has a Gaussian part, 6 int R^3,
-    and one of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand.
+    some of it), only its sign can be tested. Its error over ``n`` samples then has a Gaussian part, 6 int R^3, and one
+    of single junctions, lam psi^6 E[(c_3 d^7 - 3 R(0) c_1 d^3)^2]; both are added as they stand. Otherwise it is
+    ``scatter``, or what single junctions bring where that is more: a record may lack the largest of them.
     """
+    from scipy.special import stdtr
+
     from rubnoise.inference.populations import shot_sizes
 
     contact, place = fit.contact, fit.contact.place
-    psi = contact.strength
-    expected = (
-        contact.births * psi**3 * contact.inequality**3 * LENS.life_integral(3) * fit.moment(7) * place.diameter**7
-    )
+    psi, pulse, sensor = contact.strength, fit.problem.pulse, fit.problem.sensor
     sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
     d = place.diameter * sizes
-    variance = place.rate * LENS.life_integral(2) * fit.moment(5) * place.diameter**5
-    alone = psi**3 * LENS.life_integral(3) * d**7 - 3.0 * variance * psi * FIRST * d**3
+    second_passed, third_passed = passed(pulse, sensor, d, probability)
+    expected = contact.births * psi**3 * contact.inequality**3 * pulse.life_integral(3) * fit.moment(7)
+    expected *= place.diameter**7 * third_passed
+    variance = place.rate * pulse.life_integral(2) * fit.moment(5) * place.diameter**5 * second_passed
+    cubes = psi**3 * life_integrals(pulse, sensor, d)[1]
+    alone = cubes - 3.0 * variance * psi * np.outer(d**3, first_integrals(pulse))
     reach = place.diameter * fit.moment(6) / fit.moment(5)
     gaussian = 6.0 * (variance**3 * reach + place.noise * (3.0 * variance**2 + place.noise**2))
-    error = sqrt(gaussian / n) + sqrt(contact.births * float(np.square(alone) @ probability) / n)
+    alike = float(probability @ np.square(alone) @ offsets(pulse)[1])
+    error = sqrt(gaussian / n) + sqrt(contact.births * alike / n)
     predicted = (zero_known or fit.known.strength is not None) and place.drift is None
     if predicted:
         powers = {
@@ -225,15 +270,38 @@ def third_test(measured: float, n: int, fit: Fit, *, zero_known: bool) -> Honest
             for name in fit.names
         }
         powers["shape"] = fit.by_shape(7)
-        z = (measured - expected) / sqrt(error**2 + (expected * min(fit.error(powers), 1.0)) ** 2)
-        p = _two_sided(z)
+        b, a = _leans_on(fit)
+        squares = psi**2 * life_integrals(pulse, sensor, d)[0]
+        # Cumulants add up, so that a junction brings its cube alone, less what its share of A and B leads to expect.
+        alone = cubes - expected * b * squares / variance
+        if fit.known.mean is not None:
+            alone -= expected * a * psi * np.outer(d**3, first_integrals(pulse)) / fit.known.mean
+        single = sqrt(contact.births * float(probability @ np.square(alone) @ offsets(pulse)[1]) / n)
+        z = (measured - expected) / sqrt(max(scatter, single) ** 2 + (expected * min(fit.error(powers), 1.0)) ** 2)
+        p = 2.0 * float(stdtr(_BLOCKS - 1, -abs(z)))
         ratio = measured / max(abs(expected), 1e-300)
         words = f"third cumulant: {ratio:.2f} of that of the contact found, {z:+.1f} standard errors"
+        if "inequality" not in fit.known.free:
+            words += f"; {_spread_words(ratio, abs(ratio - 1.0) / max(abs(z), 1e-300), fit)}"
     else:
         z = measured / error
         p = 0.5 * erfc(-z / sqrt(2.0))  # the chance of a value as far below zero
         words = f"third cumulant: {z:+.1f} standard errors from zero; junctions make it positive"
     return HonestyTest(name="third cumulant", statistic=z, p=p, level=THIRD, words=words)
+
+
+def _spread_words(ratio: float, error: float, fit: Fit) -> str:
+    """Return the spread of strengths that a third cumulant speaks for, beside the one assumed.
+
+    It goes with 1 + v, v their squared spread, or with its square (see `_leans_on`).
+    """
+    power = 1.0 if fit.known.mean is not None else 0.5
+    w = fit.known.inequality
+    low, middle, high = (
+        100.0 * sqrt(max(w * max(ratio + sign * 1.96 * error, 0.0) ** power - 1.0, 0.0)) for sign in (-1.0, 0.0, 1.0)
+    )
+    given = f"{100.0 * sqrt(w - 1.0):.3g} %"
+    return f"as of a spread of strengths of {middle:.0f} % (95 %: {low:.0f} to {high:.0f} %), {given} assumed"
 
 
 def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
@@ -251,6 +319,22 @@ def steadiness_test(values: Doubles, fit: Fit) -> HonestyTest:
     return HonestyTest(name="steadiness", statistic=statistic, p=p, level=STEADY, words=words)
 
 
+def drift_test(values: Doubles, fit: Fit) -> HonestyTest:
+    """Return the test of the line of least squares through the trace: its rise has the variance 12 S(0)/n.
+
+    A random walk with steps of variance q adds (6/5) q n. For a ramp no other test of a trace that long has more power,
+    because S(k) is flat where the ramp is.
+    """
+    place, n = fit.contact.place, values.size
+    rise = ramp_of(values)
+    variance = RAMP_VARIANCE * fit.problem.longest_waves(place) / n + 1.2 * (place.drift or 0.0) * n
+    z = rise / sqrt(variance)
+    words = f"drift: a line through it rises by {rise:+.2f} of its standard deviation, {z:+.1f} standard errors"
+    if fit.known.ramp**2 > variance:
+        words += "; number and strength allow for a zero that moved so"
+    return HonestyTest(name="drift", statistic=z, p=_two_sided(z), level=DRIFT, words=words)
+
+
 def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     """Return the chi-square of differences of the four means, and its probability.
 
@@ -260,7 +344,7 @@ def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:
     from scipy.special import gammaincc
 
     place = fit.contact.place
-    density = place.rate * FIRST**2 * fit.moment(6) * place.diameter**6 + place.noise
+    density = fit.problem.longest_waves(place)
     length = values.size // _PARTS
     means = values[: length * _PARTS].reshape(_PARTS, length).mean(axis=1)
     number = np.arange(_PARTS)

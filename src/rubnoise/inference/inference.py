@@ -8,17 +8,22 @@ from typing import Final, Literal
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LENS
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.pulses import LENS, Offset, Pulse
 from rubnoise.errors import Refused
+from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
 from rubnoise.inference.fitting import Place, Problem, deviance, whittle
-from rubnoise.inference.honesty import HonestyTest, honesty_tests, third_cumulant
-from rubnoise.inference.periodogram import Bands, banded
-from rubnoise.inference.populations import POPULATIONS
-from rubnoise.inference.scoring import FIRST, STEPS, Fit, Known, covariance, score
-from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, strokes
+from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
+from rubnoise.inference.passes import passed
+from rubnoise.inference.periodogram import banded
+from rubnoise.inference.populations import POPULATIONS, shot_sizes
+from rubnoise.inference.scoring import STEPS, Fit, Known, covariance, score
+from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, ramp_of, strokes
 
 LAWS: Final = tuple(POPULATIONS)
+OTHERS: Final[dict[Offset, Pulse]] = {"none": OFF_CENTRE_LENS, "uniform": LENS}
+"""The passes that are tried beside those of an offset."""
 FEWEST_SIZES: Final = 20.0
 """Mean diameters of sliding below which a record is refused."""
 FEWEST_SAMPLES: Final = 3.0
@@ -49,13 +54,24 @@ class LawFit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OtherOffset:
+    """Passes of the other ``offset``, "none" or "uniform": by how much their criterion is worse, with its error."""
+
+    offset: Offset
+    worse_by: float
+    error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Inference:
     """What a trace shows about its junctions.
 
     ``estimates`` by name; ``intervals`` of 95 %; ``covariance`` of the logarithms of ``parameters``; ``laws`` compared;
     ``tests`` of the trace against the model; ``not_identified`` names what it cannot show, with what would show it;
     ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
-    ``bootstrap`` is empty, or how estimates of simulated traces scatter.
+    ``bootstrap`` is empty, or how estimates of simulated traces scatter. ``assumptions`` says what was taken for
+    granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths;
+    ``other_offset`` how passes of the other kind fit, where they were tried.
     """
 
     estimates: Mapping[str, Estimate]
@@ -70,6 +86,9 @@ class Inference:
     signal: Signal = field(repr=False)
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
+    assumptions: tuple[str, ...] = ()
+    other_offset: OtherOffset | None = None
+    by_strength_spread: tuple[IfSpread, ...] = ()
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
@@ -90,12 +109,14 @@ def infer_signal(
     law: str = "auto",
     masked: tuple[tuple[float, float], ...] = (),
     drift: bool = False,
+    assumed: Assumed = NOTHING,
     tests: bool = True,
 ) -> Inference:
     """Return what a signal tells: by its spectrum, and by its mean where the zero of the sensor is known.
 
-    ``strength`` in MPa is E[psi], where it is known; ``masked`` are ranges in cycles per um that are left out;
-    ``drift`` adds a random walk. Raises Refused for a law that is not one of LAWS, for values that are no trace.
+    Strokes of both ways tell the zero themselves. ``strength`` in MPa is E[psi], where it is known; ``masked`` are
+    ranges in cycles per um that are left out; ``drift`` adds a random walk; ``assumed`` is taken for granted.
+    Raises Refused for a law that is not one of LAWS, for values that are no trace.
     """
     if law != "auto" and law not in POPULATIONS:
         raise Refused(f"law=: {law} is no law of sizes here; there are auto, {', '.join(POPULATIONS)}")
@@ -105,16 +126,27 @@ def infer_signal(
     scale = float(values.std())
     if not scale > 1e-12 * float(np.abs(values).max()):
         return _refusal(signal, "the trace is constant; a sensor that moves is needed")
-    if reason := strokes(values, zero):
+    both = min(signal.ways) > 0
+    if not both and (reason := strokes(values, zero)):
         return _refusal(signal, reason)
+    if both:
+        zero = "known"
     values = values / scale
     half_width = half_width_under_drift(values) if drift else half_width_of(values)
-    bands = banded(values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked))
-    known = _known(signal, values, zero, strength, scale)
+    bands = banded(
+        values, half_width, tuple((low * signal.tick, high * signal.tick) for low, high in masked), signal.ways
+    )
+    known = _known(signal, values, zero, strength, scale, assumed, drift=drift)
     level = course(values, half_width) if drift else float(values.mean())
     third = third_cumulant(values, level)
     names = tuple(POPULATIONS) if law == "auto" else (law,)
-    fits = _fitted(bands, names, half_width, known, third, drift=drift)
+    sensor = assumed.sensor(signal.tick)
+
+    def fitted(pulse: Pulse) -> list[Fit]:
+        problems = [Problem(bands, POPULATIONS[name], drift=drift, pulse=pulse, sensor=sensor) for name in names]
+        return _fitted(problems, half_width, known, third)
+
+    fits = fitted(assumed.pulse)
     best = min(fits, key=_criterion)
     if reason := _too_little(best, signal):
         return _refusal(signal, reason)
@@ -122,18 +154,25 @@ def infer_signal(
     laws = tuple(_beside(each, best, estimates_of(each, signal, scale, compared=compared)) for each in fits)
     of_best = laws[names.index(best.problem.population.name)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
+    spoken = honesty_tests(values, level, best, zero_known=zero == "known") if tests else ()
+    asked = assumed.pulse.offset != "none" or any(test.flagged for test in spoken if test.name == "spectrum")
+    other = OTHERS[assumed.pulse.offset]
+    estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return Inference(
-        estimates={name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()},
+        estimates=estimates,
         not_identified=_not_identified(best, signal, compared=compared),
         law=best.problem.population.name,
         laws=laws,
-        tests=honesty_tests(values, level, best, zero_known=zero == "known") if tests else (),
+        tests=spoken,
         law_free=_law_free(best, signal),
         parameters=best.names,
         covariance=best.covariance,
         refused_because=None,
         signal=signal,
         fit=best,
+        assumptions=sentences(assumed, best, signal),
+        other_offset=_other_offset(fitted(other), best) if tests and asked else None,
+        by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
     )
 
 
@@ -152,19 +191,28 @@ def _refusal(signal: Signal, reason: str) -> Inference:
     )
 
 
-def _known(signal: Signal, values: Doubles, zero: str, strength: float | None, scale: float) -> Known:
+def _known(
+    signal: Signal,
+    values: Doubles,
+    zero: str,
+    strength: float | None,
+    scale: float,
+    assumed: Assumed,
+    *,
+    drift: bool,
+) -> Known:
     """Return what is known beside the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
     given = 1.0 if signal.is_area else strength
     unit = None if signal.scale is None else signal.scale * scale
     inside = None if given is None or unit is None else given * signal.tick**2 / unit
-    return Known(mean=float(values.mean()) if zero == "known" else None, strength=inside, births=0.0)
+    mean = float(values.mean()) if zero == "known" else None
+    ramp = 0.0 if mean is None or drift else ramp_of(values)
+    return Known(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality, ramp=ramp)
 
 
-def _fitted(
-    bands: Bands, names: tuple[str, ...], half_width: float, known: Known, third: float, *, drift: bool
-) -> list[Fit]:
+def _fitted(problems: list[Problem], half_width: float, known: Known, third: float) -> list[Fit]:
     """Return the fit of each law; one that is hopeless by its Whittle deviance stays where that is least."""
-    problems = [Problem(bands, POPULATIONS[name], drift=drift) for name in names]
+    bands = problems[0].bands
     floor = 10.0 * max(problem.floor for problem in problems)
     noise = max(0.5 * float(np.median(bands.energy[-_NOISE_BANDS:])), floor)
     begun = [(problem, *whittle(problem, half_width, noise)) for problem in problems]
@@ -173,7 +221,7 @@ def _fitted(
     for problem, place, worth in begun:
         own = known
         if known.free == ("strength",):
-            own = replace(known, births=_births_by_skewness(problem, place, third))
+            own = replace(known, births=_births_by_skewness(problem, place, third, known.inequality))
         fit = score(problem, place, own, worth, steps=STEPS if worth < least + _HOPELESS else 0)
         if deviance(bands, fit.expected.mean) > worth + _HOPELESS:  # the steps have lost their way
             fit = score(problem, place, own, worth, steps=0)
@@ -181,10 +229,12 @@ def _fitted(
     return fits
 
 
-def _births_by_skewness(problem: Problem, place: Place, third: float) -> float:
-    """Return lam per tick for which the third cumulant lam psi^3 c_3 E[d^7] is as measured, given lam psi^2."""
-    single = LENS.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7
-    births = place.rate**3 * single**2 / max(third, 1e-12) ** 2
+def _births_by_skewness(problem: Problem, place: Place, third: float, inequality: float) -> float:
+    """Return lam per tick for which the third cumulant lam psi^3 w^3 c_3 E[d^7] is as measured, given lam psi^2 w."""
+    sizes, probability, _ = shot_sizes(problem.population, place.shape)
+    seen = passed(problem.pulse, problem.sensor, place.diameter * sizes, probability)[1]
+    single = problem.pulse.life_integral(3) * problem.population.moment(7, place.shape) * place.diameter**7 * seen
+    births = place.rate**3 * single**2 * inequality**3 / max(third, 1e-12) ** 2
     return float(np.clip(births, _FEWEST_ALIVE / place.diameter, _MOST_ALIVE / place.diameter))
 
 
@@ -206,15 +256,22 @@ def _too_little(fit: Fit, signal: Signal) -> str:
             f" {_LEAST_GAIN:g} are needed"
         )
     size = place.diameter * signal.tick
+    if place.diameter < FEWEST_SAMPLES and (test := spectrum_test(fit)).flagged:
+        return (
+            f"the trace may hold no junctions: no size and spread has its spectrum (chi-square {test.statistic:.3g})."
+            " Fading noise, 1/f noise and a sawtooth look so: compare with a trace at rest; mask= leaves out a line,"
+            " drift=True fits a sensor that drifts"
+        )
     if place.diameter < FEWEST_SAMPLES:
         return (
             f"junctions of {size:.3g} um are {place.diameter:.2g} samples long; {FEWEST_SAMPLES:g} are needed: a tick"
             f" of {size / FEWEST_SAMPLES:.3g} um or less"
         )
-    sizes = bands.span / place.diameter
+    piece, samples = ("each stroke", bands.samples) if min(signal.ways) > 0 else ("the record", bands.span)
+    sizes = samples / place.diameter
     if sizes < FEWEST_SIZES:
         return (
-            f"the record is {sizes:.3g} sizes of {size:.3g} um long; {FEWEST_SIZES:g} are needed, that is"
+            f"{piece} is {sizes:.3g} sizes of {size:.3g} um long; {FEWEST_SIZES:g} are needed, that is"
             f" {FEWEST_SIZES * size:.4g} um of sliding"
         )
     return ""
@@ -260,6 +317,13 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     return reasons
 
 
+def _other_offset(fits: list[Fit], best: Fit) -> OtherOffset:
+    """Return the best fit of the other passes beside the best of those that were assumed."""
+    other = min(fits, key=_criterion)
+    beside = _beside(other, best, {})
+    return OtherOffset(offset=other.problem.pulse.offset, worse_by=beside.worse_by, error=beside.error)
+
+
 def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
     """Return a law's fit beside the best one: Vuong's test on the difference of their Whittle likelihoods.
 
@@ -284,16 +348,20 @@ def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
 def _law_free(fit: Fit, signal: Signal) -> dict[str, float]:
     """Return numbers that lean on no law: m_6/m_5 from S(0) over the variance, and N of equal sizes from the mean.
 
-    d_eff = S(0) c_2 / (variance c_1^2), N_eff = 1.5124 mean^2 / variance; S(0) is the mean of the bands below a tenth
-    of k d, the variance that of the trace less its noise.
+    d_eff = S(0) c_2 / (variance E[(int a)^2]), N_eff = L c_2 / c_1^2 mean^2 / variance, for the lens 1.5124 of them,
+    L the mean life of unit diameter; S(0) is the mean of the bands below a tenth of k d, the variance that of the trace
+    less its noise, before the sensor.
     """
-    bands, place = fit.problem.bands, fit.contact.place
-    variance = max(1.0 - place.noise, 1e-12)
+    bands, place, pulse = fit.problem.bands, fit.contact.place, fit.problem.pulse
+    sizes, probability, _ = shot_sizes(fit.problem.population, place.shape)
+    seen = passed(pulse, fit.problem.sensor, place.diameter * sizes, probability)[0]
+    variance = max(1.0 - place.noise, 1e-12) / seen
     typical = place.diameter * sqrt(fit.moment(8) / fit.moment(6))
     low = np.maximum(bands.wavenumber * typical < 0.6, np.arange(bands.energy.size) < 5)
     zero = float(np.sum((bands.weight * bands.energy)[low]) / np.sum(bands.weight[low])) - place.noise
-    second = LENS.life_integral(2)
-    found = {"effective_diameter": max(zero, 0.0) * second / (variance * FIRST**2) * signal.tick}
+    second = pulse.life_integral(2)
+    found = {"effective_diameter": max(zero, 0.0) * second / (variance * pulse.squared_integral) * signal.tick}
     if fit.known.mean is not None:
-        found["effective_count"] = 2.0 * second / FIRST**2 * fit.known.mean**2 / variance
+        equal = pulse.mean_life * second / pulse.life_integral(1) ** 2 * fit.contact.inequality
+        found["effective_count"] = equal * fit.known.mean**2 / variance
     return found

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles, Integers
+from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.populations import EnergyTable
+from rubnoise.inference.sensor import OPEN, Sensor
 
 TAPER: Final = 0.1
 """Part of a segment over which the taper rises and falls."""
@@ -25,6 +27,7 @@ _TAPER_BINS = 4.0
 _WIDENING = 0.05  # of the wavenumber
 MOST_BANDS: Final = 400
 _WIDEST_PHASE = 0.8  # of k d: the spectrum of equal sizes swings with a period of pi
+_FOLLOWED_FOLDS = 24
 _FOLDS = 3  # aliases that are taken from the table, on either side; those beyond from the tail
 _NODES, _WEIGHTS = np.array([-0.7745966692414834, 0.0, 0.7745966692414834]), np.array([5.0, 8.0, 5.0]) / 18.0
 
@@ -43,11 +46,12 @@ def tukey(count: int) -> Doubles:
 class Bands:
     """A periodogram in bands, distances in ticks: k = 2 pi p / n per tick for bins p of segments of n samples.
 
-    ``masked`` are ranges in cycles per tick that are left out.
-    ``first`` and ``last`` are the bins of each band; ``energy`` the mean of sum-of-squares-normalised |X|^2 over its
-    ``bins`` bins and all ``segments``, in the trace's unit squared per (rad/tick), two-sided; ``variance_factor`` is by
-    how much the taper raises the variance of sums over many bins; ``curvature`` turns d2S/dk2 into the leakage;
-    ``mean_part`` is the part of S(0) that leaves each band with the record's mean; ``power`` has all bins from 0 on.
+    ``masked`` are ranges in cycles per tick that are left out; ``mean_variance`` is by how much strokes of both ways
+    raise the variance of the mean, where one way has more. ``first`` and ``last`` are the bins of each band; ``energy``
+    the mean of sum-of-squares-normalised |X|^2 over its ``bins`` bins and all ``segments``, in the trace's unit squared
+    per (rad/tick), two-sided; ``variance_factor`` is by how much the taper raises the variance of sums over many bins;
+    ``curvature`` turns d2S/dk2 into the leakage; ``mean_part`` is the part of S(0) that leaves each band with the
+    record's mean; ``power`` has all bins from 0 on.
     """
 
     samples: int
@@ -61,6 +65,7 @@ class Bands:
     mean_part: Doubles
     power: Doubles = field(repr=False)
     masked: tuple[tuple[float, float], ...] = ()
+    mean_variance: float = 1.0
 
     @property
     def wavenumber(self) -> Doubles:
@@ -98,14 +103,21 @@ def band_edges(samples: int, phase_per_bin: float) -> Integers:
     return np.array(edges if len(edges) < 3 or end - edges[-2] > 1 else [*edges[:-2], end])
 
 
-def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], ...] = ()) -> Bands:
+def banded(
+    values: Doubles,
+    diameter: float,
+    masked: tuple[tuple[float, float], ...] = (),
+    ways: tuple[int, int] = (1, 0),
+) -> Bands:
     """Return the periodogram of a trace less its mean; ``diameter`` in ticks says how narrow its bands need to be.
 
-    ``masked`` are ranges in cycles per tick that are left out.
+    ``masked`` are ranges in cycles per tick that are left out; ``ways`` how many strokes of equal length go to and fro:
+    each way has lost its own mean.
     """
     from scipy.fft import rfft
 
-    segments = ceil(values.size / MOST_SAMPLES)
+    strokes, both = sum(ways), min(ways) > 0
+    segments = strokes * ceil(values.size / strokes / MOST_SAMPLES)
     n = values.size // segments
     window = tukey(n)
     square = float(window @ window)
@@ -122,7 +134,7 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
     first, last = edges[:-1][used], edges[1:][used] - 1
     totals = np.add.reduceat((power * kept)[: edges[-1]], edges[:-1])[used]
     low_bins = min(n // 2, 400)
-    lowest = np.square(np.abs(rfft(window)[: low_bins + 1])) / (square * n * segments)
+    lowest = np.square(np.abs(rfft(window)[: low_bins + 1])) / (square * n * segments) * (2.0 if both else 1.0)
     sums = np.concatenate([[0.0], np.cumsum(lowest)])
     inside = last <= low_bins
     mean_part = np.zeros(first.size)
@@ -139,6 +151,7 @@ def banded(values: Doubles, diameter: float, masked: tuple[tuple[float, float], 
         mean_part=mean_part,
         power=power,
         masked=masked,
+        mean_variance=0.25 * strokes * (1.0 / ways[0] + 1.0 / ways[1]) if both else 1.0,
     )
 
 
@@ -154,7 +167,7 @@ def masked_bins(masked: tuple[tuple[float, float], ...], samples: int) -> NDArra
 class Expectation:
     """What a Poisson population of one strength brings to each band, as far as it does not depend on the population."""
 
-    def __init__(self, bands: Bands) -> None:
+    def __init__(self, bands: Bands, pulse: Pulse = LENS, sensor: Sensor = OPEN) -> None:
         """Lay out the wavenumbers at which spectra are asked for: three in each band, with their aliases."""
         width = (bands.last + 1 - bands.first).astype(np.float64)
         middle = 0.5 * (bands.first + bands.last)
@@ -166,27 +179,32 @@ class Expectation:
         self._bands = bands
         self._wavenumbers: Doubles = k
         self._aliases: Doubles = np.abs(k[None] + turns[turns != 0.0][:, None, None])
-        self._tail = _tail_beyond(k, _FOLDS) @ _WEIGHTS
+        self._passed, self._passed_aliases = sensor.energy(k), sensor.energy(self._aliases)
+        self._passed_slope, self._passed_bend = sensor.slopes(k)
+        self._tail = _tail_beyond(k, _FOLDS, pulse.tail[1], sensor) @ _WEIGHTS
 
     def population(self, table: EnergyTable, diameter: float) -> Doubles:
         """Return the bands' means for E[psi^2] lam = 1, and their derivatives by ln d and by the shape: a row each.
 
-        S(k) = d^6 e(k d) summed over aliases, d the mean diameter in ticks; with its own curvature for leakage, and
-        less what the removed mean takes.
+        S(k) = d^6 e(k d) |H(k)|^2 summed over aliases, d the mean diameter in ticks; with its own curvature for
+        leakage, and less what the removed mean takes.
         """
-        near = table.at(self._wavenumbers * diameter)
-        far = table.at(self._aliases * diameter).sum(axis=1)
+        seen, passed = table.at(self._wavenumbers * diameter), self._passed
+        near = seen * passed
+        far = (table.at(self._aliases * diameter) * self._passed_aliases).sum(axis=1)
         total = near + far
         size = diameter**6
         energy = total[0] @ _WEIGHTS
         by_log_diameter = total[1] @ _WEIGHTS
         by_shape = total[3] @ _WEIGHTS
-        # d2S/dk2 = (e'' - e') / k^2, primes by ln k; aliases bend too little to count.
-        bend = ((near[2] - near[1]) / np.square(self._wavenumbers)) @ _WEIGHTS
-        tail = table.tail * self._tail / diameter**4
+        # d2S/dk2 = (S'' - S') / k^2, primes by ln k, of the product e |H|^2; aliases bend too little to count.
+        first = near[1] + seen[0] * self._passed_slope
+        second = near[2] + 2.0 * seen[1] * self._passed_slope + seen[0] * self._passed_bend
+        bend = ((second - first) / np.square(self._wavenumbers)) @ _WEIGHTS
+        tail = table.tail * self._tail / diameter**table.power
         mean = size * (energy + self._bands.curvature * bend + tail - self._bands.mean_part * table.zero)
-        slope = size * (by_log_diameter - 4.0 * tail) + 6.0 * mean
-        shape = size * (by_shape + table.tail_by_shape * self._tail / diameter**4)
+        slope = size * (by_log_diameter - table.power * tail) + 6.0 * mean
+        shape = size * (by_shape + table.tail_by_shape * self._tail / diameter**table.power)
         shape -= size * self._bands.mean_part * table.zero_by_shape
         return np.stack([mean, slope, shape])
 
@@ -196,12 +214,19 @@ class Expectation:
         return plain * _walk_leakage(self._bands)
 
 
-def _tail_beyond(k: Doubles, folds: int) -> Doubles:
-    """Return the sum over whole m beyond ``folds``, of either sign, of 1 / (k + 2 pi m)^4."""
+def _tail_beyond(k: Doubles, folds: int, power: int, sensor: Sensor) -> Doubles:
+    """Return the sum over whole m beyond ``folds``, of either sign, of |H|^2 / (k + 2 pi m)^p."""
     from scipy.special import zeta
 
-    turn = 2.0 * pi
-    return (zeta(4.0, folds + 1.0 + k / turn) + zeta(4.0, folds + 1.0 - k / turn)) / turn**4
+    turn, found, last = 2.0 * pi, np.zeros_like(k), folds
+    if not sensor.is_open:
+        last = _FOLLOWED_FOLDS
+        for m in range(folds + 1, last + 1):
+            for there in (turn * m + k, turn * m - k):
+                found += sensor.energy(there) / there**power
+    rest = zeta(float(power), last + 1.0 + k / turn) + zeta(float(power), last + 1.0 - k / turn)
+    found += sensor.energy(np.full_like(k, turn * (last + 1.0))) * rest / turn**power
+    return found
 
 
 _WALK_POINTS = 4096

@@ -14,8 +14,8 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import LAWS, Law
-from rubnoise.contact.pulses import LENS
-from rubnoise.theory.transform import transform_of
+from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.theory.transform import energy_of
 
 STEP: Final = 1.0 / 1024.0
 """Of ln(k d) and of ln d. At k d = 300 a swing of the transform has ten places."""
@@ -157,40 +157,40 @@ def _log_phases() -> Doubles:
 
 
 @cache
-def _single_energies() -> tuple[Doubles, Doubles]:
+def _single_energies(pulse: Pulse) -> tuple[Doubles, Doubles]:
     """Return all phases k d that the tables meet, at even steps of their logarithm, and a^(k d)^2 there."""
     places = _log_phases().size + _log_diameters().size - 1
     phases = np.exp(_LOWEST + _SMALLEST + STEP * np.arange(places))
-    return phases, life_energy(phases)
+    return phases, life_energy(phases, pulse)
 
 
 @cache
-def _balanced_transform() -> tuple[Doubles, int]:
+def _balanced_transform(pulse: Pulse) -> tuple[Doubles, int]:
     """Return the Fourier transform of e^(3y) a^(e^y)^2 over all ln(k d), and its length in places."""
     from scipy.fft import next_fast_len, rfft
 
-    phases, energies = _single_energies()
+    phases, energies = _single_energies(pulse)
     length = next_fast_len(phases.size)
     return rfft(energies * phases**_BALANCE, length), length
 
 
 @cache
-def _energy_integral() -> Doubles:
-    """Return the integral of a^(z)^2 (1 + z^4) over y = ln z up to each phase of `_single_energies`.
+def _energy_integral(pulse: Pulse) -> Doubles:
+    """Return the integral of a^(z)^2 (1 + z^p) over y = ln z up to each phase of `_single_energies`.
 
     This neither rises nor falls far out, so that differences keep their digits.
     """
-    phases, energies = _single_energies()
-    level = energies * (1.0 + phases**4)
+    phases, energies = _single_energies(pulse)
+    level = energies * (1.0 + phases ** pulse.tail[1])
     return np.concatenate([[0.0], np.cumsum(0.5 * STEP * (level[1:] + level[:-1]))])
 
 
-def mean_life_energy(log_phase: Doubles, width: Doubles) -> Doubles:
+def mean_life_energy(log_phase: Doubles, width: Doubles, pulse: Pulse = LENS) -> Doubles:
     """Return a^(z)^2 at each ``log_phase``, its level averaged over ``width`` of ln z: without a swing within it.
 
     Below and above the tables the level is that of their ends; ``width`` is at least two of their steps.
     """
-    integral = _energy_integral()
+    integral = _energy_integral(pulse)
     half = np.maximum(0.5 * width, STEP)
 
     def up_to(end: Doubles) -> Doubles:
@@ -202,21 +202,20 @@ def mean_life_energy(log_phase: Doubles, width: Doubles) -> Doubles:
 
     inside = np.clip(log_phase, _LOWEST + _SMALLEST + half, _HIGHEST + _LARGEST - half - 2.0 * STEP)
     level = (up_to(inside + half) - up_to(inside - half)) / (2.0 * half)
-    mean: Doubles = level / (1.0 + np.exp(4.0 * log_phase))
+    mean: Doubles = level / (1.0 + np.exp(pulse.tail[1] * log_phase))
     return mean
 
 
-def life_energy(phase: Doubles) -> Doubles:
-    """Return a^(z)^2 of the lens of unit diameter at z = k d, any shape; its swing is faded out from z = 400 to 700."""
-    transform = transform_of(LENS)
+def life_energy(phase: Doubles, pulse: Pulse = LENS) -> Doubles:
+    """Return a^(z)^2 of a life of unit diameter at z = k d, any shape; its swing is faded out from z = 400 to 700."""
+    spectrum = energy_of(pulse)
     near = np.minimum(phase, _SETTLED)
-    energy = transform.square(near)
+    energy = spectrum.square(near)
     far = phase > _FOLLOWED
     beyond = phase[far]
     faded = np.minimum((beyond - _FOLLOWED) / (_SETTLED - _FOLLOWED), 1.0)
     kept = 0.5 * (1.0 + np.cos(pi * faded))
-    settled = np.square(transform.level(beyond)) + transform.swing(beyond)
-    energy[far] = kept * energy[far] + (1.0 - kept) * settled
+    energy[far] = kept * energy[far] + (1.0 - kept) * spectrum.mean_square(beyond)
     return energy
 
 
@@ -232,19 +231,21 @@ def _weights(population: Population, shape: float) -> Doubles:
 class EnergyTable:
     """The mean energy e(z) = E[x^6 a^(z x)^2] of sizes x of unit mean, at z = k E[d].
 
-    ``rows`` are e, its first and second derivative by ln z, and its derivative by the shape, times z^2 + z^6 over z^2,
-    at even steps of ln z; ``zero`` and ``tail`` are e(0) = (4/9) E[x^6] and 4 E[x^2], with which e goes as tail / z^4.
+    ``rows`` are e, its first and second derivative by ln z, and its derivative by the shape, times 1 + z^p, at even
+    steps of ln z; ``zero`` is e(0), and e goes as ``tail`` / z^p, p the ``power``: of the lens (4/9) E[x^6], 4 E[x^2]
+    and 4.
     """
 
     rows: Doubles
     zero: float
     tail: float
+    power: int
     zero_by_shape: float
     tail_by_shape: float
 
     def at(self, phase: Doubles) -> Doubles:
         """Return e, de/dln z, d2e/dln z^2 and de/ds at phases (a row each); below the table e(0), above it its tail."""
-        scale = 1.0 + np.square(np.square(phase))
+        scale = 1.0 + phase**self.power
         place = (np.log(np.maximum(phase, 1e-300)) - _LOWEST) / STEP
         first = np.clip(np.floor(place).astype(np.int64), 1, self.rows.shape[1] - 3)
         t = np.clip(place - first, 0.0, 1.0)
@@ -262,37 +263,41 @@ class EnergyTable:
         found: Doubles = np.einsum("...rk,...k->r...", neighbours[first - 1], weights) / scale
         beyond = place > self.rows.shape[1] - 2
         if beyond.any():
-            falling = 1.0 / np.square(np.square(phase[beyond]))
+            falling = phase[beyond] ** -float(self.power)
             found[0, beyond] = self.tail * falling
-            found[1, beyond] = -4.0 * self.tail * falling
-            found[2, beyond] = 16.0 * self.tail * falling
+            found[1, beyond] = -self.power * self.tail * falling
+            found[2, beyond] = self.power**2 * self.tail * falling
             found[3, beyond] = self.tail_by_shape * falling
         return found
 
 
 @lru_cache(maxsize=64)
-def energy_table(name: str, shape: float) -> EnergyTable:
+def energy_table(name: str, shape: float, pulse: Pulse = LENS) -> EnergyTable:
     """Return the mean energies of a population with a shape."""
     population = POPULATIONS[name]
     z = np.exp(_log_phases())
     if name == "fixed":
-        energy, by_shape = life_energy(z), np.zeros_like(z)
+        energy, by_shape = life_energy(z, pulse), np.zeros_like(z)
     elif not population.spread:
-        energy, by_shape = np.maximum(_averaged(_weights(population, shape)[None])[0], 0.0), np.zeros_like(z)
+        energy = np.maximum(_averaged(_weights(population, shape)[None], pulse)[0], 0.0)
+        by_shape = np.zeros_like(z)
     else:
         change = _SHAPE_STEP * shape
         here, below, above = (_weights(population, each) for each in (shape, shape - change, shape + change))
-        energy, by_shape = _averaged(np.stack([here, (above - below) / (2.0 * change)]))
+        energy, by_shape = _averaged(np.stack([here, (above - below) / (2.0 * change)]), pulse)
         energy = np.maximum(energy, 0.0)
-    scaled = energy * (1.0 + z**4)
-    first = _slope(scaled) - 4.0 * z**4 / (1.0 + z**4) * scaled
-    second = (1.0 + z**4) * _slope(first / (1.0 + z**4))
+    factor, power = pulse.tail
+    raised = z**power
+    scaled = energy * (1.0 + raised)
+    first = _slope(scaled) - power * raised / (1.0 + raised) * scaled
+    second = (1.0 + raised) * _slope(first / (1.0 + raised))
     return EnergyTable(
-        rows=np.stack([scaled, first, second, by_shape * (1.0 + z**4)], axis=-1).T,
-        zero=4.0 / 9.0 * population.moment(6, shape),
-        tail=4.0 * population.moment(2, shape),
-        zero_by_shape=4.0 / 9.0 * moment_slope(population, shape, 6),
-        tail_by_shape=4.0 * moment_slope(population, shape, 2),
+        rows=np.stack([scaled, first, second, by_shape * (1.0 + raised)], axis=-1).T,
+        zero=pulse.squared_integral * population.moment(6, shape),
+        tail=factor * population.moment(6 - power, shape),
+        power=power,
+        zero_by_shape=pulse.squared_integral * moment_slope(population, shape, 6),
+        tail_by_shape=factor * moment_slope(population, shape, 6 - power),
     )
 
 
@@ -304,11 +309,11 @@ def moment_slope(population: Population, shape: float, power: int) -> float:
     return (population.moment(power, shape + change) - population.moment(power, shape - change)) / (2.0 * change)
 
 
-def _averaged(weights: Doubles) -> Doubles:
+def _averaged(weights: Doubles, pulse: Pulse) -> Doubles:
     """Return E[x^6 a^(z x)^2] at every phase of the table, a row for each row of probabilities or their slopes."""
     from scipy.fft import irfft, rfft
 
-    transform, length = _balanced_transform()
+    transform, length = _balanced_transform(pulse)
     balanced = weights * np.exp((6.0 - _BALANCE) * _log_diameters())
     sums = irfft(transform * np.conj(rfft(balanced, length, axis=-1)), length, axis=-1)[:, : _log_phases().size]
     averaged: Doubles = sums * np.exp(-_BALANCE * _log_phases())

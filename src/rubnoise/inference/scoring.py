@@ -11,15 +11,16 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.pulses import LENS
 from rubnoise.inference.fitting import Expected, Place, Problem
-from rubnoise.inference.populations import mean_life_energy, moment_slope, shot_sizes
+from rubnoise.inference.passes import energies, first_integrals, offsets
+from rubnoise.inference.populations import moment_slope, shot_sizes
 
 STEPS: Final = 25
 _CLOSE = 1e-6  # in the chi-square of a step: a thousandth of a standard error
 _RIDGE = 1e-10
 _LONGEST_STEP = 0.5
-FIRST: Final = LENS.life_integral(1)
+RAMP_VARIANCE: Final = 12.0
+"""Variance of the rise of a fitted line, over that of the mean."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,12 +41,15 @@ class Known:
     """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
 
     Strength in the trace's unit per tick^2. ``births`` per tick stands in where neither is known: it sets the size of
-    the shot noise alone.
+    the shot noise alone. ``ramp`` is how far the record rises from end to end.
+    ``inequality`` E[psi^2] / E[psi]^2 is given, unless mean and strength are both known.
     """
 
     mean: float | None
     strength: float | None
     births: float
+    inequality: float = 1.0
+    ramp: float = 0.0
 
     @property
     def free(self) -> tuple[str, ...]:
@@ -101,10 +105,10 @@ def _third_slope(problem: Problem, shape: float) -> float:
 def expected_mean(problem: Problem, contact: Contact) -> float:
     """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
     third = problem.population.moment(3, contact.place.shape)
-    return contact.births * contact.strength * FIRST * third * contact.place.diameter**3
+    return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**3
 
 
-def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
+def covariance(problem: Problem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
     """Return the covariance of the mean of the record (row 0) and of its bands, which are expected to be ``bands``.
 
     Gaussian: E[P]^2 over the worth of the band, on the diagonal. Shot noise: (lam / T) E[f f'] over single junctions,
@@ -117,19 +121,25 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles) -> Doubles:
     sizes, probability, step = shot_sizes(problem.population, place.shape)
     diameters = place.diameter * sizes
     widths = step + periodogram.log_width
-    energies = mean_life_energy(np.log(np.outer(periodogram.wavenumber, diameters)), widths[:, None]) * diameters**6
-    # Scaled to the bands' own expectation, which knows of aliases and of the widths of bands.
+    phases = np.log(np.outer(periodogram.wavenumber, diameters))
+    each = energies(problem.pulse, phases, widths[:, None]) * diameters[:, None] ** 6
+    each = each.reshape(bands.size, -1)
+    first = np.outer(diameters**3, first_integrals(problem.pulse)).ravel()
+    chance = np.outer(probability, offsets(problem.pulse)[1]).ravel()
+    # Scaled to the bands' own expectation, which knows of aliases, of the sensor and of the widths of bands.
     expected = problem.expectation.population(problem.table(place), place.diameter)[0]
-    energies *= (expected / (energies @ probability))[:, None]
+    each *= (expected / (each @ chance))[:, None]
     psi, w = contact.strength, contact.inequality
-    f = np.vstack([psi * FIRST * diameters**3, psi**2 * energies])
-    total = (contact.births / periodogram.span) * (f * probability) @ f.T
+    f = np.vstack([psi * first, psi**2 * each])
+    total = (contact.births / periodogram.span) * (f * chance) @ f.T
     total[1:, 1:] *= periodogram.variance_factor * w**6
     total[0, 1:] *= w**3
     total[1:, 0] *= w**3
-    total[0, 0] = total[0, 0] * w + place.noise / periodogram.span
+    total[0, 0] = (total[0, 0] * w + place.noise / periodogram.span) * periodogram.mean_variance
     # A walk from a trusted zero has the mean square q n / 3 on average over the record.
     total[0, 0] += (place.drift or 0.0) * periodogram.span / 3.0
+    # A ramp from a trusted zero at one end moves the mean by half of it; what of it chance brings is no drift.
+    total[0, 0] += max(ramp**2 - RAMP_VARIANCE * problem.longest_waves(place) / periodogram.span, 0.0) / 4.0
     rows = np.arange(1, bands.size + 1)
     total[rows, rows] += np.square(bands) / periodogram.weight
     return total
@@ -151,7 +161,7 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
         measured = np.concatenate([[mean if known.mean is None else known.mean], problem.bands.energy])
         residual = (measured - np.concatenate([[mean], expected.mean]))[first:]
         by = by[first:]
-        scatter = covariance(problem, contact, expected.mean)[first:, first:]
+        scatter = covariance(problem, contact, expected.mean, known.ramp)[first:, first:]
         scale = np.sqrt(scatter.diagonal())
         root = np.linalg.cholesky(scatter / np.outer(scale, scale) + _RIDGE * np.eye(scale.size))
         white = np.linalg.solve(root, np.column_stack([by, residual]) / scale[:, None])
@@ -183,15 +193,18 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
 
 def _begun(problem: Problem, place: Place, known: Known) -> Contact:
     """Return the contact that a place means with what is known."""
-    third = FIRST * problem.population.moment(3, place.shape) * place.diameter**3
+    third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
+    w = known.inequality
     if known.mean is None:
         if known.strength is None:
-            return Contact(place=place, births=known.births, strength=sqrt(place.rate / known.births))
-        return Contact(place=place, births=place.rate / known.strength**2, strength=known.strength)
+            strength = sqrt(place.rate / (known.births * w))
+            return Contact(place=place, births=known.births, strength=strength, inequality=w)
+        births = place.rate / (known.strength**2 * w)
+        return Contact(place=place, births=births, strength=known.strength, inequality=w)
     sum_of_strengths = known.mean / third
     if known.strength is None:
-        strength = place.rate / sum_of_strengths
-        return Contact(place=place, births=place.rate / strength**2, strength=strength)
+        strength = place.rate / (sum_of_strengths * w)
+        return Contact(place=place, births=sum_of_strengths / strength, strength=strength, inequality=w)
     births = sum_of_strengths / known.strength
     inequality = place.rate / (births * known.strength**2)
     return Contact(place=place, births=births, strength=known.strength, inequality=inequality)

@@ -22,6 +22,7 @@ class Signal:
 
     ``scale`` turns its values into uN (for an area in um^2, whose junctions have the strength 1, ``is_area`` is true);
     None where the unit is of something else, such as V: then strengths are not identified. ``unit`` is the written one.
+    ``ways`` is how many strokes of equal length go to and fro, turned one way; ``left_out`` says what was cut off.
     """
 
     values: Doubles = field(repr=False)
@@ -29,6 +30,8 @@ class Signal:
     unit: str
     scale: float | None
     is_area: bool = False
+    ways: tuple[int, int] = (1, 0)
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +71,7 @@ def strokes(values: Doubles, zero: str) -> str:
     if zero == "known":
         middle, half_gap = 0.0, 0.3 * float(np.median(np.abs(values[:: values.size // _SEEN + 1])))
     else:
-        middle, half_gap = _two_levels(values)
+        middle, half_gap = two_levels(values)
     # Of each sample whether it is beyond the gap, and on which side.
     side = (values > middle + half_gap).astype(np.int8) - (values < middle - half_gap).astype(np.int8)
     beyond = np.flatnonzero(side)
@@ -82,14 +85,14 @@ def strokes(values: Doubles, zero: str) -> str:
         what = "changes its sign" if zero == "known" else "leaps between two levels"
         return (
             f"several strokes in one trace: the force {what} {turns.size} times, first at samples {where};"
-            " give one stroke at a time"
+            ' strokes="10 %" cuts there, and leaves out 10 % of each end'
         )
     if zero == "known" and float(values.mean()) <= 0.0:
         return "the mean is not positive, as the force of friction is with a known zero"
     return ""
 
 
-def _two_levels(values: Doubles) -> tuple[float, float]:
+def two_levels(values: Doubles) -> tuple[float, float]:
     """Return the middle between the means on both sides of it, and a sixth of their distance."""
     seen = values[:: values.size // _SEEN + 1]
     low, high = float(seen.min()), float(seen.max())
@@ -106,6 +109,18 @@ def course(values: Doubles, half_width: float) -> Doubles:
     length = min(int(_COURSE * half_width) + 1, values.size)
     found: Doubles = uniform_filter1d(values, length, mode="nearest")
     return found
+
+
+def ramp_of(values: Doubles) -> float:
+    """Return how far the straight line of least squares rises over a trace.
+
+    Of a trace whose mean of n samples has the variance S(0)/n, it has the variance 12 S(0)/n.
+    """
+    n, total = values.size, 0.0
+    for begin in range(0, n, _SEEN):
+        piece = values[begin : begin + _SEEN]
+        total += float((np.arange(begin, begin + piece.size) - 0.5 * (n - 1)) @ piece)
+    return 12.0 * total / (n * n)
 
 
 def half_width_of(values: Doubles) -> float:

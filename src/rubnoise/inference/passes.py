@@ -1,0 +1,108 @@
+"""Single passes of two junctions, at each offset and behind the filter of the sensor: what shot noise is made of.
+
+Averages over offsets have closed forms, single offsets have none. A few offsets stand for all here; what they hold is
+found by sums, and scaled so that its average is the closed form.
+"""
+
+from functools import cache
+from math import pi
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import area_of, half_life
+from rubnoise.contact.pulses import Pulse
+from rubnoise.inference.populations import mean_life_energy
+from rubnoise.inference.sensor import Sensor
+
+_OFFSETS: Final = 8
+_PLACES: Final = 400  # along half a pass
+_LOG_PHASES: Final = np.linspace(np.log(0.05), np.log(80.0), 1200)
+_SMOOTHED: Final = 24  # of these phases: a tenth of ln z
+_GRID: Final = 2048
+_DECAYS: Final = 16.0
+_SLOWEST: Final = 1.0  # of the decay of the sensor over d: smaller junctions bring next to nothing
+
+
+@cache
+def offsets(pulse: Pulse) -> tuple[Doubles, Doubles]:
+    """Return offsets b over d that stand for all, and their probabilities; one of 0 for passes through both centres."""
+    if pulse.offset == "none":
+        return np.zeros(1), np.ones(1)
+    place, weight = np.polynomial.legendre.leggauss(_OFFSETS)
+    return 0.5 * (place + 1.0), 0.5 * weight
+
+
+@cache
+def first_integrals(pulse: Pulse) -> Doubles:
+    """Return int a ds of unit diameter at each offset; their mean is c_1."""
+    found = _transforms(pulse, np.zeros(1))[:, 0]
+    mean = float(offsets(pulse)[1] @ found)
+    return np.asarray(found * (pulse.life_integral(1) / mean), dtype=np.float64)
+
+
+def energies(pulse: Pulse, log_phase: Doubles, width: Doubles) -> Doubles:
+    """Return |a^(z; b)|^2 at each phase and each offset (the last axis), its level over ``width`` of ln z."""
+    mean = mean_life_energy(log_phase, width, pulse)[..., None]
+    if pulse.offset == "none":
+        return mean
+    shares = np.stack([np.interp(log_phase, _LOG_PHASES, each) for each in _shares(pulse)], axis=-1)
+    return np.asarray(mean * shares, dtype=np.float64)
+
+
+@cache
+def _shares(pulse: Pulse) -> Doubles:
+    """Return the energy at each offset over the mean of all, without its swing; beyond the ends it stays as there."""
+    from scipy.ndimage import uniform_filter1d
+
+    level = uniform_filter1d(np.square(_transforms(pulse, np.exp(_LOG_PHASES))), _SMOOTHED, axis=1, mode="nearest")
+    return np.asarray(level / (offsets(pulse)[1] @ level), dtype=np.float64)
+
+
+def _transforms(pulse: Pulse, phases: Doubles) -> Doubles:
+    """Return a^(z; b) about the middle of a pass of unit diameter, a row for each offset."""
+    nodes, weights = np.polynomial.legendre.leggauss(_PLACES)
+    rows = []
+    for offset in offsets(pulse)[0].tolist():
+        half = float(half_life(np.ones(1), np.full(1, offset))[0])
+        x = 0.5 * half * (nodes + 1.0)
+        area = area_of(pulse, half + x, 1.0, offset if pulse.offset != "none" else None)
+        rows.append(half * (np.cos(np.outer(phases, x)) @ (weights * area)))
+    return np.stack(rows)
+
+
+def life_integrals(pulse: Pulse, sensor: Sensor, diameters: Doubles) -> tuple[Doubles, Doubles]:
+    """Return int g^2 ds and int g^3 ds, g the area behind the sensor, at each diameter (rows) and offset, in ticks.
+
+    Without a filter and through both centres they are c_2 d^5 and c_3 d^7.
+    """
+    scale = diameters[:, None]
+    if pulse.offset == "none" and sensor.is_open:
+        return np.asarray(pulse.life_integral(2) * scale**5), np.asarray(pulse.life_integral(3) * scale**7)
+    decay = np.minimum(1.0 / (sensor.corner * diameters), _SLOWEST)
+    length = 2.0 + _DECAYS * float(decay.max())
+    step = length / _GRID
+    own, _ = offsets(pulse)
+    area = np.stack(
+        [area_of(pulse, step * np.arange(_GRID), 1.0, each if pulse.offset != "none" else None) for each in own]
+    )
+    waves: Doubles = 2.0 * pi / length * np.arange(_GRID // 2 + 1, dtype=np.float64)
+    slow = np.maximum(decay, 1e-9).tolist()
+    seen = np.stack([Sensor(corner=1.0 / each, poles=sensor.poles).response(waves) for each in slow])
+    behind = np.fft.irfft(np.fft.rfft(area)[None] * seen[:, None], _GRID)
+    second = step * np.sum(np.square(behind), axis=-1) * scale**5
+    third = step * np.sum(behind**3, axis=-1) * scale**7
+    return second, third
+
+
+def passed(pulse: Pulse, sensor: Sensor, diameters: Doubles, probability: Doubles) -> tuple[float, float]:
+    """Return which part of the second and of the third cumulant of a population passes the sensor."""
+    if sensor.is_open:
+        return 1.0, 1.0
+    weights = np.outer(probability, offsets(pulse)[1])
+    seen, whole = (life_integrals(pulse, each, diameters) for each in (sensor, Sensor()))
+    second, third = (
+        float(np.sum(weights * here) / np.sum(weights * all_)) for here, all_ in zip(seen, whole, strict=True)
+    )
+    return second, third
