@@ -319,7 +319,7 @@ class ParabolaPulse(_Centred):
         """Return (pi/4) s (2d - s) in um^2, and 0 outside 0 <= s <= 2d."""
         d = np.asarray(diameter, dtype=np.float64)
         s = np.asarray(distance_since_birth, dtype=np.float64)
-        return np.asarray(0.25 * np.pi * np.maximum(s * (2.0 * d - s), 0.0), dtype=np.float64)
+        return 0.25 * np.pi * np.maximum(s * (2.0 * d - s), 0.0)
 
     def slope(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
         """Return (pi/2) (d - s) in um; 0 at birth and at death, where it jumps."""
