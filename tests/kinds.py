@@ -18,6 +18,10 @@ ONE_WAY: dict[str, Kind] = {
     "batch": ((), {"run": {"engine": "batch"}}),
     "empty start, slider at rest": ((), {"sliding": {"start": "empty"}, "slider": {"start": "rest"}}),
     "triangles": ((), {"pulse": {"shape": "triangle"}}),
+    "parabolas of Rayleigh sizes": (
+        (),
+        {"pulse": {"shape": "parabola"}, "diameter": {"law": "weibull", "spread": "52.2723 %"}},
+    ),
     "regular births": ((), {"birth": {"law": "regular"}}),
     "regular births of unequal sizes": (
         ("slider",),
@@ -42,6 +46,7 @@ ONE_WAY: dict[str, Kind] = {
     "overdamped": ((), {"slider": {"damping": "50 N*s/m"}, "sliding": SHORT}),
     "slow": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}}),
     "slow triangles": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "pulse": {"shape": "triangle"}}),
+    "slow parabolas": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "pulse": {"shape": "parabola"}}),
     "coarse ticks": ((), {"output": {"tick": "10 um"}}),
     "more ticks than a panel": ((), {"output": {"tick": "0.002 um"}, "sliding": SHORT}),
     "more rows than a panel": (
@@ -73,6 +78,7 @@ _TWO_WAY: dict[str, dict[str, dict[str, Any]]] = {
     "coarse": {"output": {"tick": "7 um"}},
     "fine": {"output": {"tick": "0.005 um"}, "sliding": {"distance": "30 um"}},
     "triangles": {"pulse": {"shape": "triangle"}},
+    "parabolas": {"pulse": {"shape": "parabola"}},
     "unequal": {"diameter": {"law": "exponential", "spread": None}, "strength": {"law": "normal", "spread": "80 MPa"}},
     "regular": {"birth": {"law": "regular"}},
     "empty start, slider at rest": {"sliding": {"start": "empty"}, "slider": {"start": "rest"}},

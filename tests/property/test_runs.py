@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.pulses import LENS, TRIANGLE
+from rubnoise.contact.pulses import LENS, PULSES
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
@@ -46,7 +46,7 @@ def models(draw: st.DrawFn) -> Model:
     distance = float(f"{max(births, 0.3) / count * life:.4g}")
     slider = draw(st.none() | SLIDERS)
     full = slider is not None
-    pulse = draw(st.sampled_from([LENS, TRIANGLE]))
+    pulse = draw(st.sampled_from(list(PULSES.values())))
     return model(
         count=count,
         spread=draw(SPREADS),

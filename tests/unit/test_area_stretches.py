@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.simulation.kernels import Grid, Scratch, choice, deposit
 from rubnoise.simulation.kernels.fine import FINEST
 from rubnoise.simulation.state import LiveRows
@@ -27,7 +27,7 @@ def rows() -> LiveRows:
     )
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 def test_stretches_have_the_bits_of_one_pass(pulse: Pulse, monkeypatch: pytest.MonkeyPatch) -> None:
     lives = rows()
     weight = lives.diameter**2

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, PULSES, Pulse
 from rubnoise.simulation.coupled import quadrature
 from rubnoise.simulation.coupled.field import (
     SHAPES,
@@ -26,7 +26,7 @@ from rubnoise.simulation.state import LiveRows
 
 Doubles = NDArray[np.float64]
 WIDTH = 0.05
-PULSES = pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
+PULSES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 
 
 def rows(count: int = 60, first: float = -20.0, end: float = 12.0) -> LiveRows:

@@ -71,7 +71,7 @@ def test_the_file_has_the_formula_and_the_curve_of_its_pulse(run: rubnoise.Run) 
 def test_the_formula_in_words_gives_the_area(pulse: Pulse) -> None:
     formula = JUNCTION_AREA_FORMULAS[pulse.shape].removeprefix("A(s) = ").partition(" with")[0]
     expression = formula.replace("^", "**").replace("d**2/2 acos", "d**2/2 * acos").replace("/2 sqrt", "/2 * sqrt")
-    expression = expression.replace("pi/4 d (", "pi/4 * d * (")
+    expression = expression.replace("pi/4 d (", "pi/4 * d * (").replace("pi/4 (", "pi/4 * (")
     names = {"acos": np.arccos, "sqrt": np.sqrt, "pi": np.pi, "d": 3.0}
     for s in (0.5, 3.0, 4.2):
         area = eval(expression, names | {"x": abs(3.0 - s)})  # noqa: S307  (our own formula, to see that it is one)

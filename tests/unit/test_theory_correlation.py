@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Normal
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import PULSES, TRIANGLE, Pulse
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import Powers, autocovariance, joint_cumulants, life_overlaps
 from rubnoise.theory.spectrum import density_at_zero, spectral_density
@@ -19,13 +19,14 @@ MODELS = {
 
 def area(shape: str, s: mpmath.mpf) -> mpmath.mpf:
     x = min(abs(1 - s), mpmath.mpf(1))  # rounding may put a cut beyond the end of the life
-    lens = (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
-    return lens if shape == "lens" else mpmath.pi * (1 - x) / 4
+    if shape == "lens":
+        return (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
+    return mpmath.pi * (1 - x if shape == "triangle" else 1 - x * x) / 4
 
 
 @pytest.mark.parametrize("lag", [0.0, 1e-3, 0.02, 0.4, 1.0, 1.3, 1.99])
 @pytest.mark.parametrize("powers", [(1, 1), (1, 3), (4, 2)])
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 def test_overlap_of_two_lives(lag: float, powers: Powers, pulse: Pulse) -> None:
     i, j = powers
     cuts = sorted({0.0, max(1.0 - lag, 0.0), min(1.0, 2.0 - lag), 2.0 - lag})

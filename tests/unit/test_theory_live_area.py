@@ -1,12 +1,12 @@
-from math import pi
+from math import pi, sqrt
 
 import mpmath
 import numpy as np
 import pytest
 
-from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal
+from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal, Spread, law_for
 from rubnoise.contact.overlap import junction_area
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, PARABOLA, PULSES, TRIANGLE, Pulse
 from rubnoise.theory.distribution import pair_area
 from rubnoise.theory.live_area import live_area
 from tests.oracle.slow_distribution import level
@@ -23,14 +23,14 @@ LAWS: dict[str, Law] = {
 }
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
+@pytest.mark.parametrize("pulse", PULSES.values(), ids=PULSES)
 @pytest.mark.parametrize("name", LAWS)
 def test_moments_are_the_life_integrals_of_what_is_alive(name: str, pulse: Pulse) -> None:
     law = LAWS[name]
     area, probability = live_area(law, pulse).rule()
     for n in range(1, 7):
         expected = 0.5 * pulse.life_integral(n) * law.moment(2 * n + 1) / law.moment(1)
-        assert np.sum(probability * area**n) == pytest.approx(expected, rel=1e-13)
+        assert np.sum(probability * area**n) == pytest.approx(expected, rel=5e-11 if pulse is PARABOLA else 1e-13)
 
 
 def test_age_and_area_of_one_lens() -> None:
@@ -110,6 +110,30 @@ def test_two_lenses_of_one_size(x: float) -> None:
     assert float(density(t)[0]) == pytest.approx(expected[1], rel=1e-6)
 
 
+def test_one_parabola_is_likeliest_at_its_peak() -> None:
+    live = live_area(ONE_SIZE, PARABOLA)
+    area = np.array([1e-3, 1.0, 3.1, pi - 1e-6])
+    np.testing.assert_allclose(live.cdf(area), 1.0 - np.sqrt(1.0 - area / pi), rtol=1e-11)
+    np.testing.assert_allclose(live.density(area), 0.5 / (pi * np.sqrt(1.0 - area / pi)), rtol=1e-8)
+
+
+def test_parabolas_of_rayleigh_sizes_have_exponential_areas() -> None:
+    """d^2 - x^2 of a point that is normal in three dimensions, seen from the line of motion: (y^2 + z^2) is left."""
+    law = law_for(5.0, Spread(relative=sqrt(4.0 / pi - 1.0), law="weibull"))
+    live = live_area(law, PARABOLA)
+    area = 25.0 * np.array([1e-4, 0.1, 1.0, 3.0, 8.0])
+    np.testing.assert_allclose(live.cdf(area), -np.expm1(-area / 25.0), rtol=1e-12)
+    np.testing.assert_allclose(25.0 * live.density(area), np.exp(-area / 25.0), rtol=1e-11)
+
+
+def test_two_parabolas_of_one_size_have_a_level_half() -> None:
+    """The density is arcsin(x/(2p - x))/(2p) below the peak area p and pi/(4p) from there to 2p."""
+    _, density = pair_area(live_area(ONE_SIZE, PARABOLA))
+    area = pi * np.array([0.01, 0.5, 0.9, 1.1, 1.9])
+    expected = np.where(area < pi, np.arcsin(np.minimum(area / (2.0 * pi - area), 1.0)) / (2.0 * pi), 0.25)
+    np.testing.assert_allclose(density(np.cbrt(area)), expected, rtol=1e-9)
+
+
 def test_two_triangles_of_one_size_have_a_roof() -> None:
     cdf, density = pair_area(live_area(ONE_SIZE, TRIANGLE))
     x = np.array([0.0, 0.3, 1.0, 1.7, 2.0])
@@ -118,7 +142,7 @@ def test_two_triangles_of_one_size_have_a_roof() -> None:
     np.testing.assert_allclose(cdf(np.cbrt(pi * x)), roof, atol=1e-12)
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=["lens", "triangle"])
+@pytest.mark.parametrize("pulse", PULSES.values(), ids=PULSES)
 @pytest.mark.parametrize("name", ["one size", "0.2 um", "20 %", "150 %", "lognormal"])
 def test_two_of_any_law_add_their_cumulants(name: str, pulse: Pulse) -> None:
     live = live_area(LAWS[name], pulse)
@@ -129,6 +153,7 @@ def test_two_of_any_law_add_their_cumulants(name: str, pulse: Pulse) -> None:
     half = 0.5 * np.diff(cdf.edges)[:, None]
     t = 0.5 * (cdf.edges[1:] + cdf.edges[:-1])[:, None] + half * x
     weights = 3.0 * t**2 * half * w
-    assert np.sum(weights * density(t)) == pytest.approx(1.0, rel=1e-11)
-    assert np.sum(weights * (1.0 - cdf(t))) == pytest.approx(2.0 * one[0], rel=1e-11)
-    assert np.sum(weights * t**6 * density(t)) == pytest.approx(2.0 * (one[1] + one[0] ** 2), rel=1e-11)
+    near = 1e-9 if live.rise.infinite else 1e-11
+    assert np.sum(weights * density(t)) == pytest.approx(1.0, rel=near)
+    assert np.sum(weights * (1.0 - cdf(t))) == pytest.approx(2.0 * one[0], rel=near)
+    assert np.sum(weights * t**6 * density(t)) == pytest.approx(2.0 * (one[1] + one[0] ** 2), rel=near)

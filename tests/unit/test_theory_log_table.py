@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rubnoise.contact.laws import Normal
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.mean_life import age_table
 from rubnoise.theory.quadrature import panels
@@ -18,7 +18,7 @@ def test_edges_that_differ_by_rounding_make_no_panel() -> None:
     np.testing.assert_allclose(table(places), [places, places**2], rtol=1e-12)
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 def test_mean_area_of_every_age_is_right_where_sizes_reach_down_to_nothing(pulse: Pulse) -> None:
     # Of these sizes an edge, doubled, falls beside another one. The check has no care for how lenses are born.
     law = Normal(centre=9.752392710241176, std=1.5)

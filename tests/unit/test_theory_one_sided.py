@@ -5,7 +5,7 @@ import pytest
 
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.laws import Normal
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.quadrature import panels
@@ -19,7 +19,7 @@ from rubnoise.theory.spectrum import (
 )
 from tests.unit.theory_models import model_of, one_size, paper_model
 
-PULSES = pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+PULSES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 
 
 @PULSES

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Lognormal
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import regular_births
@@ -20,7 +20,7 @@ from tests.verification.seeds import seed_of
 
 Doubles = NDArray[np.float64]
 
-SHAPES = pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+SHAPES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 
 
 @pytest.mark.parametrize("count", [2, 4, 10, 20, 50, 500])

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.laws import Lognormal
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.theory import regular_births
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
@@ -26,7 +26,7 @@ from tests.verification.seeds import seed_of
 Doubles = NDArray[np.float64]
 
 LAGS = [0.0, 0.3, 4.4, 7.0]
-SHAPES = pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+SHAPES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 CASES = pytest.mark.parametrize(("count", "spread"), [(0.5, 0.2), (2.5, 0.0), (2.5, 0.2), (20.0, 0.2), (6.0, 6.0)])
 
 

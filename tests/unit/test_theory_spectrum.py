@@ -4,7 +4,7 @@ import pytest
 from scipy.special import struve
 
 from rubnoise.contact.laws import Normal
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
@@ -32,7 +32,7 @@ def test_the_library_function_alone_would_not_hold_that_bound() -> None:
     assert abs(float(np.pi * struve(1, 25.57) / 25.57**2) / transform_by_series(25.57) - 1.0) > 1.5e-13
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 @pytest.mark.parametrize("phase", [0.0, 1e-8, 0.3, 6.0, 33.0])
 def test_transform_is_the_integral_over_the_life(pulse: Pulse, phase: float) -> None:
     angle, weights = np.polynomial.legendre.leggauss(60)
@@ -109,7 +109,7 @@ def test_many_wavenumbers_at_once_are_as_each_alone() -> None:
     np.testing.assert_allclose(spectral_density(model, k)[::500], [spectral_density(model, x) for x in k[::500]], 1e-12)
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 def test_averaging_over_the_swing_keeps_the_integral_and_takes_the_swing(pulse: Pulse) -> None:
     z, transform = np.linspace(1e-3, 2000.0, 400_001), transform_of(pulse)
     window = np.exp(-0.5 * np.square((z - 700.0) / 60.0)) * z**4

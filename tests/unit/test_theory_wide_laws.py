@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rubnoise.contact.laws import Power, Weibull
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.pulses import PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
@@ -57,7 +57,7 @@ def test_spectral_density(name: str, wavenumber: float) -> None:
 
 @pytest.mark.parametrize("relative_spread", [0.1, 0.2, 0.35, 0.5])
 @pytest.mark.parametrize("law", [LogNormal, Gamma])
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE], ids=lambda pulse: pulse.shape)
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
 def test_spectral_density_just_beyond_the_last_swing_that_is_followed(
     relative_spread: float, law: type[LogNormal], pulse: Pulse
 ) -> None:

@@ -120,7 +120,7 @@ KERNELS = (
     ),
     one(
         "bend of a triangle's kink a third off",
-        "test_kernels_triangle.py::test_moments_of_cells_that_hold_births_mid_lives_and_deaths",
+        "test_kernels_polynomial.py::test_moments_of_cells_that_hold_births_mid_lives_and_deaths",
         "moments[2, cell] += beside * r * (1.0 - r) / 2.0",
         "moments[2, cell] += beside * r * (1.0 - r) / 3.0",
     ),

@@ -6,7 +6,7 @@ for each of `PULSES`; a test asks every one of them.
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, prod
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.contact import overlap
 
-Shape = Literal["lens", "triangle"]
+Shape = Literal["lens", "triangle", "parabola"]
 Offset = Literal["none", "uniform"]
 
 
 class Pulse(Protocol):
-    """A shape of the junction's area over a life of 2d; both shapes reach pi d^2/4 at s = d and are symmetric about it.
+    """A shape of the junction's area over a life of 2d; every one reaches pi d^2/4 at s = d, its mirror.
 
     A(s; d) = d^2 a(s/d), so that the integral of A^n over a life is c_n d^(2n+1).
     """
@@ -271,7 +271,85 @@ class TrianglePulse(_Centred):
         return mpmath.pi / 8
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParabolaPulse(_Centred):
+    """The overlap of two paraboloids of combined height d^2/(4R) above the gap: life mean (pi/6) d^2.
+
+    R is the radius of one of two equal asperities, which the gap cuts in circles of diameter d. Two rough surfaces that
+    slide at constant separation have such lives. Source: Greenwood and Williamson (1966), doi:10.1098/rspa.1966.0242,
+    for one asperity; the life follows from the height of two paraboloids whose axes are a distance apart.
+    """
+
+    @property
+    def shape(self) -> Shape:
+        """The name of the shape in a scenario."""
+        return "parabola"
+
+    @property
+    def name(self) -> str:
+        """The name in tables by pulse."""
+        return "parabola"
+
+    @property
+    def formula(self) -> str:
+        """The area in words."""
+        return "pi/4 (d^2 - x^2)"
+
+    @property
+    def tail(self) -> tuple[float, int]:
+        """pi^2 / 2 and 4: the slope jumps by pi/2 at both ends, and nowhere between; squares add up."""
+        return 0.5 * pi**2, 4
+
+    @property
+    def squared_integral(self) -> float:
+        """(pi/3)^2."""
+        return pi**2 / 9.0
+
+    @property
+    def cubed_integral(self) -> float:
+        """(pi/3)^3."""
+        return pi**3 / 27.0
+
+    @property
+    def squared_slope(self) -> float:
+        """pi^2 / 6."""
+        return pi * pi / 6.0
+
+    def area(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return (pi/4) s (2d - s) in um^2, and 0 outside 0 <= s <= 2d."""
+        d = np.asarray(diameter, dtype=np.float64)
+        s = np.asarray(distance_since_birth, dtype=np.float64)
+        return 0.25 * np.pi * np.maximum(s * (2.0 * d - s), 0.0)
+
+    def slope(self, distance_since_birth: ArrayLike, diameter: ArrayLike) -> Doubles:
+        """Return (pi/2) (d - s) in um; 0 at birth and at death, where it jumps."""
+        d = np.asarray(diameter, dtype=np.float64)
+        s = np.asarray(distance_since_birth, dtype=np.float64)
+        return 0.5 * np.pi * (d - s) * ((s > 0.0) & (s < 2.0 * d))
+
+    def life_integral(self, power: int) -> float:
+        """Return c_n = (pi/4)^n sqrt(pi) Gamma(n + 1) / Gamma(n + 3/2), 2 (pi/4)^n times 2j/(2j + 1), j = 1 ... n."""
+        return 2.0 * (0.25 * pi) ** power * prod(2.0 * j / (2.0 * j + 1.0) for j in range(1, power + 1))
+
+    def rising_area(self, half_life: Any) -> Any:
+        """Return (pi/4) u (2 - u)."""
+        import mpmath
+
+        return mpmath.pi / 4 * half_life * (2 - half_life)
+
+    def area_so_far(self, half_life: Doubles) -> Doubles:
+        """Return (pi/4) u^2 (1 - u/3)."""
+        return 0.25 * np.pi * np.square(half_life) * (1.0 - half_life / 3.0)
+
+    def life_mean(self) -> Any:
+        """Return pi/6."""
+        import mpmath
+
+        return mpmath.pi / 6
+
+
 LENS = LensPulse()
 TRIANGLE = TrianglePulse()
-PULSES: dict[str, Pulse] = {pulse.shape: pulse for pulse in (LENS, TRIANGLE)}
+PARABOLA = ParabolaPulse()
+PULSES: dict[str, Pulse] = {pulse.shape: pulse for pulse in (LENS, TRIANGLE, PARABOLA)}
 """Every pulse shape by its name in a scenario."""

@@ -39,7 +39,7 @@ class Interface(Section):
         str,
         Choice(("paper", "exact", "matched")),
         About(description="Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm."),
-    ] = "exact"
+    ] = "matched"
 
 
 def _listed(one_value: str) -> str:
@@ -92,8 +92,11 @@ class Pulse(Section):
 
     shape: Annotated[
         str,
-        Choice(("lens", "triangle")),
-        About(description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak."),
+        Choice(("lens", "triangle", "parabola")),
+        About(
+            description="lens: the overlap of two circles; triangle: a straight rise and fall to the same peak; "
+            "parabola: the overlap of two paraboloids, as rough surfaces have it."
+        ),
     ] = "lens"
     offset: Annotated[
         str,

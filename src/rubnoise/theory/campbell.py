@@ -49,7 +49,7 @@ def area_cumulants(model: Model) -> Cumulants:
     kappa_n = lam c_n m_(2n+1) for Poisson births: lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life,
     m_n = E[d^n]. Regular births have the same mean, and the rest from the law of total cumulance over their phase.
     Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse,
-    paper Eq. (2) or a triangle.
+    such as that of paper Eq. (2).
     """
     return _cumulants(model, (1.0,) * (ORDERS + 1))
 

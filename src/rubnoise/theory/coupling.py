@@ -33,7 +33,7 @@ def force_slope_std(model: Model) -> float:
     """Return the standard deviation of F' = dF/ds in uN/um, F the stationary friction force; its mean is 0.
 
     Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, which is finite for the lens (A' ends as a
-    root) and for the triangle (A' jumps). Regular births add E[psi]^2 times the mean over their phase of
+    root), triangle and parabola (A' jumps). Regular births add E[psi]^2 times the mean over their phase of
     (sum g)^2 - sum g^2, g = E[A'] at the ages that the phase leaves. Raises Refused without a strength.
     Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse psi A'.
     """

@@ -172,7 +172,8 @@ def _count(wanted: float) -> int:
 def _cutoff(live: LiveArea, mean_count: float) -> float:
     """Return the wavenumber in 1/um^2 beyond which the characteristic function holds nothing of three and more.
 
-    For N live junctions each |phi(th)| <= y = 2 G(1/|th|) in practice, G the distribution function of a live area; with
+    For N live junctions each |phi(th)| <= y in practice, y twice the
+    probability of the lowest or highest 1/|th| of a live area; with
     many of them it falls as exp(-N E[1 - cos(th a)]) at once, and 1 - cos(x) >= 2 x^2/pi^2 up to pi.
     """
     if mean_count > _MANY_JUNCTIONS:
@@ -180,7 +181,8 @@ def _cutoff(live: LiveArea, mean_count: float) -> float:
         square = float(np.square(np.minimum(area, live.median)) @ probability)
         return pi * sqrt(-0.5 * np.log(_LOST) / (mean_count * square))
     wavenumbers = np.geomspace(1e-2, 1e8, 1000) / live.median
-    y = mean_count * np.minimum(1.0, 2.0 * live.cdf(1.0 / wavenumbers))
+    at_an_end = np.maximum(live.cdf(1.0 / wavenumbers), 1.0 - live.cdf(live.largest - 1.0 / wavenumbers))
+    y = mean_count * np.minimum(1.0, 2.0 * at_an_end)
     left = np.exp(y - mean_count) - exp(-mean_count) * _up_to_two(y)
     return float(wavenumbers[np.argmax(left < _LOST)])
 

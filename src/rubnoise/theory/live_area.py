@@ -5,7 +5,7 @@ the law for junctions of all sizes.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
-from rubnoise.theory.quadrature import panels, size_edges
+from rubnoise.theory.quadrature import hard_ends, panels, size_edges
 
 NODES = 20
 _AT_ONCE = 32_768
@@ -24,10 +24,16 @@ _AT_ONCE = 32_768
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Piecewise:
-    """A function on [edges[0], edges[-1]] as Legendre series, one column of coefficients for each panel."""
+    """A function on [edges[0], edges[-1]] as Legendre series, one column of coefficients for each panel.
+
+    The series of a ``rooted`` panel runs in 1 - 2r, r = sqrt((high - x)/(high - low)): it follows what ends like a
+    root there. If ``infinite``, the function is the series over r on such panels.
+    """
 
     edges: Doubles
     coefficients: Doubles
+    rooted: NDArray[np.bool_] | None = None
+    infinite: bool = False
 
     def __call__(self, x: Doubles) -> Doubles:
         """Return the values at places of any shape; places outside are taken as the nearest end."""
@@ -42,17 +48,29 @@ class Piecewise:
         panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.edges.size - 2)
         low, high = self.edges[panel], self.edges[panel + 1]
         local = (2.0 * x - low - high) / (high - low)
-        return np.asarray(legendre.legval(local, self.coefficients[:, panel], tensor=False), dtype=np.float64)
+        if self.rooted is None:
+            return np.asarray(legendre.legval(local, self.coefficients[:, panel], tensor=False), dtype=np.float64)
+        at_root = self.rooted[panel]
+        root = np.sqrt(np.maximum(0.5 * (1.0 - local), _NEAREST if self.infinite else 0.0))
+        values = legendre.legval(np.where(at_root, 1.0 - 2.0 * root, local), self.coefficients[:, panel], tensor=False)
+        return np.asarray(np.where(at_root, values / root, values) if self.infinite else values, dtype=np.float64)
 
     def integral(self) -> "Piecewise":
-        """Return the antiderivative that is 0 at the first edge."""
-        parts = 0.5 * np.diff(self.edges) * legendre.legint(self.coefficients, lbnd=-1, axis=0)
+        """Return the antiderivative that is 0 at the first edge; of a function with rooted panels if it is infinite."""
+        steps = 0.5 * np.diff(self.edges)
+        if self.rooted is not None:
+            steps = np.where(self.rooted, 2.0 * steps, steps)  # dx = 2 (high - low) r dr, and the series is over r
+        parts = steps * legendre.legint(self.coefficients, lbnd=-1, axis=0)
         parts[0, 1:] += np.cumsum(legendre.legval(1.0, parts))[:-1]
-        return Piecewise(edges=self.edges, coefficients=parts)
+        return Piecewise(edges=self.edges, coefficients=parts, rooted=self.rooted)
 
     def scaled(self, factor: float) -> "Piecewise":
         """Return the function times a number."""
-        return Piecewise(edges=self.edges, coefficients=factor * self.coefficients)
+        return replace(self, coefficients=factor * self.coefficients)
+
+
+_NEAREST = 1e-16
+"""Of a panel: how near to its end a function that is infinite there is worked out."""
 
 
 def series(values: Doubles) -> Doubles:
@@ -100,7 +118,19 @@ def _triangle(area: Doubles) -> Doubles:
     return np.full_like(area, 1.0 / _PEAK)
 
 
-_DENSITIES: dict[str, UnitDensity] = {"lens": _lens, "off-centre lens": _off_centre_lens, "triangle": _triangle}
+def _parabola(area: Doubles) -> Doubles:
+    """Return 1/sqrt(pi (pi/4 - a)), the area growing by (pi/2) (1 - u) du; without bound at the peak."""
+    return np.asarray(1.0 / np.sqrt(np.pi * np.maximum(_PEAK - area, _NEAREST)), dtype=np.float64)
+
+
+_DENSITIES: dict[str, UnitDensity] = {
+    "lens": _lens,
+    "off-centre lens": _off_centre_lens,
+    "triangle": _triangle,
+    "parabola": _parabola,
+}
+_INFINITE_AT_PEAK = ("parabola",)
+"""Pulses whose slope is 0 at mid-life: their areas are likeliest there."""
 
 
 @cache
@@ -136,6 +166,7 @@ _RADIANS, _RULE_NODES = 32.0, 24
 class LiveArea:
     """The law of the area a of one live junction, in t = a^(1/3), where both pulses are smooth at birth.
 
+    Where the density grows without bound at a peak area, as for the parabola, the panel below it is rooted.
     ``rise`` is dG/dt and ``level`` the distribution function G; ``breaks`` are areas in um^2 between which both are
     smooth, the peak areas pi d^2/4 of the law's sizes; the last is the largest area there is.
     """
@@ -174,8 +205,21 @@ class LiveArea:
         """
         edges = self.rise.edges[: 1 + np.searchsorted(self.rise.edges, np.cbrt(min(reach, self.largest)))]
         pieces = 1 + np.floor(wavenumber * np.diff(edges**3) / _RADIANS).astype(np.int64)
-        t, weights = panels(np.interp(_split(pieces), np.arange(edges.size), edges), _RULE_NODES)
+        if self.rise.rooted is None:
+            t, weights = panels(np.interp(_split(pieces), np.arange(edges.size), edges), _RULE_NODES)
+        else:
+            t, weights = self._rooted_panels(edges, pieces)
         return t**3, weights * np.maximum(self.rise(t), 0.0)
+
+    def _rooted_panels(self, edges: Doubles, pieces: NDArray[np.int64]) -> tuple[Doubles, Doubles]:
+        """Return nodes and weights of the rule; on rooted panels in the root, where areas are twice as far apart."""
+        rooted = np.asarray(self.rise.rooted)[: pieces.size]
+        places, weights = panels(_split(np.where(rooted, 2 * pieces, pieces)), _RULE_NODES)
+        panel = np.minimum(places.astype(np.int64), pieces.size - 1)
+        fraction, width = places - panel, np.diff(edges)[panel]
+        left = np.where(rooted[panel], np.square(1.0 - fraction), 1.0 - fraction)
+        stretch = np.where(rooted[panel], 2.0 * (1.0 - fraction), 1.0)
+        return edges[panel + 1] - width * left, weights * width * stretch
 
 
 def _split(pieces: NDArray[np.int64]) -> Doubles:
@@ -193,10 +237,20 @@ def live_area(sizes: Law, pulse: Pulse) -> LiveArea:
     unit diameter. Source: length-biased sampling (Cox 1962, Renewal Theory, section 5.4), for the pulse of Eq. (2).
     """
     cuts, edges = _cuts_and_edges(sizes)
+    unit, infinite = unit_density(pulse), pulse.name in _INFINITE_AT_PEAK
+    edges = _closer_to_peaks(edges, cuts) if infinite else edges
+    rooted = np.isin(np.arange(edges.size - 1), _below_peaks(sizes, edges)) if infinite else None
     t, _ = panels(edges, NODES)
-    unit = unit_density(pulse)
-    rise = 3.0 * t * t * _density(unit, t**3, sizes, cuts)
-    pieces = Piecewise(edges=edges, coefficients=series(rise.reshape(edges.size - 1, NODES)))
+    if rooted is not None:
+        width, low = np.diff(edges), edges[:-1, None]
+        root = 1.0 - (t.reshape(width.size, NODES) - low) / width[:, None]
+        t = np.where(rooted[:, None], edges[1:, None] - width[:, None] * root**2, t.reshape(root.shape)).ravel()
+    rise = 3.0 * t * t * _density(unit, t**3, sizes, cuts, rooted=infinite)
+    if rooted is not None:
+        rise = np.where(rooted[:, None], rise.reshape(root.shape) * root, rise.reshape(root.shape)).ravel()
+    pieces = Piecewise(
+        edges=edges, coefficients=series(rise.reshape(edges.size - 1, NODES)), rooted=rooted, infinite=infinite
+    )
     # The density of a law of little spread has few digits; its shape has them all, so the mass is made 1.
     pieces = pieces.scaled(1.0 / float(pieces.integral()(edges[-1:])[0]))
     return LiveArea(rise=pieces, level=pieces.integral(), breaks=_PEAK * np.square(cuts))
@@ -216,15 +270,40 @@ def _cuts_and_edges(sizes: Law) -> tuple[Doubles, Doubles]:
     return cuts, np.append(0.0, edges)
 
 
+def _closer_to_peaks(edges: Doubles, cuts: Doubles) -> Doubles:
+    """Return edges that come closer by 2 to the least peak area from below, up to what all peaks lie in."""
+    low, high = np.cbrt(_PEAK * np.square(cuts[[0, -1]]))
+    if low == high:
+        return edges
+    last = low - edges[edges < low * (1.0 - 1e-12)][-1]
+    steps = np.arange(1.0, max(np.ceil(np.log2(last / (high - low))), 0.0) + 1.0)
+    return np.union1d(edges, low - last * 0.5**steps)
+
+
+def _below_peaks(sizes: Law, edges: Doubles) -> NDArray[np.int64]:
+    """Return the panels that end at the peak area of a diameter at which the law begins or ends abruptly."""
+    ends = [end for end in hard_ends(sizes) if end is not None] or (
+        [size_edges(sizes)[0][-1]] if size_edges(sizes)[0].size == 1 else []
+    )
+    return np.searchsorted(edges, np.cbrt(_PEAK * np.square(ends)) * (1.0 - 1e-12)) - 1
+
+
 def _halved(edges: Doubles, logarithmic: bool) -> Doubles:  # noqa: FBT001  (the pair that size_edges returns)
     """Return edges with the middles between them: what is smooth enough to integrate is not yet to interpolate."""
     middles = np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])
     return np.union1d(edges, middles)
 
 
-def _density(unit: UnitDensity, area: Doubles, sizes: Law, cuts: Doubles) -> Doubles:
+def _density(unit: UnitDensity, area: Doubles, sizes: Law, cuts: Doubles, *, rooted: bool) -> Doubles:
     """Return m_1 G'(a), each integral over diameters from the one whose peak area is a; G'(a) itself for one size."""
     if cuts.size == 1:
         return unit(area / cuts**2) / cuts**2
-    diameters, weights = panels(np.clip(np.sqrt(area / _PEAK)[:, None], cuts, cuts[-1]), NODES)
+    least = np.sqrt(area / _PEAK)[:, None]
+    ends = np.clip(least, cuts, cuts[-1])
+    if rooted:  # with v = sqrt(d^2 - least^2) what grows as 1/v is smooth, and dd = v dv / d
+        roots, weights = panels(np.sqrt((ends - least) * (ends + least)), NODES)
+        diameters = np.hypot(least, roots)
+        weights = weights * roots / diameters
+    else:
+        diameters, weights = panels(ends, NODES)
     return np.sum(weights * sizes.density(diameters) / diameters * unit(area[:, None] / diameters**2), axis=-1)

@@ -20,9 +20,9 @@ def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the two-sided spectral density S(k) of real contact area in um^4 per rad/um, for any shape of k in rad/um.
 
     S(k) = lam E[|A^(k)|^2], with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk and lam the birth rate; |A^(k)| is
-    pi d |H_1(k d)| / k^2 for the lens and (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle; for passes off the
-    centre line the mean includes offsets (`rubnoise.theory.off_centre`). S(0) is finite. Regular
-    births have the continuous part S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
+    pi d |H_1(k d)| / k^2 for the lens, (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle and
+    pi (sin(k d) - k d cos(k d)) / k^3 for the parabola; for passes off the centre line the mean includes offsets
+    (`rubnoise.theory.off_centre`). S(0) is finite. Regular births have the continuous part S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
     `rubnoise.theory.regular_births.spectral_lines`.
     Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); for regular births Campbell's theorem
     given the phase, under which the lives are independent.
@@ -94,9 +94,9 @@ def tail(model: Model, wavenumber: ArrayLike) -> Doubles:
     """Return the level about which S(k) falls off, in um^4 per rad/um, k > 0 in rad/um; two-sided.
 
     It is lam j m_2 / k^4 for passes through both centres, and lam (9 pi^2/16) m_1 / k^5 for those off the centre line.
-    j is 4 for the lens and 3 pi^2 / 8 for the triangle, the sum of the squares of the jumps of slope over a life of
-    unit diameter. S swings about it, the lens by a factor 1 + 2.5 / sqrt(k d) for one size, the triangle wholly; spread
-    damps that. Raises Refused unless births are a Poisson process.
+    j is 4 for the lens, 3 pi^2 / 8 for the triangle and pi^2 / 2 for the parabola, the sum of the squares of the jumps
+    of slope over a life of unit diameter. S swings about it, the lens by a factor 1 + 2.5 / sqrt(k d) for one size, the
+    others wholly; spread damps that. Raises Refused unless births are a Poisson process.
     Source: Watson's lemma for the kinks of paper Eq. (2).
     """
     need_random_births(model, "the tail of the spectrum")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.pulses import Pulse, Shape
-from rubnoise.theory import off_centre, transform_lens, transform_triangle
+from rubnoise.theory import off_centre, transform_lens, transform_parabola, transform_triangle
 from rubnoise.theory.quadrature import complementary_error
 
 _STEP_FROM = 32.0
@@ -116,6 +116,12 @@ _TRANSFORMS: dict[Shape, PulseTransform] = {
         level=transform_triangle.level,
         swing=transform_triangle.swing,
         birth_level=transform_triangle.birth_level,
+    ),
+    "parabola": PulseTransform(
+        amplitude=transform_parabola.amplitude,
+        level=transform_parabola.level,
+        swing=transform_parabola.swing,
+        birth_level=transform_parabola.birth_level,
     ),
 }
 

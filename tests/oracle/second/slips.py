@@ -20,7 +20,7 @@ from rubnoise.contact.pulses import Shape
 from rubnoise.record.rows import Phase
 from tests.oracle.second.sums import lens_fraction
 
-SHAPES: Final[dict[Shape, int]] = {"lens": 0, "triangle": 1}
+SHAPES: Final[dict[Shape, int]] = {"lens": 0, "triangle": 1, "parabola": 2}
 _SLIP, _STICK = int(Phase.SLIP), int(Phase.STICK)
 
 _PLAIN, _LEFT, _RIGHT = range(3)
@@ -147,7 +147,8 @@ def _force(offset: float, shape: int, lives: Lives, count: int) -> float:
     total = 0.0
     for n in range(count):
         u = min(max((lives.gap[n] + lives.grows[n] * offset) * lives.inverse[n], 0.0), 1.0)
-        total += lives.weight[n] * (lens_fraction(u) if shape == 0 else 0.25 * np.pi * u)
+        bent = u * (2.0 - u) if shape == 2 else u
+        total += lives.weight[n] * (lens_fraction(u) if shape == 0 else 0.25 * np.pi * bent)
     return total
 
 

@@ -80,6 +80,26 @@ def _add_triangles(
 
 
 @compiled
+def _add_parabolas(
+    positions: Doubles,
+    first: Integers,
+    last: Integers,
+    birth: Doubles,
+    diameter: Doubles,
+    strength: Doubles,
+    area: Doubles,
+    force: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        born, d, psi = birth[row], diameter[row], strength[row]
+        for tick in range(first[row], last[row]):
+            u = (positions[tick] - born) / d - 1.0
+            each = 0.25 * np.pi * d * d * max(1.0 - u * u, 0.0)
+            area[tick] += each
+            force[tick] += psi * each
+
+
+@compiled
 def off_centre_fraction(x: float, offset: float) -> float:
     """Return the area of the lens over d^2 whose centres are x d along the motion and b d across it from each other."""
     r = min(np.hypot(x, offset), 1.0)
@@ -110,6 +130,7 @@ def _add_off_centre(
 _ADDED: dict[str, Callable[..., None]] = {
     "lens": _add_lenses,
     "triangle": _add_triangles,
+    "parabola": _add_parabolas,
     "off-centre lens": _add_off_centre,
 }
 
@@ -141,6 +162,10 @@ def _add_all_triangles(positions: Doubles, width: float, shapes: tuple[Doubles, 
     _add(_add_triangle_moments, positions, width, shapes, moments)
 
 
+def _add_all_parabolas(positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
+    _add(_add_parabola_moments, positions, width, shapes, moments)
+
+
 def _add_all_lenses(positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles) -> None:
     fine = shapes[1] > NARROW * width
     _add(_add_lens_moments, positions, width, tuple(each[~fine] for each in shapes), moments)
@@ -154,6 +179,7 @@ def _add_all_off_centre(positions: Doubles, width: float, shapes: tuple[Doubles,
 _MOMENTS_ADDED: dict[str, Callable[..., None]] = {
     "lens": _add_all_lenses,
     "triangle": _add_all_triangles,
+    "parabola": _add_all_parabolas,
     "off-centre lens": _add_all_off_centre,
 }
 
@@ -309,6 +335,39 @@ def _add_triangle_moments(
                 age = p + share * (q - p)
                 y = (p - (edge - width)) - 0.5 * width + share * (q - p)
                 part = 0.5 * (q - p) * slope * min(age, 2.0 * d - age)
+                _add_to_cell(moments, cell, width, part, part * y, part * y * y)
+            p = q
+            if q >= edge:
+                cell += 1
+                edge = origin[row] + (cell - begin[row] + 1) * width
+
+
+_THREE = 0.5 * 0.6**0.5  # three nodes, in the middle and at this distance from it, are exact for degree 5
+
+
+@compiled
+def _add_parabola_moments(
+    begin: Integers,
+    origin: Doubles,
+    width: float,
+    birth: Doubles,
+    diameter: Doubles,
+    death: Doubles,
+    strength: Doubles,
+    moments: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        born, d = birth[row], diameter[row]
+        end = _end_of_life(born, d, death[row])
+        cell = begin[row]
+        edge = origin[row] + width
+        p = max(origin[row], 0.0)
+        while cell < moments.shape[1] and p < end:
+            q = min(edge, end)
+            for share, weight in ((0.5 - _THREE, 5.0), (0.5, 8.0), (0.5 + _THREE, 5.0)):
+                age = p + share * (q - p)
+                y = (p - (edge - width)) - 0.5 * width + share * (q - p)
+                part = weight / 18.0 * (q - p) * 0.25 * np.pi * strength[row] * age * (2.0 * d - age)
                 _add_to_cell(moments, cell, width, part, part * y, part * y * y)
             p = q
             if q >= edge:

@@ -35,8 +35,8 @@ Lives = tuple[Doubles, Doubles, Doubles, Doubles, Doubles]
 Part = tuple[float, Doubles, Doubles, int, int]
 """A gathered cell: 2 over its width, `far`, `near`, how many are near, and the shape."""
 
-LENS_SHAPE, TRIANGLE_SHAPE = range(2)
-SHAPES: Final = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE}
+LENS_SHAPE, TRIANGLE_SHAPE, PARABOLA_SHAPE = range(3)
+SHAPES: Final = {"lens": LENS_SHAPE, "triangle": TRIANGLE_SHAPE, "parabola": PARABOLA_SHAPE}
 """Pulse shapes by the number that what is compiled knows them by."""
 
 GROUP: Final = 8
@@ -46,6 +46,7 @@ REACH: Final = 3.0
 """Cells on either side in which a birth or death keeps a life out of the polynomial: (5.8 + 8.2)^-8 of what is left."""
 
 _QUARTER_TURN: Final = 0.25 * np.pi
+_FOUR_THIRDS: Final = 4.0 / 3.0
 
 AGE, SIZE, INVERSE, SHARE = range(4)
 """Columns of the lives that are worked out one by one: age at the cell's origin, d, 1/d, psi d^2."""
@@ -121,6 +122,8 @@ def _fraction(u: Any, shape: int) -> Any:
     """Return the area over d^2 in lanes, u in [0, 1] the nearer end's distance over d."""
     if shape == LENS_SHAPE:
         return (u * root(u)) * polynomial(AREA_COEFFICIENTS, u)
+    if shape == PARABOLA_SHAPE:
+        return (u * (spread(2.0) - u)) * spread(_QUARTER_TURN)
     return u * spread(_QUARTER_TURN)
 
 
@@ -193,8 +196,13 @@ def force_in_cell(offset: float, part: Part) -> float:
     for n in range(count):
         s = (offset + near[AGE * size + n]) * near[INVERSE * size + n]
         u = max(min(s, 2.0 - s), 0.0)
-        part = u * np.sqrt(u) * horner(AREA_COEFFICIENTS, u) if shape == LENS_SHAPE else u * _QUARTER_TURN
-        total += near[SHARE * size + n] * part
+        if shape == LENS_SHAPE:
+            area = u * np.sqrt(u) * horner(AREA_COEFFICIENTS, u)
+        elif shape == PARABOLA_SHAPE:
+            area = u * (2.0 - u) * _QUARTER_TURN
+        else:
+            area = u * _QUARTER_TURN
+        total += near[SHARE * size + n] * area
     return total
 
 
@@ -206,6 +214,9 @@ def _integral(s: Any, shape: int) -> Any:
     if shape == LENS_SHAPE:
         rise = ((u * u) * root(u)) * polynomial(FIRST_INTEGRAL_COEFFICIENTS, u)
         return where_above(one, s, spread(2.0 / 3.0) - rise, rise)
+    if shape == PARABOLA_SHAPE:
+        rise = ((u * u) * (one - u * spread(1.0 / 3.0))) * spread(_QUARTER_TURN)
+        return where_above(one, s, spread(_FOUR_THIRDS * _QUARTER_TURN) - rise, rise)
     rise = (u * u) * spread(0.5 * _QUARTER_TURN)
     return where_above(one, s, spread(_QUARTER_TURN) - rise, rise)
 

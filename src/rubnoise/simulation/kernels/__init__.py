@@ -29,6 +29,7 @@ lens, d < 96 h     `coarse`: polynomials of area and       area 1e-15 d^2; momen
 lens, d >= 96 h,   area by `coarse`; moments by `lens`:    moments 1e-14 d^2                     2, 100
 ended early        quadrature in sqrt(u) in each cell
 triangle           `triangle`: chords and kinks            1e-15 d^2                             1, 2 to 5
+parabola           `parabola`: chords, bends and kinks     1e-15 d^2                             1, 2 to 5
 lens off the       `off_centre`: polynomials of area;      area 1e-15 d^2; moments 1e-12,        3, 5 to 30
 centre line        moments by quadrature in cells near     5e-11, 1e-9 d^2
                    the ends and the turn, by power

@@ -1,8 +1,9 @@
 """Which way lives are summed: the one door to the compiled loops."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from types import ModuleType
 from typing import Final
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Shape
-from rubnoise.simulation.kernels import off_centre, off_centre_series, triangle
+from rubnoise.simulation.kernels import off_centre, off_centre_series, parabola, triangle
 from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
 from rubnoise.simulation.kernels.fine import FINEST, deposit_fine_lives
 from rubnoise.simulation.kernels.grid import Grid
@@ -20,6 +21,8 @@ from rubnoise.simulation.state import LiveRows
 
 _CELL_WEIGHTS: Final = cell_weights().ravel()
 _NOTHING: Final = np.empty(0)
+
+_Way = Callable[[Grid, LiveRows, Doubles, Doubles, Doubles, "Scratch"], None]
 
 _LONG: Final = 1024
 """Cells that cost as much as to look at two stretches of lives, and not at one."""
@@ -172,21 +175,26 @@ def _deposit_with_narrow(
         moments.reshape(3, -1)[:, grid.wanted] += cells[:, 1:] / grid.spacing
 
 
-def _deposit_triangles(
-    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
-) -> None:
-    """Triangles are straight but for their kinks, at any position and in any cell."""
-    del scratch
-    if total.size:
-        at = grid.wanted
-        total[at] = 0.0
-        triangle.deposit_areas(grid.position[at], rows.birth, rows.diameter, rows.departure, weight, total[at])
-    if moments.size:
-        edges, strength = grid.cells(), weight / (rows.diameter * rows.diameter)
-        lives = (rows.birth, rows.diameter, rows.departure, strength)
-        cells = np.zeros((3, edges.stop - edges.start))
-        triangle.deposit_moments(grid.position[edges], grid.spacing, *lives, cells)
-        np.divide(cells[:, 1:], grid.spacing, out=moments.reshape(3, -1)[:, grid.wanted])
+def _polynomial(lives: ModuleType) -> _Way:
+    """Return the way of lives that are polynomials but for their kinks, at any position and in any cell."""
+
+    def deposit_polynomials(
+        grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
+    ) -> None:
+        del scratch
+        if total.size:
+            at = grid.wanted
+            total[at] = 0.0
+            lives.deposit_areas(grid.position[at], rows.birth, rows.diameter, rows.departure, weight, total[at])
+        if moments.size:
+            edges, strength = grid.cells(), weight / (rows.diameter * rows.diameter)
+            cells = np.zeros((3, edges.stop - edges.start))
+            lives.deposit_moments(
+                grid.position[edges], grid.spacing, rows.birth, rows.diameter, rows.departure, strength, cells
+            )
+            np.divide(cells[:, 1:], grid.spacing, out=moments.reshape(3, -1)[:, grid.wanted])
+
+    return deposit_polynomials
 
 
 def _deposit_off_centre(
@@ -235,4 +243,8 @@ def _edges_in_reach(grid: Grid, rows: LiveRows) -> slice:
     return slice(cells.start + first, cells.start + max(end, first + 1))
 
 
-_WAYS: Final = {"lens": _deposit_lenses, "triangle": _deposit_triangles}
+_WAYS: Final[dict[Shape, _Way]] = {
+    "lens": _deposit_lenses,
+    "triangle": _polynomial(triangle),
+    "parabola": _polynomial(parabola),
+}

@@ -10,6 +10,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled, compiled_bare
 from rubnoise.simulation.kernels.grid import first_at_or_after
+from rubnoise.simulation.kernels.kinks import add_fall, add_kink
 
 _SLOPE = 0.25 * np.pi
 
@@ -69,38 +70,12 @@ def _add_kinks(
     """Add what one life puts beside the chords; a life ended early falls to nothing where it ends."""
     if departure <= born:
         return
-    _add_kink(positions, width, born, 0.0, slope, moments)
+    add_kink(positions, width, born, 0.0, slope, moments)
     age = departure - born
     if age > size:
-        _add_kink(positions, width, born, size, -2.0 * slope, moments)
+        add_kink(positions, width, born, size, -2.0 * slope, moments)
     if departure >= born + 2.0 * size:
-        _add_kink(positions, width, born, 2.0 * size, slope, moments)
+        add_kink(positions, width, born, 2.0 * size, slope, moments)
     else:
-        _add_kink(positions, width, born, age, slope if age > size else -slope, moments)
-        _add_fall(positions, width, departure, slope * max(min(age, 2.0 * size - age), 0.0), moments)
-
-
-@compiled_bare
-def _add_kink(positions: Doubles, width: float, born: float, age: float, slope: float, moments: Doubles) -> None:
-    """Add a change of slope (uN/um) at an age (um): slope w ((y - 1 + r)+ - r y), r the part of its cell behind it."""
-    cell = first_at_or_after(positions, born + age)
-    if cell == 0 or cell == len(positions):
-        return
-    # From the birth and the age one after the other: their sum is rounded.
-    r = min(max((positions[cell] - born - age) / width, 0.0), 1.0)
-    beside = slope * width * width * r * (1.0 - r)
-    moments[0, cell] -= beside / 2.0
-    moments[1, cell] -= beside * (1.0 - 2.0 * r) / 6.0
-    moments[2, cell] += beside * r * (1.0 - r) / 2.0
-
-
-@compiled_bare
-def _add_fall(positions: Doubles, width: float, place: float, height: float, moments: Doubles) -> None:
-    """Add a fall by a height (uN) at a place (um): height (y - (y > 1 - r)), r the part of its cell behind it."""
-    cell = first_at_or_after(positions, place)
-    if cell == 0 or cell == len(positions):
-        return
-    r = (positions[cell] - place) / width
-    moments[0, cell] += height * width * (0.5 - r)
-    moments[1, cell] += height * width * (1.0 / 6.0 - r * (1.0 - r))
-    moments[2, cell] -= height * width * (r * (1.0 - r) * (1.0 - 2.0 * r))
+        add_kink(positions, width, born, age, slope if age > size else -slope, moments)
+        add_fall(positions, width, departure, slope * max(min(age, 2.0 * size - age), 0.0), moments)
