@@ -167,7 +167,7 @@ def test_a_third_cumulant_is_wrong_below_zero_and_right_above_it(normal: Signal)
 def test_without_a_zero_and_a_strength_number_and_strength_are_not_told(normal: Signal) -> None:
     got = infer_signal(normal, law="normal")
     assert set(got.estimates) == {"diameter", "relative_spread", "noise"}
-    assert "--zero known" in got.not_identified["junction_count"]
+    assert 'zero="known"' in got.not_identified["junction_count"]
     assert set(got.not_identified) == {"junction_count", "mean_real_contact_area", "shear_strength", "strength_spread"}
 
 

@@ -73,8 +73,9 @@ class Junction:
         """Return its area in um^2 at sliding distances in um (any shape); 0 before birth and from death on.
 
         With x = |d - (s - birth_distance)| the lens has A(s) = d^2/2 acos(x/d) - x/2 sqrt(d^2 - x^2) (paper Eq. 2), the
-        triangle (pi/4) d (d - x), or the parabola (pi/4) (d^2 - x^2). A pass that misses the centre line by b = lateral_offset has
-        d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and x = s - birth_distance - sqrt(d^2 - b^2).
+        triangle (pi/4) d (d - x) and the parabola (pi/4) (d^2 - x^2). A pass that misses the centre line by
+        b = lateral_offset has d^2/2 acos(r/d) - r/2 sqrt(d^2 - r^2) with r^2 = x^2 + b^2 and
+        x = s - birth_distance - sqrt(d^2 - b^2).
         """
         s = np.asarray(in_unit(distance, "um"), dtype=np.float64)
         alive = (self.birth_distance <= s) & (s < self.death_distance)

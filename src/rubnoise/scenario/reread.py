@@ -22,7 +22,8 @@ NAME: Final = "scenario_toml"
 class Reread:
     """The resolved scenario of a text, and for a point of a sweep the seeds that its replicates have.
 
-    ``given`` are the keys that the text and the overrides name. ``self_contained`` is False where the text extends a file that is not at hand: its keys are those of the run.
+    ``given`` are the keys that the text and the overrides name. ``self_contained`` is False if the text extends a file
+    that is not at hand: its keys are those of the run.
     """
 
     resolved: Mapping[str, Any]

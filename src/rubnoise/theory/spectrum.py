@@ -22,7 +22,8 @@ def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     S(k) = lam E[|A^(k)|^2], with R(tau) = (1/2 pi) int S(k) exp(i k tau) dk and lam the birth rate; |A^(k)| is
     pi d |H_1(k d)| / k^2 for the lens, (pi/4) d^3 (sin(k d/2) / (k d/2))^2 for the triangle and
     pi (sin(k d) - k d cos(k d)) / k^3 for the parabola; for passes off the centre line the mean includes offsets
-    (`rubnoise.theory.off_centre`). S(0) is finite. Regular births have the continuous part S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
+    (`rubnoise.theory.off_centre`). S(0) is finite. Regular births have the continuous part
+    S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
     `rubnoise.theory.regular_births.spectral_lines`.
     Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); for regular births Campbell's theorem
     given the phase, under which the lives are independent.
