@@ -1,6 +1,6 @@
 """Faults that the tests have to notice: `python3 tools/mutants.py [NAME ...] [--tenth K] [--jobs N] [--resume FILE]`.
 
-Each fault of tools/mutations is put into a copy of the program, and the test that is named beside it runs there. It has
+Each fault of tools/faults is put into a copy of the program, and the test that is named beside it runs there. It has
 to fail by an assertion, and to show |z| >= 8 where it is a matter of chance; without any fault every one of these tests
 has to pass. With `--tenth K`, K from 1 to 10, only each tenth fault is tried, with `--tenth today` the tenth whose turn
 it is. With `--resume FILE` each verdict is kept in the file as it is reached, and the same command, stopped and called
@@ -21,6 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -32,7 +33,6 @@ from typing import TYPE_CHECKING
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from bootstrap import ROOT, WORK
-from mutations import MUTANTS, ROOMS, Edit, Mutant
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -49,6 +49,54 @@ COPIED = ("src", "tests", "pyproject.toml")
 LEFT = shutil.ignore_patterns("*.nbi", "*.nbc")
 """Compiled kernels: each copy has its own. Compiled modules may come, since Python tells a changed one by its time."""
 PYTHON = WORK.python if WORK.python.exists() else Path(sys.executable)
+
+
+FAULTS = ROOT / "tools" / "faults"
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A text that stands exactly once in the program, whatever file holds it, and what stands there instead.
+
+    Blanks and line ends are all one, so that a text is found however it is indented or wrapped; further lines of
+    ``new`` are indented as the line is in which the text begins.
+    """
+
+    old: str
+    new: str
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A fault by its name, the edits that make it, and the test that notices it, wherever in tests that stands.
+
+    ``test`` is the name of a test function, with [parameters] for one case of it, and behind "test_file.py::" where
+    several files have a test of that name. ``chance``: whether that test scores figures, so that it has to show
+    |z| >= 8 and not only fail.
+    """
+
+    name: str
+    edits: tuple[Edit, ...]
+    test: str
+    chance: bool = False
+
+
+def read_faults(path: Path) -> tuple[Mutant, ...]:
+    """Return the faults of one room: a table [[fault]] each, with old and new, or a list of edits."""
+    faults = tomllib.loads(path.read_text(encoding="utf-8"))["fault"]
+    return tuple(
+        Mutant(
+            name=each["name"],
+            edits=tuple(Edit(edit["old"], edit["new"]) for edit in each.get("edits", [each])),
+            test=each["test"],
+            chance=each.get("chance", False),
+        )
+        for each in faults
+    )
+
+
+ROOMS = {path.stem: read_faults(path) for path in sorted(FAULTS.glob("*.toml"))}
+MUTANTS = tuple(mutant for room in ROOMS.values() for mutant in room)
 
 
 class DoesNotApply(Exception):  # noqa: N818  (a message for a person, printed as it is)
