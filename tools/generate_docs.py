@@ -3,20 +3,16 @@
 A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
 """
 
-import inspect
 import json
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from enum import IntFlag
 from pathlib import Path
-from typing import Any
 
 import package_map
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-import rubnoise
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
 from rubnoise.scenario.keys import SECTIONS
@@ -25,7 +21,7 @@ from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
-PAGES = ("data-format.md", "design.md", "scenarios.md", "api-reference.md")
+PAGES = ("data-format.md", "design.md", "scenarios.md")
 PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
@@ -165,57 +161,6 @@ def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
 
-def reference() -> Iterator[str]:
-    """Yield a section for each public name: how it is called, and its docstring; of a class its methods too."""
-    for name in sorted(set(rubnoise.__all__) - {"__version__"}, key=lambda name: (name.casefold(), name)):
-        yield from _documented(name, getattr(rubnoise, name))
-
-
-def _documented(name: str, what: Any) -> Iterator[str]:
-    yield from (f"## {name}", "")
-    if not inspect.isclass(what):
-        yield from ("```text", _call(name, what), "```", "")
-    yield from (*_prose(what), "")
-    if not inspect.isclass(what) or issubclass(what, (Exception, IntFlag)):
-        return
-    for own, member in inspect.getmembers_static(what):
-        inside = getattr(what, own) if isinstance(member, classmethod) else member
-        about = member.fget if isinstance(member, property) else getattr(member, "func", inside)
-        if own.startswith("_") or not (inspect.isfunction(about) or inspect.ismethod(about)) or not about.__doc__:
-            continue
-        call = own if not (inspect.isfunction(inside) or inspect.ismethod(inside)) else _call(own, inside)
-        yield from (f"**`{call}`**", "", *_prose(about), "")
-
-
-def _call(name: str, what: Any) -> str:
-    """Return how a function is called, without types, which an editor shows."""
-    parameters = [each for each in inspect.signature(what).parameters.values() if each.name != "self"]
-    plain = [each.replace(annotation=inspect.Parameter.empty, default=_shown(each.default)) for each in parameters]
-    return f"{name}{inspect.Signature(plain)}"
-
-
-class _Words:
-    """A default value as it is written."""
-
-    def __init__(self, text: str) -> None:
-        self._text = text
-
-    def __repr__(self) -> str:
-        return self._text
-
-
-def _shown(default: Any) -> Any:
-    return _Words("...") if callable(default) and default is not inspect.Parameter.empty else default
-
-
-def _prose(what: Any) -> Iterator[str]:
-    """Yield a docstring as Markdown: its words, then its examples in a block."""
-    text, mark, examples = (inspect.getdoc(what) or "").partition(">>> ")
-    yield text.strip().replace("``", "`")
-    if mark:
-        yield from ("", "```pycon", f"{mark}{examples.strip()}", "```")
-
-
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "columns": columns,
     "keys": keys,
@@ -223,7 +168,6 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "layers": package_map.line,
     "arrows": package_map.diagram,
     "rooms": package_map.table,
-    "reference": reference,
 }
 
 if __name__ == "__main__":
