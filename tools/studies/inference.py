@@ -1,8 +1,8 @@
 """Fit thousands of traces whose junctions are known: coverage, median errors, and which wrong models are noticed.
 
-    .venv/bin/python tools/infer_study.py run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
-    .venv/bin/python tools/infer_study.py table FOLDER
-    .venv/bin/python tools/infer_study.py docs FOLDER
+    .venv/bin/python tools/studies inference run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
+    .venv/bin/python tools/studies inference table FOLDER
+    .venv/bin/python tools/studies inference docs FOLDER
 
 `run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints
 every cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
@@ -53,7 +53,7 @@ ZEROS: tuple[Literal["known", "unknown"], ...] = ("known", "unknown")
 DRIFT = 0.02
 """Steps of a random walk, in parts of the trace's spread: after 450 lives it is some three spreads away."""
 
-PAGE = Path(__file__).parents[1] / "docs" / "inference.md"
+PAGE = Path(__file__).parents[2] / "docs" / "inference.md"
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
 
@@ -368,7 +368,7 @@ def _wrong(found: dict[str, list[dict[str, Any]]]) -> list[str]:
     return lines
 
 
-def main() -> None:
+def main() -> int:
     """Read the command and do it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("run", "table", "docs"))
@@ -385,7 +385,4 @@ def main() -> None:
         document(asked.folder)
     else:
         table(asked.folder)
-
-
-if __name__ == "__main__":
-    main()
+    return 0
