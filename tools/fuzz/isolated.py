@@ -8,10 +8,11 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import chdir, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, NoReturn
+from unittest.mock import patch
 
 SECONDS = 120.0
 MEMORY_BYTES = 1 << 30
@@ -47,7 +48,7 @@ class Outcome:
 
 def called(words: Sequence[str], folder: Path, *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Outcome:
     """Call the command line in a copy of this process, which keeps what is loaded here."""
-    return isolated(lambda: _command(words, folder), seconds=seconds, memory=memory)
+    return isolated(lambda: command(words, folder), seconds=seconds, memory=memory)
 
 
 def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Outcome:
@@ -67,15 +68,15 @@ def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int =
         )
 
 
-def _command(words: Sequence[str], folder: Path) -> int:
+def command(words: Sequence[str], folder: Path) -> int:
+    """Call the command line in this process, in a folder, and return its exit code."""
     from rubnoise.cli.app import main
 
-    os.chdir(folder)
-    sys.argv = ["rubnoise", *words]
-    try:
-        main()
-    except SystemExit as left:
-        return left.code if isinstance(left.code, int) else int(left.code is not None)
+    with chdir(folder), patch.object(sys, "argv", ["rubnoise", *words]):
+        try:
+            main()
+        except SystemExit as left:
+            return left.code if isinstance(left.code, int) else int(left.code is not None)
     return 0
 
 
