@@ -1,5 +1,6 @@
-"""A command carried out in a process of its own, with limits: how it ended, what it said, how long it took."""
+"""A command carried out in a process of its own, with limits: how it ended, what it said, how long, what it opened."""
 
+import ctypes
 import faulthandler
 import os
 import resource
@@ -7,8 +8,8 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from contextlib import chdir, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import chdir, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, NoReturn
@@ -24,6 +25,10 @@ FAILURES = {
     "Segmentation fault": "Segmentation fault",
 }
 """What the program never says, by what is behind it."""
+
+OPENED = 0x20
+EVENT_BYTES = 16
+"""Of inotify, by which the kernel of Linux reports what any process opens."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +71,22 @@ def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int =
             seconds=time.monotonic() - began,
             hung=status is None,
         )
+
+
+@contextmanager
+def watched(path: Path) -> Iterator[list[int]]:
+    """Yield a list that holds, afterwards, one entry for each time that the file was opened."""
+    opened: list[int] = []
+    library = ctypes.CDLL(None, use_errno=True)
+    descriptor = library.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
+    if descriptor < 0 or library.inotify_add_watch(descriptor, os.fsencode(path), OPENED) < 0:
+        raise OSError(ctypes.get_errno(), f"{path}: cannot be watched")
+    try:
+        yield opened
+        with suppress(BlockingIOError):
+            opened += os.read(descriptor, 1 << 16)[::EVENT_BYTES]
+    finally:
+        os.close(descriptor)
 
 
 def command(words: Sequence[str], folder: Path) -> int:
