@@ -24,12 +24,11 @@ sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
 from fuzz.damage import SEALED, damaged  # noqa: E402
 from fuzz.hostile import CONSTRUCTIONS, make, make_canary  # noqa: E402
-from fuzz.isolated import Outcome, called, isolated  # noqa: E402
+from fuzz.isolated import Outcome, called, isolated, watched  # noqa: E402
 from fuzz.truth import values  # noqa: E402
-from fuzz.watching import watched  # noqa: E402
-from survival.finding import Outcome as Resumed  # noqa: E402
-from survival.flips import OTHER, Stage, resumed, stages_of  # noqa: E402
+from survival.moments import OTHER, Stage, resumed, stages_of  # noqa: E402
 from survival.stories import SMALL, Story  # noqa: E402
+from survival.stories import Outcome as Resumed  # noqa: E402
 
 SCENARIO = """\
 format = 1

@@ -163,7 +163,7 @@ SLIDER: Final = Room(
         ),
         Shown(
             title="Two runs part",
-            command="python tools/generate_two_way.py",
+            command="python tools/studies two_way",
             says="Two runs whose tolerances differ, where they part: a two-way slider at 1 mm/s is chaotic.",
             kept="two-way/chaos.png",
         ),

@@ -21,15 +21,10 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools")]
 
 from survival.cost import cost  # noqa: E402
-from survival.finding import Outcome  # noqa: E402
-from survival.flips import flips  # noqa: E402
 from survival.full import full  # noqa: E402
-from survival.kills import kills  # noqa: E402
-from survival.power import power  # noqa: E402
-from survival.signals import signals  # noqa: E402
-from survival.stories import LONG, SHORT, SMALL, Story, growing, off_centre, two_way  # noqa: E402
-from survival.sweeps import sweeps  # noqa: E402
-from survival.writes import writes  # noqa: E402
+from survival.kills import kills, signals  # noqa: E402
+from survival.moments import flips, power, sweeps, writes  # noqa: E402
+from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, off_centre, two_way  # noqa: E402
 
 Torture = Callable[..., Outcome]
 TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {

@@ -8,7 +8,7 @@ import pytest
 
 import rubnoise
 from tests.architecture.sources import ROOT
-from tools import sweep_cost
+from tools.studies import sweep_cost
 
 SCENARIO = ROOT / "scenarios" / "paper" / "fig9.toml"
 

@@ -8,7 +8,7 @@ import pytest
 
 from rubnoise.analysis.moments import needed_for_mean
 from tests.architecture.sources import ROOT
-from tools import generate_detection as detection
+from tools.studies import detection
 
 COMPARING = ROOT / "docs" / "comparing.md"
 BY_NAME = {fault.name: fault for fault in detection.FAULTS}
@@ -33,7 +33,7 @@ def test_every_fault_has_a_row() -> None:
 
 @pytest.mark.parametrize("name", BY_NAME)
 def test_a_row_is_what_theory_says(name: str) -> None:
-    assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/generate_detection.py"
+    assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/studies detection"
 
 
 @pytest.mark.parametrize("name", BY_NAME)
@@ -87,7 +87,7 @@ def test_a_table_that_runs_do_not_bear_out_is_not_written(
     monkeypatch.setattr(detection, "PAGE", page)
     monkeypatch.setattr(detection, "FAULTS", (BY_NAME[fault],))
     monkeypatch.setattr(detection, "outside", lambda *_: next(answers, []))
-    monkeypatch.setattr(sys, "argv", ["generate_detection.py"])
+    monkeypatch.setattr(sys, "argv", ["detection"])
     with pytest.raises(SystemExit, match=re.escape(said)):
         detection.main()
     assert page.read_bytes() == COMPARING.read_bytes()
@@ -99,6 +99,6 @@ def test_a_table_that_runs_bear_out_is_written(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(detection, "PAGE", page)
     monkeypatch.setattr(detection, "FAULTS", (BY_NAME["an empty start"],))
     monkeypatch.setattr(detection, "outside", lambda *_: ["start_count"])
-    monkeypatch.setattr(sys, "argv", ["generate_detection.py"])
+    monkeypatch.setattr(sys, "argv", ["detection"])
     assert detection.main() == 0
     assert cells(page.read_text(encoding="utf-8")) == {"an empty start": ["`start_count`", "0.56 mm", "20 of 20", "-"]}

@@ -12,7 +12,7 @@ from rubnoise.storage.reader import open_run
 from rubnoise.theory.coupling import coupling
 from rubnoise.theory.response import response
 from tests.architecture.sources import ROOT
-from tools import generate_two_way as tool
+from tools.studies import two_way as tool
 
 TEXT = tool.PAGE.read_text(encoding="utf-8")
 LINKED = re.findall(r"\]\((pictures/two-way/[\w-]+\.png)\)", TEXT)
@@ -89,7 +89,7 @@ def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_figure_5_is_told_as_it_is(figure_5: Path, two_way: Path) -> None:
     with open_run(figure_5) as one, open_run(two_way) as two:
-        assert "\n".join(part("figures")) == "\n".join(tool.figures(one, two)), "python tools/generate_two_way.py"
+        assert "\n".join(part("figures")) == "\n".join(tool.figures(one, two)), "python tools/studies two_way"
 
 
 def test_runs_part_when_the_page_says() -> None:
@@ -140,9 +140,9 @@ def test_a_part_that_the_page_has_not_is_named(
     monkeypatch.setattr(tool, "PAGE", page)
     monkeypatch.setattr(tool, "PICTURES", tmp_path)
     monkeypatch.setattr(tool, "made", lambda *_: {"figures": [], "extra": []})
-    monkeypatch.setattr(sys, "argv", ["generate_two_way.py"])
+    monkeypatch.setattr(sys, "argv", ["two_way"])
     assert tool.main() == 1
-    assert capsys.readouterr().err == "generate_two_way: chaos, extra, reference, surprise: on the page or here alone\n"
+    assert capsys.readouterr().err == "two_way: chaos, extra, reference, surprise: on the page or here alone\n"
     assert page.read_text(encoding="utf-8") == TEXT
 
 

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from fuzz.damage import DAMAGES, Damage, damaged, lookup3
 from fuzz.hostile import CONSTRUCTIONS, Construction, make
-from fuzz.isolated import called, isolated
+from fuzz.isolated import called, isolated, watched
 from fuzz.truth import values
-from fuzz.watching import watched
 from fuzz_results import COMMANDS, KINDS, Judge, mutations, parts
 
 from rubnoise.storage.reader import open_run

@@ -20,8 +20,8 @@ from rubnoise.inference.passes import energies, first_integrals, life_integrals,
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 from rubnoise.inference.strokes import joined, reversals
-from tools import right_traces
-from tools.right_traces import Contact, trace, without_junctions
+from tools.studies import right_traces
+from tools.studies.right_traces import Contact, trace, without_junctions
 
 BOUND = 4.0
 LONG = Contact(lives=1500, per_life=16, noise=0.0)

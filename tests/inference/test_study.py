@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tools import infer_study
+from tools.studies import inference as infer_study
 
 
 def fit_of(cell: str, seed: int, value: float, *, flags: tuple[str, ...] = ()) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from survival import cost, flips, full, kills, power, signals, sweeps, writes
+from survival import cost, full, kills, moments
 from survival.recording import Recording
 from survival.stories import SHORT, SMALL, Story, growing, off_centre, two_way
 
@@ -37,7 +37,7 @@ def test_commits_that_are_forgotten_are_found_by_kills(monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("story", [BARE, COMPRESSED], ids=lambda story: story.name)
 def test_a_run_goes_on_from_between_its_writes(story: Story) -> None:
-    outcome = writes.writes(1, seed=3, stories=(story,), every=17)
+    outcome = moments.writes(1, seed=3, stories=(story,), every=17)
     assert outcome.findings == []
     assert outcome.counts["stopped after a call"] > 10
     assert outcome.counts["stopped in the middle of a write"] > 5
@@ -51,11 +51,11 @@ def test_last_changes_that_the_journal_does_not_hold_are_found_by_stopping(monke
             append(self, kind, content, durable=durable)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Journal, "append", without_the_end)
-    assert any("x.h5.part: damaged" in finding for finding in writes.writes(1, 3, (BARE,), last=14).findings)
+    assert any("x.h5.part: damaged" in finding for finding in moments.writes(1, 3, (BARE,), last=14).findings)
 
 
 def test_power_cuts_lose_nothing_that_was_committed() -> None:
-    outcome = power.power(24, seed=3, stories=(BARE, COMPRESSED))
+    outcome = moments.power(24, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
     assert outcome.counts["gone on by run"] > 0 < outcome.counts["gone on by resume"]
 
@@ -67,7 +67,7 @@ def test_power_cuts_lose_nothing_that_was_committed() -> None:
 def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
     monkeypatch: pytest.MonkeyPatch, call: str, said: str
 ) -> None:
-    recorded = writes.recorded
+    recorded = moments.recorded
 
     def forgetting(story: Story, seconds: float) -> Recording:
         recording = recorded(story, seconds=seconds)
@@ -76,31 +76,31 @@ def test_a_call_that_never_reaches_the_disk_is_found_by_power_cuts(
         ]
         return recording
 
-    monkeypatch.setattr(power, "recorded", forgetting)
-    assert any(said in finding for finding in power.power(30, seed=3, stories=(BARE,)).findings)
+    monkeypatch.setattr(moments, "recorded", forgetting)
+    assert any(said in finding for finding in moments.power(30, seed=3, stories=(BARE,)).findings)
 
 
 def test_power_cuts_in_sweeps_lose_nothing_that_was_written_down_as_done() -> None:
-    outcome = sweeps.sweeps(30, seed=3, stories=(BARE, COMPRESSED))
+    outcome = moments.sweeps(30, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
     assert outcome.counts["runs made anew"] > 0 < outcome.counts["runs found whole"]
     assert outcome.counts["runs found torn"] > 0 < outcome.counts["runs gone on with"]
 
 
 def test_runs_that_are_not_seen_onto_the_disk_together_are_found_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeps, "sync_many", lambda _: {})
-    assert any("unreadable" in finding for finding in sweeps.sweeps(9, seed=3, stories=(BARE,)).findings)
+    monkeypatch.setattr(moments, "sync_many", lambda _: {})
+    assert any("unreadable" in finding for finding in moments.sweeps(9, seed=3, stories=(BARE,)).findings)
 
 
 def test_torn_results_that_are_left_where_they_are_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run_status, "clear_unsynced", lambda *_: None)
-    findings = sweeps.sweeps(30, seed=3, stories=(BARE,)).findings
+    findings = moments.sweeps(30, seed=3, stories=(BARE,)).findings
     assert any("is not the result of this run" in finding for finding in findings)
     assert any(".h5.part: " in finding for finding in findings)
 
 
 def test_bits_that_turn_get_no_final_name() -> None:
-    outcome = flips.flips(24, seed=3, stories=(BARE, COMPRESSED))
+    outcome = moments.flips(24, seed=3, stories=(BARE, COMPRESSED))
     assert outcome.findings == []
     assert outcome.counts["published"] > 0 < outcome.counts["whole: exit code 2"]
 
@@ -110,10 +110,10 @@ def test_a_gate_that_lets_all_pass_is_found_by_bits_that_turn(monkeypatch: pytes
         place = path.read_bytes().find(b"real_contact_area_mean")
         return [range(max(place, 0), max(place, 0) + 100)]
 
-    monkeypatch.setattr(flips, "_metadata", summary)
+    monkeypatch.setattr(moments, "_metadata", summary)
     monkeypatch.setattr("rubnoise.api.resuming._check", lambda _: None)
     monkeypatch.setattr(resume, "open_run", lambda path, strict=False: open_run(path))
-    assert any("published, and verify says 2" in finding for finding in flips.flips(9, 3, (BARE,)).findings)
+    assert any("published, and verify says 2" in finding for finding in moments.flips(9, 3, (BARE,)).findings)
 
 
 def test_a_disk_that_fails_leaves_one_line_and_the_older_result() -> None:
@@ -134,7 +134,7 @@ def test_an_older_result_that_goes_too_early_is_found(monkeypatch: pytest.Monkey
 
 
 def test_signals_leave_something_to_go_on_with() -> None:
-    outcome = signals.signals(6, seed=3, stories=(SHORTEST,))
+    outcome = kills.signals(6, seed=3, stories=(SHORTEST,))
     assert outcome.findings == []
 
 
@@ -143,15 +143,15 @@ def test_a_part_that_is_not_kept_is_found_by_signals(monkeypatch: pytest.MonkeyP
         disk.remove(self._paths.part)
 
     monkeypatch.setattr(RunWriter, "_discard", discarding)
-    outcome = signals.signals(8, seed=3, stories=(SHORTEST,))
+    outcome = kills.signals(8, seed=3, stories=(SHORTEST,))
     assert any("no part is there, and it said stopped" in finding for finding in outcome.findings)
 
 
 def test_rows_that_grow_beside_a_part_are_no_more_easily_lost() -> None:
     with growing((WITH_SLIDER, MOVING)):
-        outcome = writes.writes(1, seed=3, stories=(WITH_SLIDER,), every=29)
-        outcome.add(power.power(16, seed=3, stories=(WITH_SLIDER,)))
-        outcome.add(flips.flips(9, seed=3, stories=(WITH_SLIDER,)))
+        outcome = moments.writes(1, seed=3, stories=(WITH_SLIDER,), every=29)
+        outcome.add(moments.power(16, seed=3, stories=(WITH_SLIDER,)))
+        outcome.add(moments.flips(9, seed=3, stories=(WITH_SLIDER,)))
         outcome.add(full.full(2, seed=3, stories=(WITH_SLIDER,), every=97))
         outcome.add(kills.kills(4, seed=3, stories=(MOVING,)))
     assert outcome.findings == []
@@ -161,7 +161,7 @@ def test_rows_that_grow_beside_a_part_are_no_more_easily_lost() -> None:
 def test_a_slider_that_pushes_back_is_no_more_easily_lost() -> None:
     small, moving = two_way((WITH_SLIDER, MOVING))
     outcome = kills.kills(4, seed=3, stories=(moving,))
-    outcome.add(power.power(8, seed=3, stories=(small,)))
+    outcome.add(moments.power(8, seed=3, stories=(small,)))
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0
     assert {"landmarks/kind", "slider/phase"} <= moving.expected.keys()
@@ -179,7 +179,7 @@ def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
 def test_growing_rows_that_never_reach_the_disk_are_found_by_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(GrowingFile, "sync", lambda _: None)
     with growing((WITH_SLIDER,)):
-        outcome = power.power(30, seed=3, stories=(WITH_SLIDER,))
+        outcome = moments.power(30, seed=3, stories=(WITH_SLIDER,))
     assert any("had been committed" in finding for finding in outcome.findings)
 
 

@@ -1,7 +1,7 @@
 """Statistics of two-way runs on fields of their own, against reference values and those of another program.
 
 `tests/reference/coupling.json` holds the values of the sweep scenarios/studies/coupling_reference.toml, taken from its
-folder by `tools/generate_two_way.py --reference DIR`; `two_way.json` comes from elsewhere.
+folder by `tools/studies two_way --reference DIR`; `two_way.json` comes from elsewhere.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from rubnoise.scenario import load
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.simulation.run import simulate
 from tests.architecture.sources import ROOT
-from tools import two_way_reference as reference
+from tools.studies import two_way_reference as reference
 
 POINTS = reference.kept()
 NAMES = [f"{1e-3 * point['speed']:g} mm/s, {point['junctions']:g}" for point in POINTS]

@@ -19,9 +19,6 @@ ENGINE = "batch"
 SPREAD = 0.0362
 """Relative spread of the diameters, as elsewhere in this benchmark."""
 
-AREA_GOAL, SLIDER_GOAL = 1.5, 4.0
-"""How many times as long as with centred passes a run may take, of the area alone and with a slider."""
-
 AREA_BOUND = 1e-12
 """Of the largest area: rounding is all that may be left."""
 
@@ -41,11 +38,6 @@ class Contact:
     def what(self) -> str:
         """Its name."""
         return "with a slider" if self.slider else "area alone"
-
-    @property
-    def goal(self) -> float:
-        """The largest ratio wanted."""
-        return SLIDER_GOAL if self.slider else AREA_GOAL
 
     def scenario(self, offset: str, junctions: float, *, seed: int = 1, finer: int = 1) -> rubnoise.Scenario:
         """Return it, for as long as so many centred junctions are born; ticks may be so many times finer."""

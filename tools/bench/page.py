@@ -7,7 +7,6 @@ from bench import kernel, motion, off_centre, two_way
 from bench.checks import OUR_MOTION_BOUND, SMALL, Verdict, Wrong
 from bench.clock import Timing
 from bench.entrants import OURS
-from bench.goals import Goal, goals, grouped
 from bench.results import Results
 from bench.speed import Growth
 from bench.two_way import CoupledTimings
@@ -60,7 +59,6 @@ def page(found: Results, today: date) -> str:
 def _lines(found: Results, today: date) -> Iterator[str]:
     hardware, software = found.machine
     yield from (HEAD, f"Measured on {today:%d %B %Y}: {hardware}.", f"{software}.", "")
-    yield from ("## Goals", "", *_goals(list(goals(found))), "")
     yield from (FAIR, *_not_compared(found), "")
     yield from ("## Whole runs", "", *_whole(found), "")
     yield from ("## Parts of it", "", *_parts(found), "")
@@ -89,25 +87,9 @@ def number(value: float) -> str:
     return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
 
 
-def _goals(wanted: list[Goal]) -> Iterator[str]:
-    missed = [goal for goal in wanted if not goal.reached]
-    unseen = sum(goal.value is None for goal in wanted)
-    if not missed:
-        yield "Every goal is reached here."
-    else:
-        aside = f", {unseen} of them not measured" if unseen else ""
-        yield f"Not reached here: {len(missed)} of {len(wanted)}{aside}."
-    yield ""
-    rows = (
-        (
-            goal.what,
-            "-" if goal.value is None else f"{number(goal.value)}{goal.unit}",
-            f"{'at least' if goal.least else 'at most'} {number(goal.bound)}{goal.unit}",
-            "yes" if goal.reached else "**no**",
-        )
-        for goal in wanted
-    )
-    yield from table(("what", "measured", "goal", "reached"), rows)
+def grouped(value: float) -> str:
+    """Return a whole number with its thousands apart."""
+    return f"{value:,.0f}".replace(",", " ")
 
 
 def _speed_rows(timings: Mapping[str, Timing], errors: Mapping[str, str]) -> Iterator[tuple[str, ...]]:
@@ -239,7 +221,6 @@ def _off_centre(found: Results) -> Iterator[str]:
         "centred, us",
         "off the line, us",
         "ratio",
-        "goal",
         "error of area, motion",
     )
     yield from table(head, map(_off_centre_row, found.off_centre.items()))
@@ -253,7 +234,6 @@ def _off_centre_row(item: tuple[off_centre.Contact, off_centre.OffCentreTimings]
         f"{contact.ticks_per_life:g}",
         *(f"{1e6 * passes.timings[offset].each:.3g}" for offset in off_centre.OFFSETS),
         f"{passes.ratio:.2f}",
-        f"{contact.goal:g}",
         f"{_error(passes.errors.get('area'))}, {_error(passes.errors.get('displacement'))}",
     )
 

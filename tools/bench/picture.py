@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from bench.clock import Timing
 from bench.entrants import NAIVE_NUMPY, NAIVE_SIMPY, NUMBA, OURS, SUPERPOSED
-from bench.goals import grouped
+from bench.page import grouped
 from bench.results import Results
 from rubnoise.figures.style import BLUE, FAINT, INK, as_png, house_style, logarithmic, new_figure
 

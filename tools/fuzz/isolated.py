@@ -1,5 +1,6 @@
-"""A command carried out in a process of its own, with limits: how it ended, what it said, how long it took."""
+"""A command carried out in a process of its own, with limits: how it ended, what it said, how long, what it opened."""
 
+import ctypes
 import faulthandler
 import os
 import resource
@@ -7,11 +8,12 @@ import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import chdir, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, NoReturn
+from unittest.mock import patch
 
 SECONDS = 120.0
 MEMORY_BYTES = 1 << 30
@@ -23,6 +25,10 @@ FAILURES = {
     "Segmentation fault": "Segmentation fault",
 }
 """What the program never says, by what is behind it."""
+
+OPENED = 0x20
+EVENT_BYTES = 16
+"""Of inotify, by which the kernel of Linux reports what any process opens."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +53,7 @@ class Outcome:
 
 def called(words: Sequence[str], folder: Path, *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Outcome:
     """Call the command line in a copy of this process, which keeps what is loaded here."""
-    return isolated(lambda: _command(words, folder), seconds=seconds, memory=memory)
+    return isolated(lambda: command(words, folder), seconds=seconds, memory=memory)
 
 
 def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int = MEMORY_BYTES) -> Outcome:
@@ -67,15 +73,31 @@ def isolated(task: Callable[[], int], *, seconds: float = SECONDS, memory: int =
         )
 
 
-def _command(words: Sequence[str], folder: Path) -> int:
+@contextmanager
+def watched(path: Path) -> Iterator[list[int]]:
+    """Yield a list that holds, afterwards, one entry for each time that the file was opened."""
+    opened: list[int] = []
+    library = ctypes.CDLL(None, use_errno=True)
+    descriptor = library.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
+    if descriptor < 0 or library.inotify_add_watch(descriptor, os.fsencode(path), OPENED) < 0:
+        raise OSError(ctypes.get_errno(), f"{path}: cannot be watched")
+    try:
+        yield opened
+        with suppress(BlockingIOError):
+            opened += os.read(descriptor, 1 << 16)[::EVENT_BYTES]
+    finally:
+        os.close(descriptor)
+
+
+def command(words: Sequence[str], folder: Path) -> int:
+    """Call the command line in this process, in a folder, and return its exit code."""
     from rubnoise.cli.app import main
 
-    os.chdir(folder)
-    sys.argv = ["rubnoise", *words]
-    try:
-        main()
-    except SystemExit as left:
-        return left.code if isinstance(left.code, int) else int(left.code is not None)
+    with chdir(folder), patch.object(sys, "argv", ["rubnoise", *words]):
+        try:
+            main()
+        except SystemExit as left:
+            return left.code if isinstance(left.code, int) else int(left.code is not None)
     return 0
 
 

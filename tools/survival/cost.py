@@ -10,8 +10,7 @@ from time import process_time
 from rubnoise.api.playing import describe, play
 from rubnoise.scenario import Scenario, load
 from rubnoise.storage.writer import RunWriter
-from survival.finding import Outcome
-from survival.stories import NAME
+from survival.stories import NAME, Outcome
 
 FIGURE = Path(__file__).resolve().parents[2] / "scenarios" / "paper" / "fig5.toml"
 JUNCTIONS = 1e6

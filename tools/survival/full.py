@@ -14,19 +14,18 @@ from functools import cached_property
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
+from types import ModuleType
 from typing import Any
 from unittest.mock import patch
 
 from fuzz.isolated import Outcome as Ending
-from fuzz.isolated import isolated
+from fuzz.isolated import command, isolated
 
 from rubnoise.storage import disk
 from survival.child import Child, Tell, committing
-from survival.command import command
-from survival.finding import Outcome
+from survival.moments import stages_of
 from survival.recording import CHANGING, NAMING, OPENING
-from survival.stories import NAME, SMALL, Story, chance, contents, differences, judged
-from survival.writes import recorded
+from survival.stories import NAME, SCENARIO, SMALL, Outcome, Story, chance, contents, differences, judged, words
 
 READING = ("read_into",)
 CALLS = (*OPENING, *CHANGING, *NAMING, *READING)
@@ -35,7 +34,6 @@ SHORT = ("preadv", "pwrite", "write")
 
 FAILURES = (errno.ENOSPC, errno.EIO)
 OLDER = b"a result of before"
-SCENARIO = "x.toml"
 TMPFS_BYTES = 20 * 1024**2
 FILLING = (
     Story(name="filled", distance="40 mm", tick="0.5 um"),
@@ -46,67 +44,45 @@ FILLING = (
 
 
 class Counter:
-    """Counts the calls of the disk, and lets one fail, or all from one on."""
+    """Counts calls, and changes what one of them is given, or all from one on: by default the calls of the disk.
 
-    def __init__(self, fails_at: int | None = None, number: int = errno.EIO, *, for_ever: bool = False) -> None:
-        """Begin at no call; ``number``: of the error."""
+    A change takes the name of the call and what it is given, and returns what is given instead, or raises.
+    """
+
+    def __init__(self, change: Callable[..., Any], at: int | None = None, *, for_ever: bool = False) -> None:
+        """Begin at no call; ``at``: the first call that is changed."""
         self.calls = 0
-        self._fails_at = fails_at
-        self._number = number
-        self._for_ever = for_ever
+        self._change, self._at, self._for_ever = change, at, for_ever
 
     @contextmanager
-    def counting(self) -> Iterator[None]:
-        """Count, and fail."""
+    def counting(self, owner: ModuleType = disk, names: Sequence[str] = CALLS) -> Iterator[None]:
+        """Count and change the calls of a module by these names."""
         with ExitStack() as patches:
-            for name in CALLS:
-                patches.enter_context(patch.object(disk, name, self._counted(getattr(disk, name))))
+            for name in names:
+                patches.enter_context(patch.object(owner, name, self._counted(name, getattr(owner, name))))
             yield
 
-    def _counted(self, real: Callable[..., Any]) -> Callable[..., Any]:
+    def _counted(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
         def called(*given: Any) -> Any:
-            self.calls += 1
-            if self._fails_at is not None and self._fails(self.calls - 1):
-                raise OSError(self._number, os.strerror(self._number))
+            call, self.calls = self.calls, self.calls + 1
+            if self._at is not None and (call == self._at or (self._for_ever and call > self._at)):
+                given = self._change(name, *given)
             return real(*given)
 
         return called
 
-    def _fails(self, call: int) -> bool:
-        at = self._fails_at or 0
-        return call >= at if self._for_ever else call == at
+
+def _fail(number: int) -> Callable[..., Any]:
+    def change(*_: Any) -> Any:
+        raise OSError(number, os.strerror(number))
+
+    return change
 
 
-class Shorter:
-    """Counts the calls by which the system reads and writes, and lets one do half of it, or all from one on."""
-
-    def __init__(self, at: int | None = None, *, for_ever: bool = False) -> None:
-        """Begin at no call."""
-        self.calls = 0
-        self._at = at
-        self._for_ever = for_ever
-
-    @contextmanager
-    def counting(self) -> Iterator[None]:
-        """Count, and do less."""
-        with ExitStack() as patches:
-            for name in SHORT:
-                patches.enter_context(patch.object(os, name, self._counted(name, getattr(os, name))))
-            yield
-
-    def _counted(self, name: str, real: Callable[..., int]) -> Callable[..., int]:
-        def called(descriptor: int, given: Any, *more: Any) -> int:
-            self.calls += 1
-            if self._at is not None and (self.calls - 1 == self._at or (self._for_ever and self.calls > self._at)):
-                given = [_half(given[0])] if name == "preadv" else _half(given)
-            return real(descriptor, given, *more)
-
-        return called
-
-
-def _half(data: Any) -> memoryview:
-    view = memoryview(data).cast("B")
-    return view[: max(len(view) // 2, 1)]
+def _halve(name: str, descriptor: int, given: Any, *more: Any) -> tuple[Any, ...]:
+    view = memoryview(given[0] if name == "preadv" else given).cast("B")
+    half = view[: max(len(view) // 2, 1)]
+    return descriptor, [half] if name == "preadv" else half, *more
 
 
 def full(
@@ -139,11 +115,6 @@ def full(
     return outcome
 
 
-def words(story: Story, *more: str) -> list[str]:
-    """Return the words of a run of a story whose scenario lies in the folder."""
-    return ["run", SCENARIO, "-o", NAME, "-q", "--set", f"run.engine={story.engine}", *more]
-
-
 @dataclass(frozen=True, kw_only=True)
 class Start:
     """Where a run begins or resumes: the files that are there, and the command that does it."""
@@ -156,8 +127,8 @@ class Start:
     @cached_property
     def short_calls(self) -> int:
         """How many calls there are by which the system reads and writes."""
-        counter = Shorter()
-        with self.folder() as folder, counter.counting(), committing(0.0):
+        counter = Counter(_halve)
+        with self.folder() as folder, counter.counting(os, SHORT), committing(0.0):
             command(self.words, folder)
         return counter.calls
 
@@ -171,16 +142,11 @@ class Start:
 
 
 def starts_of(story: Story) -> Iterator[Start]:
-    """Yield a run from its beginning, one from where it was stopped half-way, and one that only lacks its name."""
+    """Yield a run from its beginning, and from each stage in which it may be left."""
     scenario = {SCENARIO: story.text.encode()}
     yield Start(name="run", story=story, files=scenario, words=words(story))
-    recording = recorded(story)
-    whole = next(n for n, call in enumerate(recording.calls) if call == ("remove", f"{NAME}.part.journal"))
-    for name, moment in (("half-way", whole // 2), ("whole", whole)):
-        with TemporaryDirectory(prefix="rubnoise-") as folder:
-            recording.after_kill(Path(folder), moment)
-            files = {path.name: path.read_bytes() for path in Path(folder).iterdir()}
-        yield Start(name=name, story=story, files=scenario | files, words=["resume", f"{NAME}.part", "-q"])
+    for stage in stages_of(story):
+        yield Start(name=stage.name, story=story, files={**scenario, **stage.files}, words=["resume", stage.part, "-q"])
 
 
 @contextmanager
@@ -198,7 +164,7 @@ def small_disk() -> Iterator[Path]:
 
 def calls_of(story: Story) -> int:
     """Return how many calls a whole run makes."""
-    counter = Counter()
+    counter = Counter(_fail(errno.EIO))
     with (
         TemporaryDirectory(prefix="rubnoise-") as name,
         counter.counting(),
@@ -212,7 +178,7 @@ def calls_of(story: Story) -> int:
 def _failing(outcome: Outcome, story: Story, call: int, number: int, *, for_ever: bool) -> None:
     older = bool((call + for_ever) % 2)
     where = f"{story.name}, {errno.errorcode[number]} {'from' if for_ever else 'at'} call {call}"
-    counter = Counter(call, number, for_ever=for_ever)
+    counter = Counter(_fail(number), call, for_ever=for_ever)
 
     def task() -> int:
         with counter.counting(), committing(0.0):
@@ -234,7 +200,7 @@ def _short(outcome: Outcome, start: Start, call: int, *, for_ever: bool) -> None
     where = f"{start.story.name}, {start.name}, short {'from' if for_ever else 'at'} call {call}"
 
     def task() -> int:
-        with Shorter(call, for_ever=for_ever).counting(), committing(0.0):
+        with Counter(_halve, call, for_ever=for_ever).counting(os, SHORT), committing(0.0):
             return command(start.words, folder)
 
     with start.folder() as folder:

@@ -1,10 +1,12 @@
-"""The runs that are tortured: what is run, and what its result has to be."""
+"""The runs that are tortured: what is run, what its result has to be, and what came of it all."""
 
 import json
 import math
+import sys
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from random import Random
@@ -20,7 +22,37 @@ from rubnoise.model import Model
 from rubnoise.scenario import Scenario, build
 from rubnoise.storage import growing as steps
 
+
+@dataclass(kw_only=True)
+class Outcome:
+    """Counts of what happened, and a line for each thing that was lost or wrong."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    findings: list[str] = field(default_factory=list)
+
+    def count(self, what: str, number: int = 1) -> None:
+        """Count something that happened."""
+        self.counts[what] += number
+
+    def find(self, what: str) -> None:
+        """Keep something that should not be, and say so at once."""
+        print(what, file=sys.stderr, flush=True)
+        self.findings.append(what)
+
+    def add(self, other: "Outcome") -> None:
+        """Take over what another one holds."""
+        self.counts += other.counts
+        self.findings += other.findings
+
+    def told(self) -> str:
+        """Return all of it as text, most of it counts."""
+        width = max(map(len, self.counts), default=0)
+        rows = [f"{what:<{width}}  {number:>8,}" for what, number in self.counts.items()]
+        return "\n".join([*rows, *(f"- {finding}" for finding in self.findings), f"{len(self.findings)} found"])
+
+
 NAME: Final = "x.h5"
+SCENARIO: Final = "x.toml"
 SLIDER: Final = {
     "strength": {"mean": "250 MPa"},
     "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
@@ -162,12 +194,22 @@ def differences(there: Mapping[str, Any], expected: Mapping[str, Any]) -> list[s
     return sorted(names) + ([] if _alike(there["summary"], expected["summary"]) else ["summary"])
 
 
+def wrong_in(path: Path, expected: Mapping[str, Any]) -> list[str]:
+    """Return what is wrong with a result: the names under which it differs, or why it cannot be read."""
+    try:
+        return differences(contents(path), expected)
+    except (OSError, KeyError, ValueError, RuntimeError) as problem:
+        return [f"unreadable: {problem}"]
+
+
+def words(story: Story, *more: str) -> list[str]:
+    """Return the words of a run of a story whose scenario lies in the folder."""
+    return ["run", SCENARIO, "-o", NAME, "-q", "--set", f"run.engine={story.engine}", *more]
+
+
 def judged(folder: Path, story: Story, others: Callable[[str], bool] = lambda _: False) -> list[str]:
     """Return what is wrong with a folder in which the run has ended: its result, or what was left beside it."""
-    try:
-        wrong = differences(contents(folder / NAME), story.expected)
-    except (OSError, KeyError, ValueError) as problem:
-        wrong = [f"unreadable: {problem}"]
+    wrong = wrong_in(folder / NAME, story.expected)
     left = [entry.name for entry in folder.iterdir() if entry.name != NAME and not others(entry.name)]
     return wrong + [f"{name} is left over" for name in sorted(left)]
 

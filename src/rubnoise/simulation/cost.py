@@ -1,7 +1,7 @@
 """The forecast of memory and processor time of a run, from a few measured constants.
 
-A few milliseconds of work like that of a run measure how fast this machine is. `tools/measure_cost.py` measures runs of
-many kinds, says how far these forecasts are off, and what the constants would be where it runs.
+A few milliseconds of work like that of a run measure how fast this machine is. `tools/studies run_cost` measures runs
+of many kinds, says how far these forecasts are off, and what the constants would be where it runs.
 """
 
 from collections.abc import Callable, Generator, Mapping

@@ -1,4 +1,4 @@
-"""Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/generate_two_way.py`.
+"""Write the measured parts and the pictures of docs/two-way.md: `.venv/bin/python tools/studies two_way`.
 
 Needs `tools/dev.py sync`, and some minutes: Figure 5 both ways, the sweep scenarios/studies/rise.toml, which
 `--sweep DIR` takes from a folder where it was made before, and pairs of runs that differ in their tolerance alone.
@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import two_way_reference
 from small_png import small
 
 import rubnoise
@@ -32,8 +31,9 @@ from rubnoise.model import Model
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.theory.coupling import coupling
 from rubnoise.theory.response import response
+from studies import two_way_reference
 
-ROOT: Final = Path(__file__).resolve().parent.parent
+ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / "docs" / "two-way.md"
 PICTURES: Final = ROOT / "docs" / "pictures" / "two-way"
 SCENARIOS: Final = ROOT / "scenarios"
@@ -224,7 +224,7 @@ def main() -> int:
         parts = made(Path(folder), wishes.sweep, lambda text: print(text, file=sys.stderr))
     text = PAGE.read_text(encoding="utf-8")
     if missing := set(parts) ^ {name for _, name in PART.findall(text)}:
-        print(f"generate_two_way: {', '.join(sorted(missing))}: on the page or here alone", file=sys.stderr)
+        print(f"two_way: {', '.join(sorted(missing))}: on the page or here alone", file=sys.stderr)
         return 1
     PAGE.write_text(filled(text, parts), encoding="utf-8")
     return 0
@@ -235,7 +235,7 @@ def take_reference(folder: Path) -> int:
     try:
         two_way_reference.keep(two_way_reference.reference_of(folder))
     except ValueError as problem:
-        print(f"generate_two_way: {problem}", file=sys.stderr)
+        print(f"two_way: {problem}", file=sys.stderr)
         return 1
     PAGE.write_text(filled(PAGE.read_text(encoding="utf-8"), {"reference": reference()}), encoding="utf-8")
     return 0
@@ -287,7 +287,3 @@ def draw(one: RunFile, two: RunFile, finer: RunFile) -> None:
         ("chaos", picture("slider", Stretch.of(two, *PARTING), "png", beside=Stretch.of(finer))),
     ):
         (PICTURES / f"{name}.png").write_bytes(small(png))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,6 +1,6 @@
 """What a sweep costs beside its bare runs: processor time of each run, and how well two processes share the work.
 
-    .venv/bin/python tools/sweep_cost.py [--replicates 40] [--jobs 2] [--repeats 3] [--scenario FILE]
+    .venv/bin/python tools/studies sweep_cost [--replicates 40] [--jobs 2] [--repeats 3] [--scenario FILE]
 
 Every run is made bare, one after another in this process, into a file each; then the same sweep by one worker process,
 and by several; and all of that so many times. The machine should have nothing else to do; processor times bear some of
@@ -9,7 +9,6 @@ it, wall times none. Exit code 1, and no costs, if a sweep leaves a run out or t
 
 import argparse
 import resource
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -20,7 +19,7 @@ from statistics import median
 
 import rubnoise
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 LARGEST_Z = 4.5
 """A standard score that the worst of a hundred right points exceeds once in more than a thousand times."""
 
@@ -131,7 +130,3 @@ def _print(costs: dict[str, list[Cost]], runs: int, jobs: int) -> None:
         shares = sorted(a.wall / (jobs * b.wall) for a, b in zip(alone, several, strict=True))
         told = f"parallel efficiency of {jobs} processes, of {name}: {median(shares):.3f}"
         print(f"{told} (from {shares[0]:.3f} to {shares[-1]:.3f})")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Write the table of docs/comparing.md on what sliding distance shows what: `python tools/generate_detection.py`.
+"""Write the table of docs/comparing.md on what sliding distance shows what: `python tools/studies detection`.
 
 Each row is a fault, put into the run of Figure 5, and the distance from which nine of ten such runs are called outside:
 from the exact shift of a figure and its standard error. Rows that are short enough are tried with wrong runs, at that
@@ -15,37 +15,35 @@ from math import sqrt
 from pathlib import Path
 from typing import Final
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "src")]
-
-from rubnoise.analysis.agreement import Agreement, family_wise_bound  # noqa: E402
-from rubnoise.analysis.comparing.findings import (  # noqa: E402
+from rubnoise.analysis.agreement import Agreement, family_wise_bound
+from rubnoise.analysis.comparing.findings import (
     NORMAL,
     Finding,
     judged,
     judged_mean,
     poisson_figure,
 )
-from rubnoise.analysis.comparing.sizes import central_moments  # noqa: E402
-from rubnoise.analysis.comparison import compare  # noqa: E402
-from rubnoise.analysis.moments import needed_for_mean  # noqa: E402
-from rubnoise.contact.births import PoissonBirths, RegularBirths  # noqa: E402
-from rubnoise.contact.laws import (  # noqa: E402
+from rubnoise.analysis.comparing.sizes import central_moments
+from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.laws import (
     Fixed,
     Spread,
     law_for,
 )
-from rubnoise.model import Model  # noqa: E402
-from rubnoise.record.memory import MemoryRecord  # noqa: E402
-from rubnoise.scenario import load  # noqa: E402
-from rubnoise.simulation.extent import extent  # noqa: E402
-from rubnoise.simulation.run import simulate  # noqa: E402
-from rubnoise.theory.campbell import area_cumulants  # noqa: E402
-from rubnoise.theory.motion_errors import MotionErrors, mean_displacement_error, motion_errors  # noqa: E402
-from rubnoise.theory.response import Response, response  # noqa: E402
-from rubnoise.theory.sampling import StandardErrors, standard_errors  # noqa: E402
-from tests.verification.fabricated import Held  # noqa: E402
+from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.scenario import load
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.motion_errors import MotionErrors, mean_displacement_error, motion_errors
+from rubnoise.theory.response import Response, response
+from rubnoise.theory.sampling import StandardErrors, standard_errors
+from tests.verification.fabricated import Held
 
+ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / "docs" / "comparing.md"
 FIGURE_5: Final = ROOT / "scenarios" / "paper" / "fig5.toml"
 PART: Final = re.compile(r"(?<=<!-- generated: detection -->\n).*?(?=<!-- end -->)", re.DOTALL)
@@ -260,7 +258,3 @@ def main() -> int:
     table = "\n" + "\n".join(rows()) + "\n\n"
     PAGE.write_text(PART.sub(lambda _: table, text), encoding="utf-8")
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Memory and time of runs of many kinds, beside their forecasts: `python tools/measure_cost.py [--large | --two-way]`.
+"""Memory and time of runs of many kinds, beside their forecasts: `python tools/studies run_cost [--large | --two-way]`.
 
 Each is made in a process of its own, once to load everything and twice to be timed. Printed are the peak of its memory
 and the processor's time, measured and foretold, and at the end the constants of `rubnoise.simulation.cost` that would
@@ -18,17 +18,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "src")]
+import numpy as np
 
-import numpy as np  # noqa: E402
+import rubnoise
+from rubnoise.api import run
+from rubnoise.scenario import Scenario, load
+from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, MachineSpeed, machine_speed, seconds
+from rubnoise.storage.forecast import Budget, counted
 
-import rubnoise  # noqa: E402
-from rubnoise.api import run  # noqa: E402
-from rubnoise.scenario import Scenario, load  # noqa: E402
-from rubnoise.simulation.cost import IN_PROCESSES, PROGRAM_BYTES, SECONDS, MachineSpeed, machine_speed, seconds  # noqa: E402  # noqa: E402
-from rubnoise.storage.forecast import Budget, counted  # noqa: E402
-
+ROOT = Path(__file__).resolve().parents[2]
 WITH_SLIDER = ROOT / "scenarios" / "paper" / "fig5.toml"
 CONTACT_ALONE = ROOT / "scenarios" / "paper" / "fig4.toml"
 STATUS = Path("/proc/self/status")
@@ -149,7 +147,7 @@ def _peak() -> int:
 
 
 def _in_a_child(name: str, engine: str) -> Taken:
-    words = [sys.executable, __file__, "--one", name, engine]
+    words = [sys.executable, str(Path(__file__).parent), "run_cost", "--one", name, engine]
     told = subprocess.run(words, stdout=subprocess.PIPE, check=True).stdout
     return Taken(**json.loads(told))
 
@@ -167,7 +165,7 @@ def _fitting(runs: Sequence[Taken]) -> Iterator[str]:
         yield f"  {kind:<20}{constant:>12.2g}{best:>12.2g}"
 
 
-def main(cases: Mapping[str, Case]) -> int:
+def measure(cases: Mapping[str, Case]) -> int:
     """Print everything and return the exit code."""
     here: MachineSpeed = machine_speed()
     for name in ("Figure 5", "triangles", "1 mm/s, 20"):
@@ -191,7 +189,8 @@ def main(cases: Mapping[str, Case]) -> int:
     return 0 if all(each.within for each in runs) else 1
 
 
-if __name__ == "__main__":
+def main() -> int:
+    """Do what is asked and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--large", action="store_true", help="a million junctions at once, too")
     parser.add_argument("--two-way", action="store_true", help="sliders that push back, and no others")
@@ -200,5 +199,5 @@ if __name__ == "__main__":
     if options.one:
         name, engine = options.one
         print(json.dumps(asdict(taken((CASES | LARGE | TWO_WAY)[name].scenario(engine)))))
-    else:
-        sys.exit(main(TWO_WAY if options.two_way else CASES | LARGE if options.large else CASES))
+        return 0
+    return measure(TWO_WAY if options.two_way else CASES | LARGE if options.large else CASES)

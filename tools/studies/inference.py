@@ -1,8 +1,8 @@
 """Fit thousands of traces whose junctions are known: coverage, median errors, and which wrong models are noticed.
 
-    .venv/bin/python tools/infer_study.py run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
-    .venv/bin/python tools/infer_study.py table FOLDER
-    .venv/bin/python tools/infer_study.py docs FOLDER
+    .venv/bin/python tools/studies inference run FOLDER [--traces 300] [--jobs 2] [--only TEXT]
+    .venv/bin/python tools/studies inference table FOLDER
+    .venv/bin/python tools/studies inference docs FOLDER
 
 `run` may be stopped at any time; the same command resumes it. Each finished fit is a line in FOLDER. `table` prints
 every cell, `docs` writes the tables of docs/inference.md. Texts for --only: a law such as normal, or a kind with a
@@ -60,7 +60,7 @@ JUDGED, SHOWN = 200, 60
 """Traces of a case that judges, and of one that shows something."""
 CYCLES = (5, 10, 15, 20, 40)
 
-PAGE = Path(__file__).parents[1] / "docs" / "inference.md"
+PAGE = Path(__file__).parents[2] / "docs" / "inference.md"
 DATA = PAGE.with_name("right_traces.json")
 QUANTITIES = ("junction_count", "diameter", "relative_spread", "shear_strength")
 
@@ -508,7 +508,7 @@ def _wrong(found: dict[str, list[dict[str, Any]]]) -> list[str]:
     return lines
 
 
-def main() -> None:
+def main() -> int:
     """Read the command and do it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("run", "table", "docs"))
@@ -525,7 +525,4 @@ def main() -> None:
         document(asked.folder)
     else:
         table(asked.folder)
-
-
-if __name__ == "__main__":
-    main()
+    return 0

@@ -1,10 +1,10 @@
 """Friction traces whose junctions are known, made with numpy alone: they share no code with rubnoise, and judge it.
 
-    .venv/bin/python tools/right_traces.py OUT.csv [--seed 1] [--bandwidth 5] [--strength-spread 0.5] [--strokes 4] ...
+    .venv/bin/python tools/studies/right_traces.py OUT.csv [--seed 1] [--bandwidth 5] [--strength-spread 0.5] [--strokes 4] ...
 
 Junctions of one diameter d are born at random along the sliding distance. Each adds its strength times the overlap of
 two circles of diameter d. The sum goes through the sensor: a filter of one or two poles, then white noise. Lengths are
-in um, forces in uN. `tools/infer_study.py` fits these traces; tests take single ones.
+in um, forces in uN. `tools/studies inference` fits these traces; tests take single ones.
 """
 
 from __future__ import annotations

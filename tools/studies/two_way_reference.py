@@ -9,7 +9,7 @@ from typing import Any, Final
 import rubnoise
 from rubnoise.analysis.replicates import Pooled
 
-FOLDER: Final = Path(__file__).resolve().parent.parent / "tests" / "reference"
+FOLDER: Final = Path(__file__).resolve().parents[2] / "tests" / "reference"
 KEPT: Final = FOLDER / "coupling.json"
 ANOTHER: Final = FOLDER / "two_way.json"
 """What another program found, with an integrator of its own."""
