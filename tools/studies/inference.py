@@ -25,10 +25,9 @@ from typing import Any, Literal
 from zlib import crc32
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).resolve().parent))  # PYTHONSAFEPATH and -P leave it out
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # PYTHONSAFEPATH and -P leave it out
 
 import numpy as np
-from right_traces import Contact, trace
 
 from rubnoise.api.inferring import found_scenario, infer
 from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
@@ -39,6 +38,7 @@ from rubnoise.model import Model, Slider
 from rubnoise.record.sink import Columns
 from rubnoise.scenario import build
 from rubnoise.simulation.run import simulate
+from studies.right_traces import Contact, trace
 
 PER_LIFE = 64
 DIAMETER = 5.5

@@ -1,6 +1,6 @@
 """Friction traces whose junctions are known, made with numpy alone: they share no code with rubnoise, and judge it.
 
-    .venv/bin/python tools/studies/right_traces.py OUT.csv [--seed 1] [--bandwidth 5] [--strength-spread 0.5] [--strokes 4] ...
+    .venv/bin/python tools/studies/right_traces.py OUT.csv [--seed 1] [--bandwidth 5] [--strength-spread 0.5] ...
 
 Junctions of one diameter d are born at random along the sliding distance. Each adds its strength times the overlap of
 two circles of diameter d. The sum goes through the sensor: a filter of one or two poles, then white noise. Lengths are
