@@ -243,6 +243,6 @@ def test_what_cannot_be_spoken_over_tls_is_refused_before_anything_is_sent(
 
 def test_security_without_a_cluster_is_refused(here: Path) -> None:
     (here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
-    with pytest.raises(rubnoise.Refused, match="security: is for a cluster"):
+    with pytest.raises(rubnoise.Refused, match="security=: is for a cluster"):
         rubnoise.run_sweep("s.toml", "no", security=object())
     assert not Path("no").exists()

@@ -103,7 +103,7 @@ def test_births_beyond_all_bounds_are_not_counted(part: Path, monkeypatch: pytes
 
     description = look(part).description
     assert resuming._has_its_rows(WHOLE, description)
-    monkeypatch.setattr(resuming, "extent", count)
+    monkeypatch.setattr("rubnoise.storage.forecast.extent", count)
     many = scenario(interface={"mean_real_contact_area": "200000 um^2", "mean_junction_count": 20_000})
     for other in (many, scenario(sliding={"distance": "3 mm", "speed": "1 mm/s"})):
         assert not resuming._has_its_rows(other, description)

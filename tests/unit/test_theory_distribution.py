@@ -89,7 +89,7 @@ def test_mass_and_four_cumulants_by_the_density(count: float, spread: str, pulse
     )
     mean = float(mass @ area)
     central = [float(mass @ (area - exact.mean) ** n + law.atom_at_zero * (-exact.mean) ** n) for n in (2, 3, 4)]
-    rel = 1e-7 if count >= 5.0 else 1e-5
+    rel = 1e-7 if count >= 5.0 and pulse is not PARABOLA else 1e-5
     assert cumulants_of([mean, *central]) == pytest.approx(exact.values[:4], rel=rel)
 
 

@@ -10,7 +10,7 @@ from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_val
 from rubnoise.scenario.points import Case, points_of
 from rubnoise.scenario.problems import report
 from rubnoise.scenario.reading import examined
-from rubnoise.scenario.scenario import Scenario, flattened
+from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Choice
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
@@ -22,12 +22,10 @@ NAME: Final = "scenario_toml"
 class Reread:
     """The resolved scenario of a text, and for a point of a sweep the seeds that its replicates have.
 
-    ``given`` are the keys that the text and the overrides name. ``self_contained`` is False if the text extends a file
-    that is not at hand: its keys are those of the run.
+    ``self_contained`` is False where the text extends a file that is not at hand: its keys are those of the run.
     """
 
     resolved: Mapping[str, Any]
-    given: frozenset[str]
     seeds: frozenset[int] = frozenset()
     self_contained: bool = True
 
@@ -42,12 +40,7 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
     given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
     if SWEEP in given.data:
         return _point(given, run, self_contained=self_contained)
-    scenario = _scenario(given)
-    return Reread(resolved=scenario.resolved(), given=_given(scenario), self_contained=self_contained)
-
-
-def _given(scenario: Scenario) -> frozenset[str]:
-    return frozenset(flattened(scenario.given))
+    return Reread(resolved=_scenario(given).resolved(), self_contained=self_contained)
 
 
 def _scenario(given: Layers) -> Scenario:
@@ -66,10 +59,7 @@ def _point(given: Layers, run: Mapping[str, Any], *, self_contained: bool) -> Re
     replicates = points_of([Case(values=choice.values, scenario=scenario)], table.settings.most_replicates)
     seeds = frozenset(point.seed for point in replicates)
     return Reread(
-        resolved=scenario.resolved(),
-        given=_given(scenario),
-        seeds=seeds if self_contained else frozenset(),
-        self_contained=self_contained,
+        resolved=scenario.resolved(), seeds=seeds if self_contained else frozenset(), self_contained=self_contained
     )
 
 

@@ -134,8 +134,6 @@ def _differences(again: Reread, run: Mapping[str, Any], asked: Asked | None) -> 
                 yield key, (f"{from_file}, from which no replicate has the seed of the run", had)
         elif key in {"run.seed", "run.engine"} and asked is None:
             continue  # a program hands these over beside the scenario
-        elif key == "interface.calibration" and had == '"exact"' and key not in again.given:
-            continue  # it was the default before matched
         elif from_file != had:
             yield key, (from_file, had)
 
