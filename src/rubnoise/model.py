@@ -46,7 +46,8 @@ class Slider:
 class Model:
     """Everything a run or the theory needs to know, and nothing else.
 
-    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), sliding distance and tick (um).
+    A_rm (um^2), N_jm, d_m (um), the laws, V_sl (um/s; None where no times are wanted), sliding distance and tick (um);
+    hardness H (MPa) where A_rm is that of a load.
     Ticks lie at i * tick for i = 0 ... tick_count; tick_count is the exact floor of distance/tick as written.
     """
 
@@ -64,6 +65,12 @@ class Model:
     tick: float
     tick_count: int
     pulse: Pulse = LENS
+    hardness: float | None = None
+
+    @property
+    def load(self) -> float | None:
+        """W = H A_rm in uN (Bowden and Tabor), or None without a hardness."""
+        return None if self.hardness is None else self.hardness * self.mean_real_contact_area
 
     @property
     def mean_life_distance(self) -> float:

@@ -16,8 +16,8 @@ from rubnoise.scenario.template import template
 from tests.cli.terminal import call, names
 
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
-# One needs another file, one excludes damping, one another coupling, and the others belong to laws that take no spread.
-ELSEWHERE = ("extends", "damping_ratio", "tolerance", *LAW_SAMPLES)
+# One needs another file, some exclude others, one another coupling, and the rest belong to laws without a spread.
+ELSEWHERE = ("extends", "load", "hardness", "patch_area", "damping_ratio", "tolerance", *LAW_SAMPLES)
 
 
 def _everything() -> str:

@@ -4,6 +4,7 @@ import json
 import os
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -67,6 +68,36 @@ def test_a_damping_ratio_gives_the_damping() -> None:
     assert slider.damping_ratio == pytest.approx(0.02, rel=1e-15)
     assert scenario.resolved()["slider"]["damping_ratio"] == 0.02
     assert "damping" not in scenario.resolved()["slider"]
+
+
+LOADED = BARE.replace('mean_real_contact_area = "200 um^2"', 'load = "0.2 N"\nhardness = "1 GPa"')
+
+
+def test_a_load_and_a_patch_give_area_and_count() -> None:
+    named, loaded = loads(BARE).model(), loads(LOADED).model()
+    assert replace(loaded, hardness=None) == named
+    assert (loaded.load, named.load) == (200_000.0, None)
+    patch = loads(LOADED.replace("mean_junction_count = 20", 'patch_area = "10 um^2"'))
+    assert replace(patch.model(), hardness=None) == named
+    doubled = patch.replace(load="0.4 N").model()
+    assert (doubled.mean_junction_count, doubled.calibrated_diameter) == (40.0, named.calibrated_diameter)
+    assert patch.replace(mean_real_contact_area="200 um^2", mean_junction_count=20).model() == named
+    assert build(patch.resolved()).model() == patch.model()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('hardness = "1 GPa"\n', "", "interface.hardness: missing; load needs it"),
+        ('load = "0.2 N"\n', "", "interface.load: missing; hardness needs it"),
+        ("load", 'mean_real_contact_area = "2 um^2"\nload', "both mean_real_contact_area and load are given"),
+        ("mean", 'patch_area = "2 um^2"\nmean', "both mean_junction_count and patch_area are given"),
+        ("mean_junction_count = 20", 'patch_area = "1e-12 um^2"', "gives 2e+14 junctions; possible: 1e-06 to 1e+06"),
+        ('"0.2 N"\nhardness = "1 GPa"', '"1e12 N"\nhardness = "1e-12 MPa"', "gives 1e+30 um^2 of real contact area"),
+    ],
+)
+def test_a_contact_said_twice_by_half_or_out_of_bounds_is_refused(old: str, new: str, said: str) -> None:
+    assert said in refusal(LOADED.replace(old, new, 1))
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def _grid(line: str) -> str:
          "sweep.grid.interface.mean_junction_count: an empty list, which leaves no point",
          "give it values, or take the line away"),
         ("interface = [1]", "sweep.grid.interface: unknown key",
-         "did you mean interface.mean_real_contact_area or interface.mean_junction_count?"),
+         "did you mean interface.mean_real_contact_area or interface.load?"),
     ],
 )  # fmt: skip
 def test_a_wrong_key_is_named_with_what_is_right(tmp_path: Path, line: str, said: str, hint: str) -> None:

@@ -95,6 +95,7 @@ def summarise(model: Model, tally: Tally) -> list[Agreement]:
     figures += _count(seen["junction_count"], theory.exact, theory.count_error)
     if "friction_force" in seen and theory.exact.force is not None:
         figures += _moments("friction_force", seen["friction_force"], theory.exact.force, theory.force_errors)[:2]
+        figures += _coefficient(model, figures[-2])
     if "displacement" in seen and model.is_two_way:
         figures += _two_way_motion(model, tally, theory)
     elif "displacement" in seen:
@@ -148,6 +149,20 @@ def _moments(name: str, seen: Moments, exact_values: Cumulants, errors: Errors) 
             )
         )
     return figures
+
+
+def _coefficient(model: Model, force: Agreement) -> list[Agreement]:
+    """Return the coefficient of friction, mean force over load, of a model with a hardness."""
+    if model.load is None or force.expected is None:
+        return []
+    return [
+        Agreement(
+            name="friction_coefficient",
+            observed=force.observed / model.load,
+            expected=force.expected / model.load,
+            standard_error=None if force.standard_error is None else force.standard_error / model.load,
+        )
+    ]
 
 
 def _count(seen: Moments, expected: Exact, error: float | None) -> list[Agreement]:
@@ -280,6 +295,10 @@ def _of_force(part: str, model: Model) -> float:
     return float(getattr(force_cumulants(model), part))
 
 
+def _of_load(model: Model) -> float:
+    return nan if model.load is None or model.strengths is None else force_cumulants(model).mean / model.load
+
+
 def _is_known(model: Model, name: str) -> bool:
     """Whether theory has a figure of a two-way slider: its motion while coupling is weak."""
     return name != "one_way_validity" and coupling(model).unknown is None
@@ -316,6 +335,7 @@ EXPECTED_FIGURES: Final[dict[str, tuple[str | None, Callable[[Model], float]]]] 
     "junction_count_mean": (None, mean_count),
     "junction_count_std": (None, _count_std),
     **{f"friction_force_{part}": ("strengths", partial(_of_force, part)) for part in _PARTS[:2]},
+    "friction_coefficient": ("hardness", _of_load),
     "displacement_mean": ("slider", _exact_mean_displacement),
     "displacement_std": ("slider", _displacement_std),
     "velocity_std": ("slider", _velocity_std),

@@ -49,6 +49,8 @@ def _dynamics(model: Model, theory: Exact) -> dict[str, Any]:
     answer: dict[str, Any] = {}
     if theory.force is not None:
         answer["friction_force"] = {"mean": theory.force.mean, "std": theory.force.std}
+        if model.load is not None:
+            answer["friction_coefficient"] = theory.force.mean / model.load
     if model.slider is not None and theory.slider is not None:
         missing = missing_for_motion(model)
         answer["slider"] = {
@@ -97,6 +99,8 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     ]
     if "friction_force" in answer:
         lines.append(line("friction force", spread("friction_force", " uN")))
+    if "friction_coefficient" in answer:
+        lines.append(line("friction coefficient", number(answer["friction_coefficient"])))
     lines += _slider_lines(answer.get("slider"), two_way=model.is_two_way)
     lines.append(line("births", f"{grouped(answer['expected_births'])} expected"))
     lines += _cost_lines(scenario, answer["cost"]) if "cost" in answer else []

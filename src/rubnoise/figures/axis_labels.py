@@ -30,7 +30,7 @@ TWO_WAY: Final[dict[str, tuple[str, str]]] = {
 }
 """Those that runs with two-way coupling alone may have."""
 
-ALL: Final = QUANTITIES | TWO_WAY
+ALL: Final = QUANTITIES | {"friction_coefficient": ("coefficient of friction", "")} | TWO_WAY
 
 
 def quantity_label(name: str) -> str:

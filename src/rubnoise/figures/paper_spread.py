@@ -37,7 +37,7 @@ class Spread:
     @property
     def count(self) -> float:
         """N_jm."""
-        return self.scenario.interface.mean_junction_count
+        return self.scenario.model().mean_junction_count
 
 
 def spreads_of(sources: Sources, name: str) -> list[Spread]:
@@ -77,7 +77,7 @@ def by_area(spreads: list[Spread]) -> dict[float, list[Spread]]:
     """Return spreads by their mean area A_rm in um^2, each family by its number of junctions, all rising."""
     families: dict[float, list[Spread]] = {}
     for spread in sorted(spreads, key=lambda each: each.count):
-        families.setdefault(float(spread.scenario.interface.mean_real_contact_area), []).append(spread)
+        families.setdefault(spread.scenario.model().mean_real_contact_area, []).append(spread)
     return dict(sorted(families.items()))
 
 

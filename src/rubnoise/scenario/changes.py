@@ -7,13 +7,18 @@ from typing import Any
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import did_you_mean
-from rubnoise.scenario.keys import SECTIONS
+from rubnoise.scenario.keys import ALTERNATIVES, SECTIONS
 from rubnoise.scenario.problems import Path
 from rubnoise.scenario.reading import build_changed
 from rubnoise.scenario.scenario import Scenario
 
-EITHER = {("slider", "damping"): "damping_ratio", ("slider", "damping_ratio"): "damping"}
-"""Keys of which a scenario has one: setting it takes the other away."""
+EITHER = {
+    (table, key): tuple(other for way in ways if key not in way for other in way)
+    for table, several in ALTERNATIVES.items()
+    for ways in several
+    for key in (key for way in ways for key in way)
+}
+"""Other ways to say what a key says: setting it takes their keys away."""
 
 
 def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
@@ -31,8 +36,9 @@ def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
         else:
             there = values.get(table)
             values[table] = dict(there) if isinstance(there, Mapping) else {}
-            if value is not None and (other := EITHER.get((table, key))) and other not in named:
-                values[table].pop(other, None)
+            for other in EITHER.get((table, key), ()) if value is not None else ():
+                if other not in named:
+                    values[table].pop(other, None)
             _set(values[table], key, value)
     return build_changed(values, {path for place in places for path in _paths(*place)})
 

@@ -5,17 +5,19 @@ from collections.abc import Iterator
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.model import Model
 from rubnoise.scenario import limits
-from rubnoise.scenario.document import Diameter, Document, Strength
+from rubnoise.scenario.document import AREAS, COUNTS, Diameter, Document, Strength
 from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.scenario import default_tick, diameter_of, model_of, pulse_of, spread_of
+from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, pulse_of, spread_of
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
 _TICK: Path = ("output", "tick")
 _AREA: Path = ("interface", "mean_real_contact_area")
+_LOAD: Path = ("interface", "load")
+_PATCH: Path = ("interface", "patch_area")
 _CALIBRATION: Path = ("interface", "calibration")
 _OFFSET: Path = ("pulse", "offset")
 _COUNT: Path = ("interface", "mean_junction_count")
@@ -54,7 +56,7 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
 
 def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
     """Return the model and its tick, or None and why there is none; and what forbids a run of the model."""
-    if problems := list(_offset_problems(document, layers)):
+    if problems := [*_contact_problems(document, layers), *_offset_problems(document, layers)]:
         return None, None, problems
     try:
         diameter = diameter_of(document)
@@ -68,6 +70,16 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
         return None, None, problems
     model = model_of(document, diameter, tick)
     return model, tick, [*_crowd_problems(layers, model), *_cost_problems(document, layers, model)]
+
+
+def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
+    """Refuse a load or a patch from which an area or a count follows that no scenario could give."""
+    area, count = area_and_count(document.interface)
+    derived = ((_LOAD, area, AREAS, "um^2 of real contact area"), (_PATCH, count, COUNTS, "junctions"))
+    for path, value, possible, what in derived:
+        if value not in possible:
+            message = f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}"
+            yield Problem(path=path, message=message, place=layers.value_place(path))
 
 
 def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:

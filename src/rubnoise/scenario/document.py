@@ -9,11 +9,13 @@ from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
 from rubnoise.streams import SEED_LIMIT
-from rubnoise.units import AREA, DAMPING, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
+from rubnoise.units import AREA, DAMPING, FORCE, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
 FORMAT = 1
 ONE_STRENGTH = "constant"
 """The strength table's word for the law that the registry calls fixed."""
+AREAS, COUNTS = Range(1e-12, 1e18), Range(1e-6, limits.LIVE_JUNCTIONS)
+"""Mean real contact areas in um^2 and mean numbers of junctions that are possible."""
 
 
 class Section(BaseModel):
@@ -23,18 +25,33 @@ class Section(BaseModel):
 
 
 class Interface(Section):
-    """The contact: mean real contact area and mean number of junctions."""
+    """The contact: mean real contact area, or load and hardness; mean number of junctions, or the area of one."""
 
     mean_real_contact_area: Annotated[
-        Quantity,
-        Measure((AREA,), possible=Range(1e-12, 1e18), plausible=Range(1e-6, 1e12)),
-        About(description="Mean real contact area A_rm."),
-    ]
+        Quantity | None,
+        Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
+        About(description="Mean real contact area A_rm; or else load and hardness."),
+    ] = None
+    load: Annotated[
+        Quantity | None,
+        Measure((FORCE,), possible=Range(1e-12, 1e18), plausible=Range(1e-3, 1e12)),
+        About(description="Normal load W; with hardness, A_rm = W/H (Bowden and Tabor)."),
+    ] = None
+    hardness: Annotated[
+        Quantity | None,
+        Measure((STRESS,), possible=Range(1e-12, 1e12), plausible=Range(1e-2, 1e6)),
+        About(description="Hardness H of the softer side; psi/H is the coefficient of friction."),
+    ] = None
     mean_junction_count: Annotated[
-        float,
-        Number(Range(1e-6, limits.LIVE_JUNCTIONS)),
-        About(description="Mean number of junctions N_jm; need not be a whole number."),
-    ]
+        float | None,
+        Number(COUNTS),
+        About(description="Mean number of junctions N_jm; need not be a whole number; or else patch_area."),
+    ] = None
+    patch_area: Annotated[
+        Quantity | None,
+        Measure((AREA,), possible=AREAS, plausible=Range(1e-6, 1e12)),
+        About(description="Mean area of one junction, so that N_jm = A_rm/patch_area: load adds junctions."),
+    ] = None
     calibration: Annotated[
         str,
         Choice(("paper", "exact", "matched")),

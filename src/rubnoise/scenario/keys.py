@@ -24,10 +24,18 @@ SWEEP = "sweep"
 LAW_SAMPLES: dict[str, float] = {each.name: each.sample for entry in LAWS.values() for each in entry.parameters}
 """An ordinary value of every key that some law takes for itself."""
 
+ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
+    "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
+    "slider": ((("damping",), ("damping_ratio",)),),
+}
+"""Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
+
 _RIGHT_FORMS: dict[Path, str] = {
     ("format",): "format = 1",
-    ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2"',
-    ("interface", "mean_junction_count"): "mean_junction_count = 20",
+    ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2" or load and hardness',
+    ("interface", "load"): 'load = "0.2 N"',
+    ("interface", "hardness"): 'hardness = "1 GPa"',
+    ("interface", "mean_junction_count"): 'mean_junction_count = 20 or patch_area = "10 um^2"',
     ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
     **{(table, key): f"{key} = {value:g}" for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     ("strength", "mean"): 'mean = "250 MPa"',
@@ -139,23 +147,37 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             )
         if "speed" not in sliding:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
-        yield from _damping_problems(layers, slider)
+        yield from _alternative_problems(layers, "slider")
         yield from _tolerance_problems(layers, slider)
+    if isinstance(layers.data.get("interface", {}), dict):
+        yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
     yield from _law_problems(layers, "strength")
 
 
-def _damping_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    both = ("slider", "damping"), ("slider", "damping_ratio")
-    given = [path for path in both if path[1] in slider]
-    if not given:
-        yield missing(layers, both[0])
-    if len(given) == 2:
-        first, second = sorted((layers.key_place(path) for path in both), key=lambda place: (place.rank, place.line))
-        where = f"{first.source}:{first.line}" if first.line else first.source
-        message = f"both damping and damping_ratio are given (the other at {where})"
-        path = next(path for path in both if layers.key_place(path) == second)
-        yield Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
+def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
+    """Refuse what is said in two ways at once, in none, or in part of one."""
+    table = _table(layers, name)
+    for ways in ALTERNATIVES[name]:
+        given = [next(key for key in way if key in table) for way in ways if not table.keys().isdisjoint(way)]
+        if not given:
+            yield missing(layers, (name, ways[0][0]))
+        elif len(given) == 1:
+            (way,) = [way for way in ways if given[0] in way]
+            lacking = [key for key in way if key not in table]
+            yield from (missing(layers, (name, key), f"missing; {given[0]} needs it") for key in lacking)
+        else:
+            yield _said_twice(layers, [(name, key) for key in given])
+
+
+def _said_twice(layers: Layers, both: list[Path]) -> Problem:
+    """Return the problem of two keys that say one thing, shown at the second."""
+    names = " and ".join(str(path[-1]) for path in both)
+    places = sorted(((layers.key_place(path), path) for path in both), key=lambda each: (each[0].rank, each[0].line))
+    (first, _), (second, path) = places
+    where = f"{first.source}:{first.line}" if first.line else first.source
+    message = f"both {names} are given (the other at {where})"
+    return Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
 
 
 def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:

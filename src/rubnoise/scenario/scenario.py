@@ -129,14 +129,18 @@ def diameter_of(document: sections.Document) -> float:
 
     Raises NoMatchingDiameter where `matched` has no solution, PaperMeansLens for `paper` with another pulse.
     """
-    interface = document.interface
+    area, count = area_and_count(document.interface)
     return calibrated_diameter(
-        interface.calibration,
-        float(interface.mean_real_contact_area),
-        interface.mean_junction_count,
-        spread_of(document.diameter),
-        pulse_of(document.pulse),
+        document.interface.calibration, area, count, spread_of(document.diameter), pulse_of(document.pulse)
     )
+
+
+def area_and_count(interface: sections.Interface) -> tuple[float, float]:
+    """Return A_rm in um^2 and N_jm as given, or from W/H and from the area of one patch; exact and rounded once."""
+    area, load, hardness = interface.mean_real_contact_area, interface.load, interface.hardness
+    whole = area.exact if area is not None else cast(Quantity, load).exact / cast(Quantity, hardness).exact
+    count, patch = interface.mean_junction_count, interface.patch_area
+    return float(whole), float(whole / cast(Quantity, patch).exact) if count is None else count
 
 
 def pulse_of(pulse: sections.Pulse) -> Pulse:
@@ -169,13 +173,14 @@ def tick_count(distance: Quantity, tick: Quantity) -> int:
 def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Model:
     """Return the model of a complete document for its calibrated diameter in um and its tick."""
     interface, sliding, pulse = document.interface, document.sliding, pulse_of(document.pulse)
+    area, count = area_and_count(interface)
     return Model(
-        mean_real_contact_area=float(interface.mean_real_contact_area),
-        mean_junction_count=interface.mean_junction_count,
+        mean_real_contact_area=area,
+        mean_junction_count=count,
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
         sizes=law_for(diameter, spread_of(document.diameter)),
-        births=_BIRTHS[document.birth.law](mean_spacing=pulse.mean_life * diameter / interface.mean_junction_count),
+        births=_BIRTHS[document.birth.law](mean_spacing=pulse.mean_life * diameter / count),
         strengths=_strengths(document.strength),
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
@@ -184,6 +189,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         tick=float(tick),
         tick_count=tick_count(sliding.distance, tick),
         pulse=pulse,
+        hardness=None if interface.hardness is None else float(interface.hardness),
     )
 
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from rubnoise.scenario.document import Document
-from rubnoise.scenario.keys import SECTIONS, SWEEP
+from rubnoise.scenario.keys import ALTERNATIVES, SECTIONS, SWEEP
 from rubnoise.scenario.sweep_table import Sweeping, known_keys
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -55,9 +55,10 @@ def _table(properties: dict[str, Any]) -> dict[str, Any]:
 
 
 def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, Any]:
-    one_damping = {"oneOf": [{"required": ["damping"]}, {"required": ["damping_ratio"]}]}
     properties: dict[str, Any] = {name.lower(): {"required": keys} for name, keys in needed.items()}
-    properties["slider"] |= one_damping
+    for name, several in ALTERNATIVES.items():
+        ways = [{"oneOf": [{"required": list(way)} for way in each]} for each in several]
+        properties[name] = properties.get(name, {}) | {"allOf": ways}
     with_slider = {"required": ["strength"], "properties": {"sliding": {"required": ["speed"]}}}
     return {"required": required, "properties": properties, "dependentSchemas": {"slider": with_slider}}
 

@@ -22,7 +22,10 @@ EXTENDS: Final = "A scenario file to extend, relative to this one; keys in this 
 
 SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("interface", "mean_real_contact_area"): "200 um^2",
+    ("interface", "load"): "0.2 N",
+    ("interface", "hardness"): "1 GPa",
     ("interface", "mean_junction_count"): 20,
+    ("interface", "patch_area"): "10 um^2",
     ("diameter", "spread"): "10 %",
     **{(table, key): value for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     ("strength", "mean"): "250 MPa",
@@ -44,7 +47,12 @@ VARIED: Final = "Each value of a key is combined with each value of the others; 
 WITH_SLIDER: Final = ("strength", "slider")
 """Optional tables that the template sets, so that a first run has a motion to look at and to listen to."""
 
-SET: Final = (("sliding", "speed"), ("slider", "damping"))
+SET: Final = (
+    ("interface", "mean_real_contact_area"),
+    ("interface", "mean_junction_count"),
+    ("sliding", "speed"),
+    ("slider", "damping"),
+)
 """Keys without a default that the template sets beside those that are needed."""
 
 REMARKS: Final[dict[tuple[str, str], str]] = {
