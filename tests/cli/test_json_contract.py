@@ -142,8 +142,8 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, Any]]:
 def _answers(here: Path) -> list[tuple[str, Any]]:
     (here / "full.toml").write_text(WITH_SLIDER, encoding="utf-8")
     (here / "bare.toml").write_text(CONTACT, encoding="utf-8")
-    area, load = 'mean_real_contact_area = "200 um^2"', 'load = "0.2 N"\nhardness = "1 GPa"'
-    (here / "loaded.toml").write_text(WITH_SLIDER.replace(area, load), encoding="utf-8")
+    area, weighed = 'mean_real_contact_area = "200 um^2"', 'load = "0.2 N"\nhardness = "1 GPa"'
+    (here / "loaded.toml").write_text(WITH_SLIDER.replace(area, weighed), encoding="utf-8")
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
