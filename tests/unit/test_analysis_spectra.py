@@ -1,15 +1,26 @@
-"""Welch's spectrum: scipy's numbers in the house's convention, however the record comes in, and its errors."""
+"""Spectra of records, whole or in pieces: Welch, bands and sums of streams."""
 
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise
 from math import pi
 
 import numpy as np
 import pytest
 
-from rubnoise.analysis.records import RecordTooShort
-from rubnoise.analysis.spectra import Spectrum, WelchSum, hann, shared_variance, welch
-from tests.unit.records import memory, white
+from rubnoise.analysis.covariance import CovarianceSum, LaggedProducts, autocovariance
+from rubnoise.analysis.histogram import HistogramSum
+from rubnoise.analysis.records import RecordTooShort, error_of_mean
+from rubnoise.analysis.spectra import Band, Spectrum, WelchSum, band_powers, hann, shared_variance, welch
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.estimated_spectrum import expected_periodogram
+from tests.models import bare, recorded
+from tests.unit.theory_models import memory, white
 from tests.verification.seeds import seed_of
 
+# Welch's spectrum: scipy's numbers in the house's convention, however the record comes in, and its errors.
 VALUES = memory(65_536, seed_of("spectra"))
 
 
@@ -77,3 +88,131 @@ def test_the_window_is_scipys() -> None:
     from scipy.signal import get_window
 
     assert hann(64) == pytest.approx(get_window("hann", 64), abs=1e-15)
+
+
+# Powers of bands: what they add up to, and that their errors are the spread of many runs.
+TICKS = 256
+RUNS = 80
+LENS = bare(tick=0.4, distance=2000.0)
+TRIANGULAR = replace(LENS, pulse=TRIANGLE)
+
+
+@cache
+def bands(run: Model, name: str, runs: int = RUNS) -> list[list[Band]]:
+    seeds = range(seed_of(f"bands/{name}"), seed_of(f"bands/{name}") + runs)
+    _, expected = expected_periodogram(run, run.tick, hann(TICKS))
+    return [_of(run, seed, expected, 6) for seed in seeds]
+
+
+def _of(run: Model, seed: int, expected: np.ndarray, count: int) -> list[Band]:
+    total = WelchSum(TICKS, run.tick)
+    total.add(recorded(run, seed)["trace"]["real_contact_area"])
+    return band_powers(run, total.spectrum(), expected, run.distance, count)
+
+
+@pytest.mark.parametrize(("run", "name"), [(TRIANGULAR, "triangle"), (LENS, "lens")], ids=["triangle", "lens"])
+def test_errors_are_the_spread_of_many_runs(run: Model, name: str) -> None:
+    rows = bands(run, name)
+    scores = np.array([[(band.observed - band.expected) / band.standard_error for band in row] for row in rows])
+    assert np.abs(scores.mean(axis=0)).max() <= 4.0 / RUNS**0.5
+    # A spread of 80 runs is known to 1/sqrt(160), a little worse for laws with a longer tail.
+    assert np.abs(scores.std(axis=0) - 1.0).max() <= 4.0 * 1.2 / (2.0 * RUNS) ** 0.5
+
+
+def test_junctions_count_in_high_bands() -> None:
+    """However many its bins, a band is known no better than the number of junctions allows."""
+    last = bands(LENS, "lens", runs=1)[0][-1]
+    births = LENS.birth_rate * LENS.distance
+    assert last.standard_error > 0.9 * last.expected / births**0.5
+
+
+def test_powers_add_up_to_the_variance_that_lies_within_them() -> None:
+    row = bands(LENS, "lens", runs=1)[0]
+    assert sum(band.expected for band in row) < area_cumulants(LENS).variance
+    assert sum(band.expected for band in row) > 0.5 * area_cumulants(LENS).variance
+    assert all(one.highest < other.lowest for one, other in pairwise(row))
+
+
+def test_more_bands_than_bins_are_as_many_as_there_are() -> None:
+    total = WelchSum(16, 0.4)
+    total.add(recorded(LENS, 1)["trace"]["real_contact_area"])
+    _, expected = expected_periodogram(LENS, LENS.tick, hann(16))
+    assert len(band_powers(LENS, total.spectrum(), expected, LENS.distance, 50)) == 4
+    tiny = WelchSum(4, 0.4)
+    tiny.add(np.ones(100))
+    assert band_powers(LENS, tiny.spectrum(), np.ones(3), LENS.distance, 8) == []
+
+
+# Estimates of a stream are those of the whole record, in whatever pieces it comes.
+OFFSET_VALUES = 200.0 + memory(70_001, seed_of("sums"))
+EDGES = np.linspace(198.0, 203.0, 41)
+PIECES = (1, 7, 131)
+
+
+def _shares(parts: np.ndarray) -> np.ndarray:
+    return np.stack([np.histogram(part, EDGES)[0] for part in parts]) / parts.shape[1]
+
+
+@pytest.mark.parametrize("pieces", PIECES)
+@pytest.mark.parametrize("reach", [1, 300, 3000])
+def test_covariances_are_those_of_lagged_products(pieces: int, reach: int) -> None:
+    found, slow = CovarianceSum(reach, 199.0), LaggedProducts(range(reach + 1), 199.0)
+    for piece in np.array_split(OFFSET_VALUES, pieces):
+        found.add(piece)
+    slow.add(OFFSET_VALUES)
+    assert found.covariances() == pytest.approx(slow.covariances(), rel=1e-10, abs=1e-10 * OFFSET_VALUES.var())
+
+
+def test_covariances_are_those_of_the_whole_record_over_their_pairs() -> None:
+    found = CovarianceSum(500, 200.0)
+    found.add(OFFSET_VALUES)
+    pairs = (OFFSET_VALUES.size - np.arange(501)) / OFFSET_VALUES.size
+    assert found.covariances() * pairs == pytest.approx(
+        autocovariance(OFFSET_VALUES, 500), abs=1e-10 * OFFSET_VALUES.var()
+    )
+
+
+def test_asking_on_the_way_changes_nothing() -> None:
+    asked, silent = CovarianceSum(200, 200.0), CovarianceSum(200, 200.0)
+    for piece in np.array_split(OFFSET_VALUES, 50):
+        asked.add(piece)
+        silent.add(piece)
+        asked.covariances()
+    assert asked.covariances() == pytest.approx(silent.covariances(), abs=1e-12)
+
+
+def test_a_lag_beyond_the_record_has_no_covariance() -> None:
+    found, slow = CovarianceSum(9, 0.0), LaggedProducts(range(10), 0.0)
+    for sums in (found, slow):
+        sums.add(OFFSET_VALUES[:6])
+    assert np.isnan(found.covariances()).tolist() == [False] * 6 + [True] * 4
+    assert found.covariances()[:6] == pytest.approx(slow.covariances()[:6], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("pieces", PIECES)
+def test_a_histogram_is_that_of_the_whole_record(pieces: int) -> None:
+    found = HistogramSum(EDGES, 1000)
+    for piece in np.array_split(OFFSET_VALUES, pieces):
+        found.add(piece)
+    seen = found.histogram()
+    share = np.histogram(OFFSET_VALUES, EDGES)[0] / OFFSET_VALUES.size
+    assert seen.density * np.diff(EDGES) == pytest.approx(share, abs=1e-15)
+    assert seen.outside == pytest.approx(1.0 - share.sum(), abs=1e-14)
+    assert seen.outside > 0.0
+    error = error_of_mean(OFFSET_VALUES, 1000, _shares)
+    assert seen.standard_error * np.diff(EDGES) == pytest.approx(error, rel=1e-10, abs=1e-12)
+
+
+def test_values_at_edges_count_above_them_and_the_last_is_outside() -> None:
+    found = HistogramSum(np.arange(5.0), 10)
+    found.add(np.array([0.0, 1.0, 1.5, 3.0, 4.0, -1e-9, -5.0, 9.0]))
+    assert (found.histogram().density * 8.0).tolist() == [1.0, 2.0, 0.0, 1.0]
+
+
+def test_few_stretches_promise_no_errors() -> None:
+    few, enough = HistogramSum(EDGES, 1000), HistogramSum(EDGES, 1000)
+    few.add(OFFSET_VALUES[:29_999])
+    enough.add(OFFSET_VALUES[:30_000])
+    assert np.isinf(few.histogram().standard_error).all()
+    assert np.isfinite(enough.histogram().standard_error).all()
+    assert few.histogram().density == pytest.approx(enough.histogram().density, abs=1e-3)

@@ -1,23 +1,31 @@
-"""The Python interface, used as a person would."""
+"""The Python interface, used as a person would: runs, tables for xarray and pandas, summaries of sweeps."""
 
 import copy
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+import xarray as xr
 
 import rubnoise
+from rubnoise.analysis.agreement import from_attributes
+from rubnoise.analysis.run_summary import CURVES
 from rubnoise.api import Junction
+from rubnoise.api.sweeping import keep_summary, summary_theory
 from rubnoise.contact.overlap import junction_area
 from rubnoise.errors import OutputRefused, RunFileRefused, RunStopped, ScenarioRefused
 from rubnoise.record.rows import JunctionState
 from rubnoise.scenario import build
+from rubnoise.scenario.sweep import expand
 from tests.cli.terminal import CONTACT, WITH_SLIDER, names
+from tests.unit.sweeps import GRID, sweep_of
 
 
+# The Python interface, used as a person would.
 @pytest.fixture
 def scenario(tmp_path: Path) -> Any:
     file = tmp_path / "given.toml"
@@ -238,3 +246,141 @@ def test_a_scenario_of_python_values_is_run_and_kept(tmp_path: Path) -> None:
         assert run.provenance["command"] == "by hand"
         assert run.attributes["title"] == "by_hand"
         assert run.scenario.model() == build(values).model()
+
+
+# Results as xarray and pandas have them.
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("labelled")
+    (folder / "given.toml").write_text(WITH_SLIDER, encoding="utf-8")
+    rubnoise.run(rubnoise.load(folder / "given.toml"), folder / "x.h5").close()
+    return folder / "x.h5"
+
+
+@pytest.fixture
+def run(path: Path) -> Iterator[rubnoise.Run]:
+    with rubnoise.open(path) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize("index", [True, False])
+def test_a_tree_holds_every_group_with_units(run: rubnoise.Run, index: bool) -> None:  # noqa: FBT001
+    tree = run.to_xarray(index=index)
+    assert set(tree.children) == {"junctions", "trace", "slider", "blocks", "life_curve"}
+    assert tree.attrs == run.attributes
+    for name, columns in run.groups().items():
+        for column in columns:
+            variable = tree[name][column]
+            assert variable.attrs["units"] == columns[column].units
+            assert variable.dtype == columns[column].dtype
+            np.testing.assert_array_equal(variable.values, columns[column][:])
+    assert ("distance" in tree["trace"].to_dataset().xindexes) == index
+
+
+def test_it_is_what_xarray_finds_in_the_file_itself(run: rubnoise.Run, path: Path) -> None:
+    for name, columns in run.groups().items():
+        with xr.open_dataset(path, group=name, engine="h5netcdf") as theirs:
+            xr.testing.assert_equal(columns.to_xarray(), theirs)
+
+
+def test_rows_are_found_by_distance_and_by_number(run: rubnoise.Run) -> None:
+    trace, junctions = run.trace.to_xarray(), run.junctions.to_xarray()
+    near = trace["real_contact_area"].sel(distance=150.03, method="nearest")
+    assert near.item() == run.trace["real_contact_area"][1500]
+    stretch = trace.sel(distance=slice(10.0, 20.0))["friction_force"]
+    np.testing.assert_array_equal(stretch.values, run.trace["friction_force"][100:201])
+    assert junctions["diameter"].sel(junction=17).item() == run.junction(17).diameter
+    chosen = junctions["diameter"].isel(junction=[5, 2, 2])
+    np.testing.assert_array_equal(chosen.values, run.junctions["diameter"][[5, 2, 2]])
+    every = junctions["diameter"][::-7]
+    np.testing.assert_array_equal(every.values, run.junctions["diameter"][::-7])
+
+
+def test_what_was_read_outlives_the_run(path: Path, tmp_path: Path) -> None:
+    with rubnoise.open(path) as run:
+        lazy = run.trace.to_xarray()
+        kept = lazy.copy(deep=True).load()
+        lazy.isel(distance=slice(9)).to_netcdf(tmp_path / "nine.nc")
+        area = run.trace["real_contact_area"][:]
+    np.testing.assert_array_equal(kept["real_contact_area"].values, area)
+    with xr.open_dataset(tmp_path / "nine.nc") as nine:
+        assert nine["real_contact_area"].attrs["units"] == "um^2"
+    with rubnoise.open(path) as run:
+        unread = run.trace.to_xarray()
+    with pytest.raises(ValueError, match=r"x\.h5: the run file is closed"):
+        unread["real_contact_area"].load()
+
+
+def test_pandas_gets_a_frame_over_the_first_column(run: rubnoise.Run) -> None:
+    frame = run.trace.to_pandas()
+    assert isinstance(frame, pd.DataFrame)
+    assert (frame.index.name, list(frame)) == ("distance", list(run.trace.names[1:]))
+    assert frame.attrs["units"] == {name: run.trace[name].units for name in run.trace}
+    np.testing.assert_array_equal(frame["real_contact_area"], run.trace["real_contact_area"])
+    assert frame.loc[10.0:20.0].shape == (101, 3)
+    assert {name: len(each) for name, each in run.to_pandas().items()} == {
+        name: len(columns) for name, columns in run.groups().items()
+    }
+
+
+def test_pandas_gets_only_what_is_named(run: rubnoise.Run) -> None:
+    frame = run.junctions.to_pandas(["diameter", "state"])
+    assert list(frame) == ["diameter", "state"]
+    assert frame["state"].dtype == np.uint8
+    assert frame["diameter"][17] == run.junction(17).diameter
+    with pytest.raises(KeyError, match="no column 'diametre'"):
+        run.junctions.to_pandas(["diametre"])
+
+
+# What a sweep keeps of a run without keeping the run.
+def test_a_summary_is_that_of_the_run_with_a_file(tmp_path: Path) -> None:
+    for point in expand(sweep_of(tmp_path, GRID))[:2]:
+        row = keep_summary(point)
+        with rubnoise.run(point.scenario, tmp_path / f"{point.run_id}.h5") as run:
+            assert from_attributes(row.figures) == run.summary
+            assert row.arrays["histogram"].sum() > 0.0
+            lag_0 = row.arrays["autocovariance"][0]
+            assert lag_0 == pytest.approx(run.trace["real_contact_area"][:].var(), rel=1e-10)
+        assert row.run_id == point.run_id
+        assert row.file == ""
+
+
+def test_it_fits_in_a_few_kilobytes_and_goes_through_a_pipe(tmp_path: Path) -> None:
+    row = keep_summary(expand(sweep_of(tmp_path, GRID))[0])
+    assert sum(values.nbytes for values in row.arrays.values()) <= 4096
+    assert {name: values.size for name, values in row.arrays.items()} == CURVES
+    again = pickle.loads(pickle.dumps(row))  # noqa: S301  (what was pickled the moment before)
+    assert again.figures == row.figures
+
+
+def test_what_is_expected_comes_once_a_point(tmp_path: Path) -> None:
+    first, second = (keep_summary(point) for point in expand(sweep_of(tmp_path, GRID))[:2])
+    assert second.of_point == {}
+    assert not set(first.of_point) & set(first.arrays)
+    theory = summary_theory(expand(sweep_of(tmp_path, GRID))[0].scenario.model())
+    assert {name: values.tobytes() for name, values in first.of_point.items()} == {
+        name: values.tobytes() for name, values in theory.items()
+    }
+
+
+def test_a_run_can_be_stopped_on_its_way(tmp_path: Path) -> None:
+    def stop(_distance: float, _junctions: int, _live: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        keep_summary(expand(sweep_of(tmp_path, GRID))[0], watch=stop)
+
+
+def test_what_is_expected_lies_where_the_curves_do(tmp_path: Path) -> None:
+    point = expand(sweep_of(tmp_path, GRID))[0]
+    row, told = keep_summary(point), summary_theory(point.scenario.model())
+    assert set(told) == {
+        "histogram_place",
+        "histogram_expected",
+        *(f"{name}_{part}" for name in ("spectrum", "autocovariance")
+          for part in ("place", "expected", "standard_error")),
+    }  # fmt: skip
+    for name in ("spectrum", "autocovariance"):
+        assert np.array_equal(np.isnan(row.arrays[name]), np.isnan(told[f"{name}_expected"]))
+        score = (row.arrays[name] - told[f"{name}_expected"]) / told[f"{name}_standard_error"]
+        assert 0.1 < float(np.nanstd(score)) < 2.5

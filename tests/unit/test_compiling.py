@@ -1,7 +1,11 @@
-"""Machine code that is kept is not used any more once a file has changed that was compiled into it."""
+"""Machine code: when it is kept, the coefficients in it, and what a run is expected to cost."""
 
+from __future__ import annotations
+
+import ast
 import errno
 import hashlib
+import importlib.util
 import os
 import re
 import runpy
@@ -9,15 +13,28 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from time import process_time
+from types import ModuleType
 from typing import Any
 
+import mpmath
 import numba
 import pytest
 
 import rubnoise
 from rubnoise import compiling
+from rubnoise.contact.laws import Spread
+from rubnoise.contact.pulses import TRIANGLE
+from rubnoise.record.tally import Tally
+from rubnoise.simulation import cost
+from rubnoise.simulation.cost import PROGRAM_BYTES, MachineSpeed, machine_speed, seconds, work, working_bytes
+from rubnoise.simulation.extent import extent
+from rubnoise.simulation.run import simulate
+from tests.models import UNEQUAL, bare, model
 
+# Machine code that is kept is not used any more once a file has changed that was compiled into it.
 PROGRAM = """
 import numpy as np
 from rubnoise.simulation.kernels.coarse import deposit_coarse_lives as deposit
@@ -156,3 +173,218 @@ def _nowhere(*, cache: bool = False, **how: Any) -> Any:
     if cache:
         raise RuntimeError("cannot cache function: no locator available")
     return numba.njit(**how)
+
+
+# The polynomials of the kernel: made by the tool, equal to those in the kernel's file, good to the last digits.
+ROOT = Path(__file__).parents[2]
+TOOL = ROOT / "tools" / "kernel_coefficients.py"
+KERNELS = ROOT / "src" / "rubnoise" / "simulation" / "kernels" / "lens.py"
+FINE = KERNELS.with_name("fine.py")
+GRID = [10.0**exponent for exponent in range(-14, 0, 2)] + [i / 97 for i in range(1, 98)]
+
+
+def load_tool() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("kernel_coefficients", TOOL)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+tool = load_tool()
+
+
+def generated_constants(text: str) -> dict[str, object]:
+    """Return the names and values between the two markers of a source text."""
+    start, stop = tool.generated_span(text)
+    block = ast.parse("\n".join(text.splitlines()[start:stop]))
+    return {
+        statement.targets[0].id: ast.literal_eval(statement.value)
+        for statement in block.body
+        if isinstance(statement, ast.Assign) and isinstance(statement.targets[0], ast.Name)
+    }
+
+
+@pytest.fixture(scope="module")
+def kernel_text() -> str:
+    return KERNELS.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def constants(kernel_text: str) -> dict[str, object]:
+    return generated_constants(kernel_text)
+
+
+def test_the_tool_writes_what_stands_in_the_kernels() -> None:
+    assert tool.main(["--check", str(KERNELS)]) == 0
+    assert tool.main(["--near", "--check", str(FINE)]) == 0
+    assert tool.main(["--check", str(FINE)]) == 1
+
+
+@pytest.mark.parametrize("target", tool.TARGETS, ids=lambda target: target.name)
+def test_the_polynomials_near_the_ends_hold_to_the_last_digits(target: object) -> None:
+    integrations = target.integrations  # type: ignore[attr-defined]
+    constants = generated_constants(FINE.read_text(encoding="utf-8"))
+    polynomial = constants[f"NEAR_{target.name}"]  # type: ignore[attr-defined]
+    with mpmath.workdps(120):
+        for u in (0.25 * u for u in GRID):
+            exact = tool.closed_form(integrations, mpmath.mpf(u))
+            assert abs(tool.evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
+        beyond = tool.evaluated(integrations, polynomial, 1.0) / tool.closed_form(integrations, mpmath.mpf(1))
+        assert abs(beyond - 1) > 1e-12
+
+
+def test_one_changed_digit_is_seen_and_written_back(tmp_path: Path, kernel_text: str) -> None:
+    first = repr(generated_constants(kernel_text)["AREA_COEFFICIENTS"][0])  # type: ignore[index]
+    changed = tmp_path / "kernels.py"
+    changed.write_text(kernel_text.replace(first, first[:-1] + str((int(first[-1]) + 1) % 10)), encoding="utf-8")
+    assert tool.main(["--check", str(changed)]) == 1
+    assert tool.main(["--write", str(changed)]) == 0
+    assert changed.read_text(encoding="utf-8") == kernel_text
+
+
+@pytest.mark.parametrize("text", ["", tool.BEGIN, f"{tool.END}\n{tool.BEGIN}\n", f"{tool.BEGIN}\n{tool.END}\n" * 2])
+def test_a_file_without_one_block_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="expected one block"):
+        tool.generated_span(text)
+
+
+@pytest.mark.parametrize("target", tool.TARGETS, ids=lambda target: target.name)
+def test_the_kernel_polynomials_hold_to_the_last_digits(target: object, constants: dict[str, object]) -> None:
+    integrations = target.integrations  # type: ignore[attr-defined]
+    polynomial = constants[target.name]  # type: ignore[attr-defined]
+    with mpmath.workdps(120):
+        for u in GRID:
+            exact = tool.closed_form(integrations, mpmath.mpf(u))
+            assert abs(tool.evaluated(integrations, polynomial, u) / exact - 1) <= 1.2e-15, u
+
+
+@pytest.mark.parametrize(("name", "exact"), [("FIRST", "1/3"), ("SECOND", "pi/32"), ("THIRD", "1/45")])
+def test_the_peaks_are_rounded_once(name: str, exact: str, constants: dict[str, object]) -> None:
+    values = {"1/3": mpmath.mpf(1) / 3, "pi/32": mpmath.pi / 32, "1/45": mpmath.mpf(1) / 45}
+    assert constants[f"{name}_INTEGRAL_PEAK"] == float(values[exact])
+
+
+@pytest.mark.parametrize("integrations", [1, 2, 3])
+def test_each_closed_form_is_the_integral_of_the_one_before(integrations: int) -> None:
+    # Quadrature of a function that is u^1.5 times an analytic one: in w = sqrt(u) it is analytic.
+    with mpmath.workdps(30):
+        for u in (mpmath.mpf("0.1"), mpmath.mpf("0.7"), mpmath.mpf(1)):
+            integral = mpmath.quad(lambda w: 2 * w * tool.closed_form(integrations - 1, w * w), [0, mpmath.sqrt(u)])
+            assert abs(integral / tool.closed_form(integrations, u) - 1) < mpmath.mpf("1e-18")
+
+
+@pytest.mark.parametrize("integrations", [0, 1, 2, 3])
+def test_the_series_is_the_closed_form(integrations: int) -> None:
+    with mpmath.workdps(40):
+        for u in (mpmath.mpf("0.25"), mpmath.mpf(1)):
+            series = u ** (mpmath.mpf(3) / 2 + integrations) * tool.smooth_factor(integrations, u)
+            assert abs(series / tool.closed_form(integrations, u) - 1) < mpmath.mpf("1e-33")
+
+
+# Estimates of memory and time: how they grow, and that they are near what a process really takes.
+ENGINES = ("events", "batch")
+
+
+def _seconds(engine: Any, **changes: Any) -> float:
+    run = model(**changes)
+    rows = extent(run, 1)
+    return seconds(work(run, engine, rows.junctions, rows.ticks), MachineSpeed())
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_memory_does_not_depend_on_the_length_of_a_run(engine: Any) -> None:
+    assert working_bytes(model(distance=1e5), engine) == working_bytes(model(distance=1e7), engine)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_memory_grows_with_the_number_of_junctions_at_once(engine: Any) -> None:
+    equal = Spread(absolute=0.0)
+    needs = [working_bytes(bare(count=count, spread=equal, distance=1e4), engine) for count in (1e4, 1e5, 1e6)]
+    assert 3.0 < needs[1] / needs[0] < 10.0
+    assert needs[2] / needs[1] == pytest.approx(10.0, rel=0.2)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_thin_contact_needs_no_more_memory_than_another(engine: Any) -> None:
+    assert working_bytes(model(count=0.01, distance=1e6), engine) <= 2 * working_bytes(model(distance=1e6), engine)
+    assert working_bytes(model(count=0.01, distance=1e6), engine) < 0.2 * PROGRAM_BYTES
+
+
+def test_time_grows_with_all_that_a_run_does_more() -> None:
+    for engine in ENGINES:
+        plain = _seconds(engine)
+        more: list[dict[str, Any]] = [
+            {"distance": 1000.0}, {"tick": 0.05}, {"count": 200.0}, {"strength": UNEQUAL}, {"speed": 20.0},
+        ]  # fmt: skip
+        assert all(_seconds(engine, **changes) > plain for changes in more)
+        assert _seconds(engine, slider=None) < plain
+    assert _seconds("batch") < _seconds("events")
+
+
+def _two_way_seconds(**changes: Any) -> float:
+    run = model(**changes)
+    assert run.slider is not None
+    run = replace(run, slider=replace(run.slider, coupling="two-way"))
+    rows = extent(run, 1)
+    return seconds(work(run, "batch", rows.junctions, rows.ticks), MachineSpeed())
+
+
+def test_a_slider_that_pushes_back_takes_longer_where_it_moves_slowly() -> None:
+    """Measured were 550 us for each junction at 10 um/s with half a junction, and 1.3 us at 0.1 m/s with 20."""
+    thin = _two_way_seconds(count=0.5, speed=10.0, distance=30_000.0, tick=1.0) / (
+        30_000.0 * model(count=0.5).birth_rate
+    )
+    assert 2e-4 < thin < 2e-3
+    many = _two_way_seconds(speed=1e5, distance=30_000.0, tick=0.2) / (30_000.0 * model().birth_rate)
+    assert 7e-7 < many < 4e-6
+    assert _two_way_seconds(tick=0.005) > _two_way_seconds(tick=0.04)
+    assert work(model(), "batch", 1000, 5000).keys().isdisjoint({"met", "written row", "swing"})
+
+
+def test_time_is_told_in_that_of_this_machine() -> None:
+    amounts = work(model(), "events", 1000, 5000)
+    assert seconds(amounts, MachineSpeed(processes=2.0, arrays=2.0)) == pytest.approx(
+        2.0 * seconds(amounts, MachineSpeed())
+    )
+    apart = [seconds(amounts, MachineSpeed(processes=p, arrays=a)) for p, a in ((1.0, 0.0), (0.0, 1.0))]
+    assert min(apart) > 0.0
+    assert sum(apart) == pytest.approx(seconds(amounts, MachineSpeed()))
+
+
+def test_a_machine_at_half_the_speed_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticking = iter(range(10**6))
+    monkeypatch.setattr(cost, "perf_counter", lambda: 1e-3 * next(ticking))
+    machine_speed.cache_clear()
+    slow = machine_speed()
+    machine_speed.cache_clear()
+    assert slow.processes == pytest.approx(1e-3 / cost.EVENTS_SECONDS)
+    assert slow.arrays == pytest.approx(1e-3 / cost.TERMS_SECONDS)
+
+
+RUNS: dict[str, dict[str, Any]] = {
+    "Figure 5": {"distance": 2e4},
+    "fine ticks": {"distance": 2e3, "tick": 0.005},
+    "dense": {"count": 5000.0, "distance": 10.0, "tick": 0.005},
+    "slow": {"distance": 500.0, "speed": 20.0},
+    "thin": {"count": 0.05, "distance": 1e5, "tick": 0.5},
+    "triangles": {"distance": 2e4, "pulse": TRIANGLE, "strength": UNEQUAL},
+}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
+def test_time_is_about_what_the_processor_needs(engine: Any, changes: dict[str, Any]) -> None:
+    run = model(**changes)
+    rows = extent(run, 1)
+    told = seconds(work(run, engine, rows.junctions, rows.ticks), machine_speed())
+    taken = min(_taken(run, engine) for _ in range(2))
+    assert taken / 3.0 < told < 3.0 * taken + 0.05
+
+
+def _taken(run: Any, engine: Any) -> float:
+    begin = process_time()
+    simulate(run, 1, Tally(), engine=engine)
+    return process_time() - begin

@@ -1,26 +1,36 @@
-"""A run summed up while it passes: what is left of it is what its whole trace would have told."""
+"""A run summed up while it passes, several runs pooled, and the moments below both."""
 
 import tracemalloc
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from math import inf, isinf, isnan, nan, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.histogram import histogram
 from rubnoise.analysis.moments import sample_covariances
 from rubnoise.analysis.records import error_of_mean
+from rubnoise.analysis.replicates import Pooled, pooled, ratio, ratio_of_pairs
 from rubnoise.analysis.run_summary import BANDS, BINS, CURVES, LAGS, RunLayout, RunSummary, SummarySink, curve_theory
 from rubnoise.analysis.spectra import welch
-from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.summary import EXPECTED_FIGURES, expected_figure, summarise
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
-from rubnoise.record.tally import Tally
+from rubnoise.record.tally import Moments, Slips, Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.campbell import area_cumulants
 from tests.models import bare, model, recorded
 from tests.verification.seeds import seed_of
 
+# A run summed up while it passes: what is left of it is what its whole trace would have told.
 RUN = bare(distance=3000.0)
 LONG = bare(distance=9000.0)
 
@@ -181,3 +191,195 @@ def test_runs_of_any_kind_are_summed_up(run: Model) -> None:
     for theory in curve_theory(run).values():
         assert theory.place.size == theory.expected.size == theory.standard_error.size
     assert float(seen.curves["histogram"].sum() * np.diff(RunLayout.of(run).edges)[0]) == pytest.approx(1.0, abs=1e-9)
+
+
+# A figure of several runs, and the exact value of each figure alone.
+@pytest.mark.parametrize(
+    "run", [model(), model(start="empty"), model(slider=None), bare(), replace(bare(), hardness=1e3)]
+)
+def test_exact_values_are_those_of_the_summary(run: Model) -> None:
+    tally = Tally()
+    simulate(run, 1, tally, engine="batch")
+    expected = {figure.name: figure.expected for figure in summarise(run, tally)}
+    for name in EXPECTED_FIGURES:
+        value = expected_figure(run, name)
+        assert value == pytest.approx(expected[name], rel=1e-12) if name in expected else isnan(value)
+
+
+def test_every_figure_has_an_exact_value() -> None:
+    tally = Tally()
+    run = replace(model(), hardness=1000.0)
+    simulate(run, 1, tally, engine="batch")
+    assert [figure.name for figure in summarise(run, tally)] == list(EXPECTED_FIGURES)
+
+
+def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> None:
+    values = [3.0, nan, 4.0, 5.0]
+    mean = pooled("area_mean", values)
+    assert (mean.value, mean.runs) == (4.0, 3)
+    assert mean.standard_error == pytest.approx(1.0 / sqrt(3.0))
+    assert mean.reach == pytest.approx(4.302652729749462 / sqrt(3.0))
+    std = pooled("area_std", values)
+    assert std.value == pytest.approx(sqrt(50.0 / 3.0))
+    assert std.standard_error == pytest.approx(np.std([9.0, 16.0, 25.0], ddof=1) / sqrt(3.0) / 2.0 / std.value)
+
+
+def test_one_run_has_the_error_of_theory_or_none() -> None:
+    assert pooled("area_std", [3.0], 0.5).reach == pytest.approx(0.98, rel=1e-3)
+    assert isinf(pooled("area_std", [3.0]).reach)
+    assert pooled("area_std", [3.0, nan], 0.5).standard_error == 0.5
+    nothing = pooled("area_std", [nan], 0.5)
+    assert isnan(nothing.value)
+    assert (nothing.standard_error, nothing.runs) == (inf, 0)
+    assert pooled("area_std", [0.0, 0.0]).standard_error == 0.0
+
+
+@pytest.mark.parametrize(("name", "truth"), [("x_mean", 5.0), ("x_std", 2.0)])
+def test_intervals_hold_the_truth_as_often_as_they_say(name: str, truth: float) -> None:
+    """Of 1000 intervals of 95 % some 950 hold it, give or take 4 sqrt(1000 0.95 0.05) = 28."""
+    rng = np.random.Generator(np.random.PCG64(seed_of(f"replicates/{name}")))
+    held = missed = 0
+    for _ in range(1000):
+        runs = rng.normal(5.0, 2.0, (12, 400))
+        found = pooled(name, (runs.mean(axis=1) if name == "x_mean" else runs.std(axis=1)).tolist())
+        held += abs(found.value - truth) <= found.reach
+        missed += abs(found.value - 1.03 * truth) <= found.reach
+    assert 922 <= held <= 978
+    assert missed < 850
+
+
+def test_a_ratio_is_as_uncertain_as_both_together() -> None:
+    first, second = (Pooled(value=v, standard_error=e, runs=n) for v, e, n in ((6.0, 0.3, 9), (-2.0, 0.06, 12)))
+    found = ratio(first, second)
+    assert (found.value, found.runs) == (-3.0, 9)
+    assert found.standard_error == pytest.approx(3.0 * sqrt(0.05**2 + 0.03**2))
+
+
+@pytest.mark.parametrize(("name", "truth"), [("x_mean", 0.8), ("x_std", 0.8)])
+def test_pairs_tell_a_ratio_as_well_as_they_say(name: str, truth: float) -> None:
+    """Of 1000 intervals of 95 % some 950 hold it; what a pair has in common makes them ten times narrower."""
+    rng = np.random.Generator(np.random.PCG64(seed_of(f"pairs/{name}")))
+    held = missed = 0
+    widths = []
+    for _ in range(1000):
+        common = rng.uniform(3.0, 7.0, 12)
+        first, second = (share * common + 0.02 * rng.normal(size=12) for share in (truth, 1.0))
+        found = ratio_of_pairs(name, first.tolist(), second.tolist())
+        held += abs(found.value - truth) <= found.reach
+        missed += abs(found.value - 1.01 * truth) <= found.reach
+        widths.append(
+            found.standard_error / ratio(pooled(name, first.tolist()), pooled(name, second.tolist())).standard_error
+        )
+    assert 922 <= held <= 978
+    assert missed < 850
+    assert np.median(widths) < 0.1
+
+
+def test_pairs_with_nothing_in_them_have_no_ratio() -> None:
+    assert ratio_of_pairs("x_std", [2.0, nan, 4.0], [1.0, 1.0, 2.0]) == Pooled(value=2.0, standard_error=0.0, runs=2)
+    assert isinf(ratio_of_pairs("x_mean", [2.0], [1.0]).standard_error)
+    for first, second in (([], []), ([nan], [1.0]), ([1.0, 1.0], [0.0, 0.0])):
+        assert isnan(ratio_of_pairs("x_mean", first, second).value)
+    assert ratio_of_pairs("x_std", [0.0, 0.0], [1.0, 2.0]).value == 0.0
+
+
+# Running moments against the plain two-pass formulas.
+Doubles = NDArray[np.float64]
+
+
+def _seen(values: Doubles, borders: list[int], powers: int = 4) -> Moments:
+    moments = Moments(powers=powers)
+    for first, last in pairwise([0, *sorted(borders), values.size]):
+        moments.add(values[first:last])
+    return moments
+
+
+def _central(values: Doubles, power: int) -> Fraction:
+    """Return a central moment without any rounding."""
+    exact = [Fraction(value) for value in values.tolist()]
+    mean = sum(exact) / len(exact)
+    return sum((value - mean) ** power for value in exact) / len(exact)
+
+
+@given(st.lists(st.integers(0, 400), max_size=12), st.integers(0, 2**32))
+def test_moments_do_not_depend_on_the_panels(borders: list[int], seed: int) -> None:
+    values = np.random.default_rng(seed).gamma(3.0, size=400)
+    moments = _seen(values, borders)
+    variance = float(_central(values, 2))
+    assert moments.count == values.size
+    assert moments.mean == pytest.approx(float(values.mean()), rel=1e-13)
+    assert moments.variance == pytest.approx(variance, rel=1e-12)
+    assert moments.std == pytest.approx(variance**0.5, rel=1e-12)
+    assert moments.skewness == pytest.approx(float(_central(values, 3)) / variance**1.5, rel=1e-11)
+    assert moments.excess_kurtosis == pytest.approx(float(_central(values, 4)) / variance**2 - 3.0, abs=1e-10)
+
+
+def test_a_large_mean_costs_no_digits_of_the_variance() -> None:
+    values = 2.0**30 + np.random.default_rng(7).integers(0, 5, 10_000).astype(np.float64)
+    moments = _seen(values, list(range(0, 10_000, 37)))
+    assert moments.variance == pytest.approx(float(_central(values, 2)), rel=1e-8)
+    naive = float((values * values).mean() - values.mean() ** 2)
+    assert naive != pytest.approx(moments.variance, rel=1e-2)
+
+
+def test_the_merge_of_known_numbers() -> None:
+    moments = _seen(np.array([1.0, 2.0, 3.0, 10.0]), [1, 3])
+    assert (moments.count, moments.mean, moments.variance) == (4, 4.0, 12.5)
+    assert moments.skewness * 12.5**1.5 == pytest.approx((-27.0 - 8.0 - 1.0 + 216.0) / 4.0)
+    assert (moments.excess_kurtosis + 3.0) * 12.5**2 == pytest.approx((81.0 + 16.0 + 1.0 + 1296.0) / 4.0)
+
+
+def test_two_powers_give_the_same_mean_and_variance() -> None:
+    values = np.random.default_rng(3).normal(5.0, 2.0, 1000)
+    two, four = _seen(values, [100, 700], powers=2), _seen(values, [100, 700])
+    assert two.mean == pytest.approx(four.mean, rel=1e-14)
+    assert two.variance == pytest.approx(four.variance, rel=1e-12)
+
+
+@pytest.mark.parametrize("values", [np.empty(0), np.full(5, 3.25)], ids=["none", "all the same"])
+def test_values_that_do_not_vary_have_no_shape(values: Doubles) -> None:
+    moments = _seen(values, [])
+    assert moments.count == values.size
+    assert (moments.variance, moments.std, moments.skewness, moments.excess_kurtosis) == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_a_tally_keeps_what_it_watches_and_nothing_else() -> None:
+    tally = Tally()
+    tally.write("junctions", 0, {"diameter": np.ones(3)})
+    tally.write("trace", 0, {"distance": np.arange(3.0), "real_contact_area": np.array([1.0, 2.0, 3.0])})
+    tally.write("trace", 3, {"distance": np.arange(1.0), "real_contact_area": np.array([6.0])})
+    tally.write("trace", 0, {"junction_count": np.array([200, 100], dtype=np.uint32)})
+    assert set(tally.moments) == {"real_contact_area", "junction_count"}
+    assert tally.moments["real_contact_area"].mean == 3.0
+    assert tally.moments["real_contact_area"].variance == 3.5
+    assert tally.moments["junction_count"].variance == 2500.0
+
+
+def landmarks(kinds: list[int], places: list[float]) -> dict[str, Any]:
+    return {"kind": np.array(kinds, dtype=np.uint8), "distance": np.array(places)}
+
+
+@pytest.mark.parametrize("cuts", [[], [1], [2, 3], [1, 2, 3, 4, 5, 6]])
+def test_slips_are_measured_along_their_path_from_a_breakaway_to_the_next_stick(cuts: list[int]) -> None:
+    """Of slips of 3, 0.5, 2 and, with a reversal in it, 0.5 + 1 + 0.75 um two are longer than 2 um."""
+    kinds = [0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 0, 1]
+    told = landmarks(kinds, [5.0, 5.0, 8.0, 8.0, 8.5, 8.5, 10.5, 10.5, 11.0, 10.0, 10.75, 10.75])
+    tally = Tally(slips=Slips(longer_than=2.0))
+    edges = [0, *cuts, 12]
+    for first, end in pairwise(edges):
+        tally.write("landmarks", first, {name: values[first:end] for name, values in told.items()})
+    assert tally.slips.count == 2
+    assert tally.counts["kind"] == [5, 5, 1, 1]
+    assert Tally().slips.count == 0
+
+
+def test_the_last_row_of_a_balance_is_kept() -> None:
+    tally = Tally()
+    tally.write("balance", 0, {"time": np.array([2.5]), "velocity": np.array([-3.0])})
+    assert tally.last == {"time": 2.5, "velocity": -3.0}
+    assert tally.moments == {}
+
+
+def test_a_tally_for_a_model_has_its_diameter() -> None:
+    run = model()
+    assert Tally.of(run).slips.longer_than == run.calibrated_diameter

@@ -1,18 +1,42 @@
-"""A column on its way to disk: the same bytes and the same hash however it is written."""
+"""Columns on their way to disk and back, and the schema that names them."""
 
+import zlib
 from pathlib import Path
 from tempfile import TemporaryFile
 
+import h5py
 import numpy as np
 import pytest
 import xxhash
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rubnoise.errors import RunFileRefused
+from rubnoise.record.rows import JunctionState
+from rubnoise.record.sink import Extent
+from rubnoise.simulation.coupled import layout
 from rubnoise.storage import columns, disk
 from rubnoise.storage.columns import ColumnFile, Mark
-from rubnoise.storage.layout import Place
+from rubnoise.storage.layout import STRUCTURE_BYTES, Place, expected_bytes, row_count, stored_columns, stored_groups
+from rubnoise.storage.life_curve import CURVE_ROWS, TABLE_ROWS
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.rows import DEFLATE_SKIPPED, SHUFFLE_SKIPPED, StoredColumn
+from rubnoise.storage.schema import (
+    BLOCKS,
+    CHUNK_ROWS,
+    GROUPS,
+    JUNCTIONS,
+    LANDMARKS,
+    LIFE_CURVE,
+    LIFE_TABLE,
+    SLIDER,
+    TRACE,
+    Feature,
+    Group,
+)
+from tests.format.runs import BARE, Compression, describe, random_rows, write_run
 
+# A column on its way to disk: the same bytes and the same hash however it is written.
 ROWS = 300
 VALUES = np.random.default_rng(5).normal(size=ROWS)
 PLACE = Place(offset=40, rows=ROWS, dtype="<f8")
@@ -117,3 +141,205 @@ def test_marks_that_cannot_be_fit_nothing_from_there_on(tmp_path: Path, rows: tu
         target.flush()
         marks = [Mark(rows=count, digest=hash_of(count)) for count in rows]
         assert ColumnFile(target.fileno(), PLACE).matching(marks) == len(rows) - 1
+
+
+# Rows read with plain reads are those that HDF5 reads, and nothing that a chunk claims is believed.
+TICKS = 2 * CHUNK_ROWS + 17
+FEW_VALUES = np.arange(5.0)
+
+
+@pytest.fixture(name="folder", scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("rows")
+    kinds: tuple[Compression, ...] = ("none", "gzip")
+    for compression in kinds:
+        description = describe(7, TICKS, features=BARE, compression=compression)
+        write_run(folder / f"{compression}.h5", description, random_rows(description))
+    return folder
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_any_stretch_of_rows_is_that_of_hdf5(folder: Path, compression: str) -> None:
+    path = folder / f"{compression}.h5"
+    with h5py.File(path) as file:
+        expected = {name: file["trace"][name][:] for name in file["trace"]}
+
+    with open_run(path) as run:
+
+        @given(ends=st.tuples(st.integers(0, TICKS), st.integers(0, TICKS)), name=st.sampled_from(sorted(expected)))
+        def check(ends: tuple[int, int], name: str) -> None:
+            values = run.column("trace", name, *ends)
+            assert values.dtype == expected[name].dtype
+            assert values.tobytes() == expected[name][slice(*ends)].tobytes()
+
+        check()
+        assert run.column("trace", "distance", -3).tobytes() == expected["distance"][-3:].tobytes()
+        run.column("trace", "distance")[:] = 0.0  # what is read is the reader's own
+        assert run.column("trace", "distance").tobytes() == expected["distance"].tobytes()
+
+
+def shuffled(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> bytes:
+    return values.view(np.uint8).reshape(-1, 8).T.tobytes()
+
+
+def stored(path: Path, content: bytes, skipped: int = 0) -> StoredColumn:
+    path.write_bytes(content)
+    return StoredColumn(dtype=np.dtype("<f8"), rows=5, chunk_rows=5, chunks=((0, len(content), skipped),))
+
+
+@pytest.mark.parametrize(
+    ("content", "skipped"),
+    [
+        (zlib.compress(shuffled(FEW_VALUES)), 0),
+        (zlib.compress(FEW_VALUES.tobytes()), SHUFFLE_SKIPPED),
+        (shuffled(FEW_VALUES), DEFLATE_SKIPPED),
+        (FEW_VALUES.tobytes(), SHUFFLE_SKIPPED | DEFLATE_SKIPPED),
+    ],
+    ids=["both", "deflate alone", "shuffle alone", "neither"],
+)
+def test_filters_that_a_chunk_skipped_are_skipped(tmp_path: Path, content: bytes, skipped: int) -> None:
+    column = stored(tmp_path / "chunk", content, skipped)
+    with (tmp_path / "chunk").open("rb") as file:
+        assert column.read(file.fileno(), 1, 4).tolist() == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("content", "skipped", "reason"),
+    [
+        (zlib.compress(bytes(10**6)), 0, "does not end where its rows do"),
+        (zlib.compress(bytes(41)), 0, "another size than its rows"),
+        (zlib.compress(bytes(39)), 0, "another size than its rows"),
+        (zlib.compress(bytes(40))[:-1], 0, "does not end where its rows do"),
+        (zlib.compress(bytes(40))[:-1] + b"\7", 0, "incorrect data check"),
+        (b"no deflate", 0, "incorrect header check"),
+        (bytes(39), DEFLATE_SKIPPED, "another size than its rows"),
+    ],
+)
+def test_a_chunk_that_is_not_its_rows_is_refused(tmp_path: Path, content: bytes, skipped: int, reason: str) -> None:
+    column = stored(tmp_path / "chunk", content, skipped)
+    with (tmp_path / "chunk").open("rb") as file, pytest.raises(RunFileRefused, match=f"damaged: .*{reason}"):
+        column.read(file.fileno(), 0, 5)
+
+
+# The schema is the contract on names, types and what is present when.
+ALWAYS = {
+    "junctions": ["junction", "birth_distance", "death_distance", "life_distance", "diameter", "max_area", "state"],
+    "trace": ["distance", "real_contact_area", "junction_count"],
+    "blocks": ["block", "birth_distance", "first_junction", "first_tick"],
+    "life_curve": ["u", "area_fraction"],
+}
+
+
+def stored_with(*features: Feature) -> dict[str, list[str]]:
+    given = frozenset(features)
+    return {group.name: [column.name for column in stored_columns(group, given)] for group in stored_groups(given)}
+
+
+def test_a_bare_contact_has_no_times_no_force_and_no_slider() -> None:
+    assert stored_with() == ALWAYS
+
+
+def test_a_speed_adds_times() -> None:
+    times = ["birth_time", "death_time"]
+    assert stored_with("speed")["junctions"] == [*ALWAYS["junctions"][:-1], *times, "state"]
+    assert stored_with("speed")["trace"] == ALWAYS["trace"]
+
+
+def test_a_strength_adds_strengths_and_force() -> None:
+    assert stored_with("strength")["junctions"] == [*ALWAYS["junctions"][:-1], "shear_strength", "state"]
+    assert stored_with("strength")["trace"] == [*ALWAYS["trace"], "friction_force"]
+
+
+def test_a_slider_adds_its_motion() -> None:
+    whole = stored_with("speed", "strength", "slider")
+    assert whole["slider"] == ["time", "distance", "friction_force", "displacement", "velocity"]
+    assert whole["blocks"] == [*ALWAYS["blocks"], "displacement", "velocity"]
+    assert "slider" not in stored_with("speed", "strength")
+
+
+def test_offsets_add_themselves_and_a_table_in_place_of_the_curve() -> None:
+    aside = stored_with("offset")
+    assert aside["junctions"] == [*ALWAYS["junctions"][:5], "lateral_offset", *ALWAYS["junctions"][5:]]
+    assert aside["life_table"] == ["u", "offset_fraction", "area_fraction"]
+    assert set(aside) == {*ALWAYS, "life_table"} - {"life_curve"}
+
+
+def test_two_ways_add_phases_landmarks_and_how_the_slider_comes_to_blocks() -> None:
+    whole, one_way = stored_with("speed", "strength", "slider", "two-way"), stored_with("speed", "strength", "slider")
+    assert whole["slider"] == [*one_way["slider"], "phase"]
+    assert whole["landmarks"] == [
+        "landmark", "time", "distance", "kind", "displacement", "velocity", "force_before", "force_after",
+    ]  # fmt: skip
+    assert whole["balance"] == [
+        "time", "distance", "displacement", "velocity", "time_stuck", "displacement_integral",
+        "displacement_squared_integral", "velocity_squared_integral", "friction_work", "reverse_work",
+    ]  # fmt: skip
+    assert whole["blocks"] == [*ALWAYS["blocks"], "time", "distance", "phase", "displacement", "velocity"]
+    assert not {"landmarks", "balance"} & set(one_way)
+
+
+def test_names_are_unique_and_texts_are_there() -> None:
+    for group in GROUPS:
+        names = [column.name for column in group.columns]
+        assert len(set(names)) == len(names)
+        assert group.plotted in names[1:]
+        assert all(column.units and column.long_name and column.symbol for column in group.columns)
+
+
+def test_every_column_has_the_unit_of_its_quantity() -> None:
+    """Of what a column is, told by its symbol: a length in um is an area in um^2 when it is squared, and so on."""
+    units = {
+        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x"},
+        "um^2": {"A_r", "A_jmax"},
+        "um/s": {"x'"},
+        "s": {"t", "t_birth", "t_death", "t_stick"},
+        "um*s": {"I_x"},
+        "um^2*s": {"I_xx"},
+        "um^2/s": {"I_vv"},
+        "uN*um": {"W", "W_-"},
+        "MPa": {"psi"},
+        "uN": {"F_s", "F_-", "F_+"},
+        "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "b/d", "a", "n", "phase", "kind"},
+    }
+    found: dict[str, set[str]] = {}
+    for group in GROUPS:
+        for column in group.columns:
+            found.setdefault(column.units, set()).add(column.symbol)
+    assert found == units
+
+
+def test_types_are_little_endian_numbers() -> None:
+    types = {column.dtype for group in GROUPS for column in group.columns}
+    assert types == {"<f8", "<i8", "<u4", "|u1"}
+
+
+def test_values_are_those_of_the_motion() -> None:
+    (phase,) = (column for column in SLIDER.columns if column.name == "phase")
+    assert dict(phase.values) == {layout.SLIP: "slip", layout.STUCK: "stick", layout.REVERSED: "reversal"}
+    (kind,) = (column for column in LANDMARKS.columns if column.name == "kind")
+    assert dict(kind.values) == {
+        layout.STICK: "stick", layout.BREAKAWAY: "slip", layout.REVERSAL: "reversal", layout.FORWARD: "forward",
+    }  # fmt: skip
+
+
+def test_flags_are_the_states_of_the_record() -> None:
+    (state,) = (column for column in JUNCTIONS.columns if column.name == "state")
+    assert dict(state.flags) == {member.value: (member.name or "").lower() for member in JunctionState if member.value}
+
+
+@pytest.mark.parametrize(
+    ("group", "rows"),
+    [(JUNCTIONS, 3), (TRACE, 5), (SLIDER, 4), (BLOCKS, 2), (LIFE_CURVE, CURVE_ROWS), (LIFE_TABLE, TABLE_ROWS)],
+)
+def test_rows_follow_the_extent(group: Group, rows: int) -> None:
+    assert row_count(group, Extent(junctions=3, ticks=5, blocks=2, slider=4)) == rows
+
+
+def test_bytes_are_those_of_the_columns() -> None:
+    features: frozenset[Feature] = frozenset(("speed", "strength", "slider"))
+    grown = expected_bytes(Extent(junctions=1001, ticks=501, blocks=21, slider=301), features) - expected_bytes(
+        Extent(junctions=1, ticks=1, blocks=1, slider=1), features
+    )
+    assert grown == 1000 * (9 * 8 + 1) + 500 * (3 * 8 + 4) + 300 * (5 * 8) + 20 * (6 * 8)
+    curve = CURVE_ROWS * 2 * np.dtype("<f8").itemsize
+    assert expected_bytes(Extent(junctions=0, ticks=0, blocks=0, slider=None), features) == STRUCTURE_BYTES + curve

@@ -1,17 +1,23 @@
-"""A run that fails, at whatever point, leaves nothing behind and nothing harmed."""
+"""A run that fails leaves nothing behind, and provenance that names no person."""
 
 import errno
+import getpass
+import json
 import os
+import platform
+import re
 import resource
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
 
 import h5py
+import numpy as np
 import pytest
 
 from rubnoise.errors import OutputRefused, RubnoiseError
@@ -19,11 +25,14 @@ from rubnoise.record.sink import Extent
 from rubnoise.storage.layout import expected_bytes
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.part import SLACK_BYTES, make_part, open_part
+from rubnoise.storage.provenance import gather, now, package_version
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.writer import RunWriter
+from rubnoise.streams import STREAM_VERSION
 from tests.format.runs import EVERYTHING, Compression, attempt, describe, names, random_rows, write_run
 
 
+# A run that fails, at whatever point, leaves nothing behind and nothing harmed.
 @pytest.mark.parametrize("compression", ["none", "gzip"])
 def test_a_run_that_fails_leaves_the_older_file(tmp_path: Path, compression: Compression) -> None:
     def interrupt() -> None:
@@ -194,3 +203,50 @@ def test_a_disk_without_hard_links_gets_a_rename(tmp_path: Path, monkeypatch: py
     assert names(tmp_path) == ["run.h5"]
     with h5py.File(tmp_path / "run.h5") as file:
         assert file["trace/distance"].size == 11
+
+
+# Provenance names software, machine and command, and no person.
+@pytest.fixture(name="origin")
+def gathered() -> dict[str, object]:
+    return asdict(
+        gather(
+            seed=12,
+            calibrated_diameter=5.53,
+            propagator_constants={"decay": 0.1},
+            command=["rubnoise", "run", "my run.toml", "--seed", "12"],
+        )
+    )
+
+
+def test_versions_are_those_in_use(origin: dict[str, object]) -> None:
+    software = origin["software"]
+    assert isinstance(software, dict)
+    assert {"rubnoise", "numpy", "scipy", "numba", "simpy", "h5py", "hdf5", "python"} == set(software)
+    assert software["numpy"] == np.__version__
+    assert software["hdf5"] == h5py.version.hdf5_version
+    assert software["python"] == platform.python_version()
+
+
+def test_command_can_be_pasted_into_a_shell(origin: dict[str, object]) -> None:
+    assert origin["command"] == "rubnoise run 'my run.toml' --seed 12"
+
+
+def test_constants_and_seed_are_kept(origin: dict[str, object]) -> None:
+    assert (origin["seed"], origin["calibrated_diameter"]) == (12, 5.53)
+    assert origin["propagator_constants"] == {"decay": 0.1}
+    assert origin["stream_version"] == STREAM_VERSION
+
+
+def test_neither_a_person_nor_the_host_is_named(origin: dict[str, object]) -> None:
+    text = json.dumps(origin)
+    assert platform.node() not in text
+    assert re.search(rf"\b{re.escape(getpass.getuser())}\b", text) is None
+    assert "/" not in text
+
+
+def test_times_are_utc_to_the_second() -> None:
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", now())
+
+
+def test_a_missing_package_is_said_to_be_missing() -> None:
+    assert package_version("rubnoise-that-never-was") == "not installed"

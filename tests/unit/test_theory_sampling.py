@@ -1,20 +1,34 @@
-"""Standard errors against records drawn here, from the model's definition and nothing of the simulator."""
+"""Standard errors of records, wide laws, and the numerics below: reach, tables, Bessel functions, quadrature."""
 
 from dataclasses import replace
 
+import mpmath
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rubnoise.contact.laws import Fixed, Law, Lognormal
+from rubnoise.contact import laws
+from rubnoise.contact.laws import Exponential, Fixed, Law, Lognormal, Normal, Power, Weibull
 from rubnoise.contact.overlap import junction_area
+from rubnoise.contact.pulses import PULSES, TRIANGLE, Pulse
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.lags import covariance_reach, lag_edges, longest_life
+from rubnoise.theory.log_table import log_table
+from rubnoise.theory.mean_life import age_table
+from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
+from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
+from rubnoise.theory.quadrature import complementary_error, cut_size_rule, panels, size_edges, size_range, size_rule
+from rubnoise.theory.response import response
 from rubnoise.theory.sampling import force_standard_errors, standard_errors, variance_of_time_mean
-from rubnoise.theory.spectrum import density_at_zero
-from tests.unit.theory_models import excess, model_of, one_size, paper_model
+from rubnoise.theory.spectrum import density_at_zero, spectral_density
+from rubnoise.theory.transform import transform_of
+from rubnoise.theory.transform_lens import hankel_modulus, hankel_without_swing, y1
+from rubnoise.theory.transient import area_from_empty
+from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, excess, model_of, one_size, paper_model
 
+# Standard errors against records drawn here, from the model's definition and nothing of the simulator.
 Doubles = NDArray[np.float64]
 Records = tuple[Doubles, Model]
 
@@ -120,3 +134,235 @@ def test_many_ticks_are_as_good_as_a_continuous_record() -> None:
     # The weight's corner at no lag makes the two differ by h^2 R(0) / (6 T S(0)) = 2.7e-7.
     assert variance_of_time_mean(model) == pytest.approx(summed, rel=4e-7)
     assert variance_of_time_mean(model, 1200.0) == pytest.approx(summed, rel=4e-7)
+
+
+# The theory where sizes spread over decades, against dense sums and against itself.
+MODELS = {
+    "lognormal": model_of(LogNormal(5.0, 0.7), 5.0, slider=FIG5_SLIDER),
+    "exponential": model_of(Gamma(5.0, 1.0), 5.0, slider=FIG5_SLIDER),
+    "exponential triangles": model_of(Gamma(5.0, 1.0), 5.0, pulse=TRIANGLE, slider=FIG5_SLIDER),
+    "bounded power": model_of(Power(exponent=2.5, smallest=2.0, largest=20.0), 5.0, slider=FIG5_SLIDER),
+    "bounded power, narrow triangles": model_of(
+        Power(exponent=1.0, smallest=4.0, largest=6.0), 5.0, pulse=TRIANGLE, slider=FIG5_SLIDER
+    ),
+    "weibull": model_of(Weibull(mean=5.0, std=4.0), 5.0, slider=FIG5_SLIDER),
+    "singular at 0": model_of(Gamma(5.0, 2.0), 5.0, slider=FIG5_SLIDER),
+}
+
+
+def dense(model: Model, wavenumber: float) -> float:
+    """Return S(k) on panels a fraction of the swing wide, up to sizes that have no weight left."""
+    edges = np.union1d(np.geomspace(1e-8, 1e4, 200), np.arange(1.0, 50_000.0, 4.0) / wavenumber)
+    low, high = model.sizes.support
+    edges = np.union1d(edges, [max(low, 1e-8), high])
+    d, w = panels(edges, 16)
+    energy = d**6 * transform_of(model.pulse).square(wavenumber * d)
+    return model.birth_rate * float(np.sum(w * model.sizes.density(d) * energy))
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("wavenumber", [0.01, 0.3, 1.0, 5.0, 40.0])
+def test_spectral_density(name: str, wavenumber: float) -> None:
+    found = float(spectral_density(MODELS[name], wavenumber))
+    assert found == pytest.approx(dense(MODELS[name], wavenumber), rel=1e-9)
+
+
+@pytest.mark.parametrize("relative_spread", [0.1, 0.2, 0.35, 0.5])
+@pytest.mark.parametrize("law", [LogNormal, Gamma])
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
+def test_spectral_density_just_beyond_the_last_swing_that_is_followed(
+    relative_spread: float, law: type[LogNormal], pulse: Pulse
+) -> None:
+    model = model_of(law(5.0, relative_spread), 5.0, pulse=pulse)
+    for k in (0.999, 1.001, 1.4) * np.array(largest_swinging_wavenumber(model.sizes)):
+        assert float(spectral_density(model, k)) == pytest.approx(dense(model, k), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_covariances_at_no_lag_and_over_all_lags(name: str) -> None:
+    model = MODELS[name]
+    lags, weights = panels(lag_edges(model, longest_life(model)), 16)
+    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-12)
+    assert 2.0 * weights @ autocovariance(model, lags) == pytest.approx(density_at_zero(model), rel=1e-9)
+    assert count_covariance(model, 0.0) == pytest.approx(mean_count(model), rel=1e-12)
+    # int (2d - tau)+ over both signs of tau is 4 d^2
+    expected = model.birth_rate * 4.0 * model.sizes.moment(2)
+    assert 2.0 * weights @ count_covariance(model, lags) == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("tick", [0.5, 2.0, 30.0])
+def test_error_of_the_mean_over_coarse_ticks_is_the_sum_over_ticks(name: str, tick: float) -> None:
+    model = replace(MODELS[name], tick=tick, tick_count=4_999)
+    lags = np.arange(5000.0)
+    weights = 2.0 * (1.0 - lags / 5000.0) / 5000.0
+    weights[0] *= 0.5
+    assert variance_of_time_mean(model) == pytest.approx(weights @ autocovariance(model, lags * tick), rel=1e-6)
+    assert mean_count_error(model) ** 2 == pytest.approx(weights @ count_covariance(model, lags * tick), rel=1e-4)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_long_record_spreads_by_the_density_at_zero(name: str) -> None:
+    model, far = MODELS[name], 1e9
+    assert far * variance_of_time_mean(model, far) == pytest.approx(density_at_zero(model), rel=1e-5)
+    errors = standard_errors(model, far)
+    assert 0.0 < errors.mean < 2.0 * errors.std
+    assert errors.skewness < errors.excess_kurtosis
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_an_empty_start_ends_in_the_mean(name: str) -> None:
+    model = MODELS[name]
+    settled = area_from_empty(model, [longest_life(model), 1e9])
+    np.testing.assert_allclose(settled, area_cumulants(model).mean, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_variance_of_a_slow_slider_from_the_covariance(name: str) -> None:
+    """Over-damped and slow, x follows a first-order law: Var x = int R(tau) exp(-k|tau|/cV) dtau / (2 c k V) psi^2."""
+    slider = replace(FIG5_SLIDER, mass=1e-9, damping=3.0)
+    model = replace(MODELS[name], slider=slider)
+    lags, weights = panels(lag_edges(model, longest_life(model)), 24)
+    decay = np.exp(-slider.stiffness / (slider.damping * 1000.0) * lags)
+    expected = 250.0**2 * weights @ (autocovariance(model, lags) * decay) / (3.0 * 300.0 * 1000.0)
+    assert response(model).displacement_std ** 2 == pytest.approx(expected, rel=1e-7)
+
+
+def test_sizes_that_are_alike_reach_as_far_as_their_lives() -> None:
+    model = paper_model(spread=0.0)
+    assert covariance_reach(model, 1e-9) == pytest.approx(2.0 * model.calibrated_diameter, rel=1e-9)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.01, 1e-9])
+def test_less_than_the_part_is_left_beyond_it(part: float) -> None:
+    model = replace(paper_model(), sizes=Normal(centre=1.0, std=8.0))
+    reach = covariance_reach(model, part)
+    level = part * autocovariance(model, 0.0)
+    assert np.all(autocovariance(model, np.linspace(reach, 100.0, 50)) < level)
+    assert np.any(autocovariance(model, np.linspace(0.5 * reach, reach, 50)) >= level)
+
+
+def test_a_larger_part_is_reached_sooner() -> None:
+    model = replace(paper_model(), sizes=Normal(centre=1.0, std=8.0))
+    assert covariance_reach(model, 0.5) < covariance_reach(model, 1e-9)
+
+
+# Functions kept as polynomials in the logarithm of their place.
+def test_edges_that_differ_by_rounding_make_no_panel() -> None:
+    table = log_table(
+        lambda x: np.stack([x, x**2]), np.array([1.0, 2.0, np.nextafter(2.0, 3.0), 8.0]), np.full(2, 1e-13)
+    )
+    places = np.array([1.0, 1.5, 2.0, 2.5, 3.5, 7.9])
+    np.testing.assert_allclose(table(places), [places, places**2], rtol=1e-12)
+
+
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
+def test_mean_area_of_every_age_is_right_where_sizes_reach_down_to_nothing(pulse: Pulse) -> None:
+    # Of these sizes an edge, doubled, falls beside another one. The check has no care for how lenses are born.
+    law = Normal(centre=9.752392710241176, std=1.5)
+    for age in np.linspace(0.5, 40.0, 80).tolist():
+        sizes, weights = panels(np.unique(np.clip([0.5 * age, age, 6.0, 10.0, 14.0, 22.2], 0.5 * age, 22.2)), 60)
+        exact = np.sum(weights * pulse.area(age, sizes) * law.density(sizes))
+        assert age_table(law, pulse)(np.array([age]))[0, 0] == pytest.approx(exact, rel=1e-6, abs=1e-6), age
+
+
+# Bessel functions far out, against 30 digits.
+PLACES = np.array([32.0, 33.3, 40.0, 77.7, 160.0, 1e3, 12345.6, 1e6])
+
+
+def exact(z: float) -> tuple[mpmath.mpf, mpmath.mpf]:
+    with mpmath.workdps(30):
+        return mpmath.besselj(1, mpmath.mpf(z)), mpmath.bessely(1, mpmath.mpf(z))
+
+
+@pytest.mark.parametrize("z", PLACES.tolist())
+def test_they_are_right_to_rounding(z: float) -> None:
+    first, second = exact(z)
+    with mpmath.workdps(30):
+        modulus = mpmath.sqrt(first**2 + second**2)
+        turned = mpmath.expj(mpmath.mpf(z)) * (second + 1j * first)
+    place = np.array([z])
+    assert abs(y1(place)[0] - second) < 1e-15 * modulus
+    assert abs(hankel_modulus(place)[0] / modulus**2 - 1) < 1e-15
+    assert abs(complex(hankel_without_swing(place)[0]) - complex(turned)) < 1e-15 * modulus
+
+
+def test_shapes_are_kept() -> None:
+    assert y1(PLACES.reshape(2, 4)).shape == (2, 4)
+    assert hankel_without_swing(np.empty((0, 3))).shape == (0, 3)
+
+
+def test_the_error_function_is_that_of_the_library() -> None:
+    x = np.array([[-6.0, -0.5, 0.0], [0.1, 2.5, 27.0]])
+    expected = [[float(mpmath.erfc(value)) for value in row] for row in x.tolist()]
+    np.testing.assert_allclose(complementary_error(x), expected, rtol=1e-15)
+    assert complementary_error(np.empty((2, 0))).shape == (2, 0)
+
+
+LAWS: dict[str, Law] = {
+    "normal 1e-8": Normal(centre=2.0, std=2e-8),
+    "normal 4 %": Normal(centre=2.0, std=0.08),
+    "normal 15 %": Normal(centre=2.0, std=0.3),
+    "normal 300 %": Normal(centre=2.0, std=6.0),
+    "lognormal 5 %": LogNormal(2.0, 0.05),
+    "lognormal 40 %": LogNormal(2.0, 0.4),
+    "lognormal 300 %": LogNormal(2.0, 3.0),
+    "gamma 20 %": Gamma(2.0, 0.2),
+    "exponential": Gamma(2.0, 1.0),
+    "gamma 300 %, singular at 0": Gamma(2.0, 3.0),
+    "lognormal as drawn": Lognormal(mean=2.0, std=3.0),
+    "gamma as drawn": laws.Gamma(mean=2.0, std=0.5),
+    "gamma as drawn, singular at 0": laws.Gamma(mean=2.0, std=5.0),
+    "exponential as drawn": Exponential(mean=2.0),
+    "weibull as drawn, singular at 0": Weibull(mean=2.0, std=4.0),
+    "power over a decade": Power(exponent=2.5, smallest=1.0, largest=10.0),
+    "power, narrow": Power(exponent=1.0, smallest=1.9, largest=2.1),
+    "power over six decades": Power(exponent=3.5, smallest=1e-4, largest=1e2),
+    "power, rising": Power(exponent=-8.0, smallest=0.01, largest=4.0),
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("power", [1, 2, 3, 5, 9, 13])
+def test_moments_of_any_law_to_rounding(name: str, power: int) -> None:
+    diameters, probabilities = size_rule(LAWS[name], 64)
+    # 2e-13, not rounding itself: the laws of the tests take their moments from lgamma.
+    assert probabilities @ diameters**power == pytest.approx(LAWS[name].moment(power), rel=2e-13)
+    assert diameters.size < 300
+
+
+def test_a_support_alone_would_lose_the_high_moments_of_a_heavy_tail() -> None:
+    law = LAWS["lognormal 300 %"]
+    assert size_range(law)[1] > 1e6 * law.support[1]
+
+
+def test_edges_of_a_law_are_found_once() -> None:
+    assert size_edges(Gamma(2.0, 1.0))[0] is size_edges(Gamma(2.0, 1.0))[0]
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("kink", [1e-6, 1.9, 2.3, 40.0])
+def test_averages_of_what_has_a_kink(name: str, kink: float) -> None:
+    """E[(d - a)+] + E[min(d, a)] is E[d], wherever the cut lies, and each part against finer panels."""
+    law = LAWS[name]
+
+    def parts(count: int) -> tuple[float, float]:
+        d, p = cut_size_rule(law, np.array([kink]), count)
+        return float(p @ np.maximum(d - kink, 0.0)), float(p @ np.minimum(d, kink))
+
+    assert sum(parts(16)) == pytest.approx(law.moment(1), rel=1e-14)
+    np.testing.assert_allclose(parts(16), parts(48), rtol=1e-11, atol=1e-15)
+
+
+def test_a_rule_without_the_cut_would_show() -> None:
+    law = LAWS["normal 15 %"]
+    d, p = size_rule(law, 64)
+    cut, probabilities = cut_size_rule(law, np.array([2.1]), 16)
+    assert abs(p @ np.maximum(d - 2.1, 0.0) / (probabilities @ np.maximum(cut - 2.1, 0.0)) - 1.0) > 1e-4
+
+
+def test_one_size_has_one_diameter_in_every_rule() -> None:
+    d, p = cut_size_rule(Fixed(value=3.0), np.array([[1.0], [5.0]]), 16)
+    assert d.tolist() == [[3.0], [3.0]]
+    assert p.tolist() == [[1.0], [1.0]]
+    assert size_range(Normal(centre=3.0, std=1e-12)) == (3.0, 3.0)

@@ -1,14 +1,28 @@
+"""Exact spectra, correlations, transients and slopes of the force."""
+
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
 from scipy.special import struve
 
-from rubnoise.contact.laws import Normal
+from rubnoise.contact.laws import Exponential, Normal
 from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
+from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.correlation import Powers, autocovariance, force_autocovariance, joint_cumulants, life_overlaps
+from rubnoise.theory.coupling import force_slope_std
+from rubnoise.theory.inversion import point_transform
+from rubnoise.theory.live_area import NODES, Piecewise, series
+from rubnoise.theory.occupancy import mean_count
+from rubnoise.theory.quadrature import panels
 from rubnoise.theory.spectrum import density_at_zero, mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
-from tests.unit.theory_models import model_of, one_size, paper_model
+from rubnoise.theory.transient import area_from_empty, expected_mean_area, expected_mean_count
+from tests.unit.theory_models import model_of, one_size, paper_model, regular
 
 PHASES = np.concatenate([np.geomspace(1e-8, 1e6, 90), np.linspace(1.0, 60.0, 60), [10.0, 20.0, 32.0, 31.999, 25.57]])
 SPREADS = {"narrow": (5.53, 0.2), "wide": (5.53, 4.0), "wider than the mean": (2.0, 3.0)}
@@ -133,3 +147,197 @@ def test_spectrum_of_triangles_at_zero_and_far_out() -> None:
 def test_mean_density_of_one_size_is_the_density_before_the_tail() -> None:
     k = np.array([0.0, 0.1, 1.0, 5.0])
     np.testing.assert_array_equal(mean_spectral_density(one_size(), k), spectral_density(one_size(), k))
+
+
+MODELS = {
+    "fig5": paper_model(),
+    "one size": one_size(),
+    "wide": model_of(Normal(centre=2.0, std=3.0), 2.0),
+    "triangle": model_of(Normal(centre=5.53, std=0.2), 5.53, pulse=TRIANGLE),
+}
+
+
+def area(shape: str, s: mpmath.mpf) -> mpmath.mpf:
+    x = min(abs(1 - s), mpmath.mpf(1))  # rounding may put a cut beyond the end of the life
+    if shape == "lens":
+        return (mpmath.acos(x) - x * mpmath.sqrt(1 - x * x)) / 2
+    return mpmath.pi * (1 - x if shape == "triangle" else 1 - x * x) / 4
+
+
+@pytest.mark.parametrize("lag", [0.0, 1e-3, 0.02, 0.4, 1.0, 1.3, 1.99])
+@pytest.mark.parametrize("powers", [(1, 1), (1, 3), (4, 2)])
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
+def test_overlap_of_two_lives(lag: float, powers: Powers, pulse: Pulse) -> None:
+    i, j = powers
+    cuts = sorted({0.0, max(1.0 - lag, 0.0), min(1.0, 2.0 - lag), 2.0 - lag})
+    with mpmath.workdps(20):
+        expected = mpmath.quad(lambda s: area(pulse.shape, s) ** i * area(pulse.shape, s + lag) ** j, cuts)
+    assert life_overlaps(pulse, np.array(lag), (powers,))[powers] == pytest.approx(float(expected), rel=1e-11)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_variance_at_no_lag_and_nothing_beyond_the_longest_life(name: str) -> None:
+    model = MODELS[name]
+    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-12)
+    assert autocovariance(model, 2.0 * model.sizes.support[1]) == pytest.approx(0.0, abs=1e-12)
+    assert autocovariance(model, [-3.0, 3.0])[0] == pytest.approx(float(autocovariance(model, 3.0)), rel=1e-14)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_autocovariance_and_density_are_a_fourier_pair(name: str) -> None:
+    model = MODELS[name]
+    reach = 2.0 * model.sizes.support[1]
+    x, w = np.polynomial.legendre.leggauss(12)
+    edges = np.linspace(0.0, reach, 101)
+    half = 0.5 * np.diff(edges)[:, None]
+    lags = 0.5 * (edges[1:] + edges[:-1])[:, None] + half * x
+    weighted = 2.0 * half * w * autocovariance(model, lags)
+    assert np.sum(weighted) == pytest.approx(density_at_zero(model), rel=1e-10)
+    for k in (0.1, 0.7, 2.0):
+        assert np.sum(weighted * np.cos(k * lags)) == pytest.approx(float(spectral_density(model, k)), rel=1e-8)
+
+
+def test_joint_cumulants_at_no_lag_are_the_cumulants() -> None:
+    model = MODELS["fig5"]
+    values = area_cumulants(model).values
+    joint = joint_cumulants(model, 0.0, ((1, 1), (1, 2), (2, 2), (3, 3)))
+    for (i, j), found in joint.items():
+        assert found == pytest.approx(values[i + j - 1], rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [64, 4096])
+def test_sums_over_points_are_those_of_the_definition(count: int) -> None:
+    generator = np.random.default_rng(7)
+    places = generator.integers(-(2**32), 2**32, 200) * 2.0**-31  # so short that whole turns are told exactly
+    places[:2] = 0.0, 0.5
+    weights = generator.normal(size=places.size)
+    found = point_transform(places, weights, count)
+    rows = np.unique(np.linspace(0, count - 1, 50).astype(int))
+    expected = np.exp(2j * np.pi * np.mod(np.multiply.outer(rows, places), 1.0)) @ weights
+    assert np.max(np.abs(found[rows] - expected)) < 1e-14 * np.sum(np.abs(weights))
+
+
+def test_many_points_are_taken_in_parts() -> None:
+    places = (np.arange(40_000) + 0.5) / 40_000
+    found = point_transform(places, np.full(places.size, 1.0 / places.size), 32)
+    np.testing.assert_allclose(found, np.arange(32) == 0, atol=1e-14)
+
+
+def test_pieces_of_a_polynomial_are_the_polynomial() -> None:
+    edges = np.array([-1.0, 0.0, 0.5, 3.0])
+    t, _ = panels(edges, NODES)
+    pieces = Piecewise(edges=edges, coefficients=series((t**3 - 2.0 * t).reshape(3, NODES)))
+    x = np.array([[-1.0, -0.3, 0.0], [0.5, 2.0, 3.0]])
+    np.testing.assert_allclose(pieces(x), x**3 - 2.0 * x, atol=1e-13)
+    np.testing.assert_allclose(pieces.integral()(x), (x**4 - 1.0) / 4.0 - (x**2 - 1.0), atol=1e-13)
+    np.testing.assert_allclose(pieces.scaled(-2.0)(x), 4.0 * x - 2.0 * x**3, atol=1e-13)
+    np.testing.assert_allclose(pieces(np.array([-9.0, 9.0])), [1.0, 21.0], atol=1e-12)
+
+
+def test_series_of_several_functions_at_once() -> None:
+    x, _ = legendre.leggauss(NODES)
+    found = series(np.stack([[np.ones(NODES), x], [x**2, legendre.legval(x, [0.0, 0.0, 0.0, 1.0])]]))
+    assert found.shape == (NODES, 2, 2)
+    np.testing.assert_allclose(found[:4, 0, 1], [0.0, 1.0, 0.0, 0.0], atol=1e-13)
+    np.testing.assert_allclose(found[:4, 1, 0], [1.0 / 3.0, 0.0, 2.0 / 3.0, 0.0], atol=1e-13)
+    np.testing.assert_allclose(found[:4, 1, 1], [0.0, 0.0, 0.0, 1.0], atol=1e-13)
+
+
+WIDE = Normal(centre=2.0, std=3.0)
+STARTS = {
+    "one size": one_size(),
+    "fig5": paper_model(),
+    "wide": model_of(WIDE, 2.0),
+    "triangle": model_of(WIDE, 2.0, pulse=TRIANGLE),
+    "one triangle": replace(one_size(), pulse=TRIANGLE),
+}
+
+
+def by_trapezium(model: Model, distance: float) -> float:
+    """Return lam E[int_0^s A ds'] from dense sums over age and diameter."""
+    low, high = model.sizes.support
+    ages = np.linspace(0.0, distance, 2001)
+    if low == high:
+        return model.birth_rate * float(np.trapezoid(model.pulse.area(ages, high), ages))
+    d = np.linspace(low, high, 2002)[1:]
+    grown = np.trapezoid(model.pulse.area(ages, d[:, None]), ages, axis=1)
+    return model.birth_rate * float(np.trapezoid(grown * model.sizes.density(d), d))
+
+
+@pytest.mark.parametrize("name", STARTS)
+@pytest.mark.parametrize("distance", [0.5, 4.0, 9.0])
+def test_area_grows_from_empty_as_the_lives_do(name: str, distance: float) -> None:
+    model = STARTS[name]
+    assert area_from_empty(model, distance) == pytest.approx(by_trapezium(model, distance), rel=2e-5)
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_area_is_settled_from_the_longest_life_on(name: str) -> None:
+    model = STARTS[name]
+    longest = 2.0 * model.sizes.support[1]
+    found = area_from_empty(model, [0.0, longest, 3.0 * longest])
+    np.testing.assert_allclose(found, area_cumulants(model).mean * np.array([0.0, 1.0, 1.0]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_an_empty_start_lowers_the_means_by_a_lifes_worth(name: str) -> None:
+    """A junction waits d on average for its area and its count: lam c_1 m_4 / T and lam 2 m_2 / T are missing."""
+    model = replace(STARTS[name], start="empty")
+    m = model.sizes.moment
+    area = area_cumulants(model).mean - model.birth_rate * model.pulse.life_integral(1) * m(4) / 500.0
+    count = mean_count(model) - model.birth_rate * 2.0 * m(2) / 500.0
+    assert expected_mean_area(model, 500.0) == pytest.approx(area, rel=1e-9)
+    assert expected_mean_count(model, 500.0) == pytest.approx(count, rel=1e-6)
+
+
+def test_a_stationary_start_has_nothing_to_wait_for() -> None:
+    model = STARTS["fig5"]
+    assert expected_mean_area(model, 3.0) == area_cumulants(model).mean
+    assert expected_mean_count(model, 3.0) == mean_count(model)
+
+
+# The slope of the friction force against differences of its autocovariance, which knows nothing of slopes.
+UNEQUAL = Normal(centre=250.0, std=100.0)
+WIDER = Normal(centre=5.53, std=2.0)
+SLOPES = {
+    "one size": one_size(),
+    "figure 5": paper_model(),
+    "wide": model_of(WIDER, 5.53),
+    "wide triangles": model_of(WIDER, 5.53, pulse=TRIANGLE),
+    "unequal strengths": replace(paper_model(), strengths=UNEQUAL),
+    "regular": regular(20.0),
+    "regular of many sizes": regular(20.0, 0.5),
+    "regular triangles": regular(3.0, pulse=TRIANGLE),
+    "regular triangles of many sizes": regular(2.5, 0.8, pulse=TRIANGLE),
+    "regular exponential": regular(20.0, sizes=Exponential(mean=5.53)),
+    "regular of unequal strengths": replace(regular(20.0, 0.5), strengths=UNEQUAL),
+}
+
+
+def _curvature(model: Model) -> float:
+    """Return the limit of 2 (R(0) - R(h))/h^2, whose first correction is of the order of h."""
+    step = 4e-3
+    found = force_autocovariance(model, model.strengths, [0.0, step, 0.5 * step])
+    coarse, fine = 2.0 * (found[0] - found[1]) / step**2, 8.0 * (found[0] - found[2]) / step**2
+    return float(2.0 * fine - coarse)
+
+
+@pytest.mark.parametrize("name", SLOPES)
+def test_the_variance_of_the_slope_is_the_curvature_of_the_autocovariance(name: str) -> None:
+    assert force_slope_std(SLOPES[name]) ** 2 == pytest.approx(_curvature(SLOPES[name]), rel=5e-4)
+
+
+def test_where_junctions_are_born_counts() -> None:
+    """Regular births bring half-lives together that random ones do not."""
+    at_random = force_slope_std(one_size())
+    assert abs(force_slope_std(SLOPES["regular"]) / at_random - 1.0) > 0.5
+
+
+def test_regular_triangles_of_an_even_count_are_constant() -> None:
+    assert force_slope_std(regular(4.0, pulse=TRIANGLE)) == 0.0
+    assert force_slope_std(regular(3.0, pulse=TRIANGLE)) > 100.0
+
+
+def test_a_strength_is_needed() -> None:
+    with pytest.raises(Refused, match="shear strength"):
+        force_slope_std(replace(paper_model(), strengths=None))

@@ -1,0 +1,377 @@
+"""Estimates of a record: moments, autocovariances, histograms and Kolmogorov distances, with their errors."""
+
+from dataclasses import fields
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from rubnoise.analysis.covariance import LaggedProducts, autocovariance
+from rubnoise.analysis.histogram import Histogram, histogram
+from rubnoise.analysis.kolmogorov import UniformSample, distance_tail, kolmogorov_figure, sample_distance
+from rubnoise.analysis.moments import (
+    Covariances,
+    SampleMoments,
+    covariance_errors,
+    needed_for_mean,
+    over_ticks,
+    sample_covariances,
+    sample_moments,
+)
+from rubnoise.analysis.records import (
+    FEWEST_BATCHES,
+    Estimate,
+    RecordTooShort,
+    batch_length,
+    error_of_mean,
+    integrated_autocorrelation,
+    longer,
+)
+from rubnoise.model import Model
+from rubnoise.theory import correlation
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.sampling import variance_of_time_mean
+from tests.models import bare, recorded
+from tests.unit.theory_models import Doubles, memory, white
+from tests.verification.seeds import seed_of
+
+# Moments of a record: their errors from theory and from batches, and when they are refused.
+CONTACT = bare(tick=0.25, distance=5000.0)
+SHORT = bare(tick=0.25, distance=800.0)
+BOUND, REJECTED = 4.0, 5.0
+
+
+@cache
+def area(run: Model, name: str) -> Doubles:
+    found: Doubles = recorded(run, seed_of(f"moments/{name}"))["trace"]["real_contact_area"]
+    return found
+
+
+def scores(found: SampleMoments, expected: tuple[float, ...]) -> list[float]:
+    figures: list[Estimate] = [getattr(found, field.name) for field in fields(found)]
+    return [(each.value - value) / each.standard_error for each, value in zip(figures, expected, strict=True)]
+
+
+def values_of(run: Model) -> tuple[float, ...]:
+    exact = area_cumulants(run)
+    return exact.mean, exact.std, exact.skewness, exact.excess_kurtosis
+
+
+@pytest.mark.parametrize("model", [CONTACT, None], ids=["theory", "batches"])
+def test_moments_of_a_run_are_those_of_its_model(model: Model | None) -> None:
+    found = sample_moments(area(CONTACT, "run"), CONTACT.tick, model)
+    assert max(map(abs, scores(found, values_of(CONTACT)))) <= BOUND
+    assert abs(scores(found, values_of(bare(area=230.0)))[0]) > REJECTED
+
+
+def test_errors_from_theory_and_from_batches_agree() -> None:
+    theory = sample_moments(area(CONTACT, "run"), CONTACT.tick, CONTACT)
+    batches = sample_moments(area(CONTACT, "run"), CONTACT.tick)
+    # 45 batches and more tell an error to some 10 %.
+    assert batches.mean.standard_error == pytest.approx(theory.mean.standard_error, rel=0.4)
+    assert batches.std.standard_error == pytest.approx(theory.std.standard_error, rel=0.4)
+
+
+def test_errors_of_independent_values_are_the_textbook_ones() -> None:
+    found = sample_moments(white(100_000, seed_of("white")), 1.0)
+    assert found.mean.standard_error == pytest.approx(100_000**-0.5, rel=0.2)
+    assert found.std.standard_error == pytest.approx(200_000**-0.5, rel=0.2)
+    assert found.skewness.standard_error == pytest.approx((6.0 / 100_000) ** 0.5, rel=0.2)
+    assert found.excess_kurtosis.standard_error == pytest.approx((24.0 / 100_000) ** 0.5, rel=0.25)
+
+
+@pytest.mark.parametrize("model", [SHORT, None], ids=["theory", "batches"])
+def test_a_short_record_is_refused_with_its_estimate_and_the_length_needed(model: Model | None) -> None:
+    values = area(SHORT, "short")
+    with pytest.raises(RecordTooShort, match=r"moments: 800\.25 um of sliding are too short") as refused:
+        sample_moments(values, SHORT.tick, model)
+    estimate = refused.value.estimate
+    assert isinstance(estimate, SampleMoments)
+    assert estimate.mean.value == pytest.approx(values.mean())
+    assert refused.value.needed > 800.0
+    assert refused.value.exit_code == 2
+
+
+def test_what_is_needed_is_enough() -> None:
+    with pytest.raises(RecordTooShort) as refused:
+        sample_moments(area(SHORT, "short"), SHORT.tick, SHORT)
+    ticks = int(1.02 * refused.value.needed / SHORT.tick)
+    assert ticks < area(CONTACT, "run").size
+    sample_moments(area(CONTACT, "run")[:ticks], SHORT.tick, SHORT)
+
+
+def test_a_record_without_end_in_sight_says_so() -> None:
+    with pytest.raises(RecordTooShort) as refused:
+        sample_moments(np.arange(4.0), 1.0)
+    assert refused.value.needed == float("inf")
+    assert str(refused.value) == "moments: 4 um of sliding are too short for it"
+
+
+def test_a_constant_has_no_error() -> None:
+    found = sample_moments(np.full(1000, 7.0), 1.0)
+    assert found.mean == Estimate(value=7.0, standard_error=0.0)
+    assert found.excess_kurtosis == Estimate(value=0.0, standard_error=0.0)
+
+
+def test_a_mean_needs_lives_and_births() -> None:
+    dense, thin = bare(count=200.0), bare(count=0.5)
+    assert needed_for_mean(dense) == 50.0 * dense.mean_life_distance
+    assert needed_for_mean(thin) == 1000.0 * thin.mean_birth_spacing
+
+
+def test_a_stretch_has_its_own_length() -> None:
+    stretch = over_ticks(bare(start="empty"), 401, 0.5)
+    assert (stretch.start, stretch.tick_count, stretch.distance) == ("stationary", 400, 200.0)
+
+
+def test_errors_fall_as_one_over_the_root_of_the_length() -> None:
+    assert longer(100.0, 0.3, 0.1) == pytest.approx(900.0)
+
+
+# Batch means of a record whose autocorrelation is known.
+
+
+def test_the_integrated_autocorrelation_is_that_of_the_law() -> None:
+    found = integrated_autocorrelation(memory(200_000, seed_of("memory")))
+    assert found == pytest.approx(1.9 / 0.1, rel=0.15)
+    assert integrated_autocorrelation(white(200_000, seed_of("white"))) == pytest.approx(1.0, abs=0.1)
+
+
+def test_batches_know_of_the_correlation() -> None:
+    values = memory(200_000, seed_of("memory"))
+    length = batch_length(values, 1.0, "mean", None)
+    error = float(error_of_mean(values, length))
+    assert error == pytest.approx((19.0 / 200_000) ** 0.5, rel=0.25)
+    assert error > 3.0 * values.std() / values.size**0.5
+
+
+def test_batches_are_many_and_long() -> None:
+    values = memory(20_000, seed_of("memory"))
+    length = batch_length(values, 1.0, "mean", None)
+    assert 10.0 * integrated_autocorrelation(values) <= length <= values.size // FEWEST_BATCHES
+    with pytest.raises(RecordTooShort, match=r"mean: 1000 um of sliding are too short for it; it needs about .* um"):
+        batch_length(values[:1000], 1.0, "mean", None)
+
+
+# Autocovariances: of arrays, of streams, and their errors from theory and from batches.
+VALUES = memory(3000, seed_of("covariance"))
+LAGS = (0, 1, 5, 40, 700, 2999)
+SHORTER = bare(tick=0.25, distance=6000.0)
+RUNS = 60
+
+
+def naive(values: Doubles, lag: int) -> float:
+    away = values - values.mean()
+    return float((away[: values.size - lag] * away[lag:]).sum())
+
+
+def test_an_array_is_what_the_definition_says() -> None:
+    found = autocovariance(VALUES, 50)
+    assert found == pytest.approx([naive(VALUES, j) / VALUES.size for j in range(51)], rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("pieces", [1, 3, 40, 3000])
+def test_a_stream_may_come_in_pieces(pieces: int) -> None:
+    products = LaggedProducts(LAGS, 0.1)
+    for piece in np.array_split(VALUES, pieces):
+        products.add(piece)
+    expected = [naive(VALUES, j) / (VALUES.size - j) for j in LAGS]
+    assert products.covariances() == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+def test_a_lag_beyond_the_record_has_no_value() -> None:
+    products = LaggedProducts((1, 4), 0.0)
+    products.add(np.array([1.0, 2.0, 3.0]))
+    first, beyond = products.covariances()
+    assert first == pytest.approx(0.0)
+    assert np.isnan(beyond)
+
+
+@cache
+def area_of_shorter() -> Doubles:
+    found: Doubles = recorded(SHORTER, seed_of("covariance/run"))["trace"]["real_contact_area"]
+    return found
+
+
+@pytest.mark.parametrize("model", [SHORTER, None], ids=["theory", "batches"])
+def test_a_run_has_the_autocovariance_of_its_model(model: Model | None) -> None:
+    found = sample_covariances(area_of_shorter(), SHORTER.tick, (4, 10, 20, 30, 40), model)
+    bias = variance_of_time_mean(SHORTER)
+    expected = correlation.autocovariance(SHORTER, found.lag) - bias
+    assert np.max(np.abs(found.value - expected) / found.standard_error) <= 4.0
+    other = correlation.autocovariance(bare(count=10.0), found.lag)
+    assert np.max(np.abs(found.value - other) / found.standard_error) > 5.0
+
+
+def values_at(lags: tuple[int, ...], row: Doubles) -> Doubles:
+    products = LaggedProducts(lags, 200.0)
+    products.add(row)
+    return products.covariances()
+
+
+def test_errors_are_the_spread_of_many_runs() -> None:
+    run = bare(tick=0.5, distance=1500.0, count=5.0)
+    lags = (2, 6, 12, 20)
+    seeds = range(seed_of("covariance/spread"), seed_of("covariance/spread") + RUNS)
+    rows = [recorded(run, seed)["trace"]["real_contact_area"] for seed in seeds]
+    values = np.array([values_at(lags, row) for row in rows])
+    errors = covariance_errors(run, run.tick * np.array(lags), 1500.0, run.tick)
+    # A spread of 60 runs is known to 9 %, and a little worse for laws with long tails.
+    assert values.std(axis=0, ddof=1) == pytest.approx(errors, rel=0.4)
+    assert values.std(axis=0, ddof=1) != pytest.approx(0.5 * errors, rel=0.4)
+
+
+@pytest.mark.parametrize("model", [SHORTER, None], ids=["theory", "batches"])
+def test_a_short_record_is_refused_with_its_values(model: Model | None) -> None:
+    with pytest.raises(RecordTooShort, match="autocovariance") as refused:
+        sample_covariances(area_of_shorter()[:1000], SHORTER.tick, (4, 10), model)
+    assert isinstance(refused.value.estimate, Covariances)
+    assert refused.value.estimate.value.size == 2
+
+
+# Histograms: densities that add up, and errors that know of the correlation.
+EDGES = np.linspace(-3.0, 3.0, 25)
+
+
+def expected(scale: float = 1.0) -> np.ndarray:
+    return np.diff(ndtr(EDGES / scale)) / np.diff(EDGES)
+
+
+def test_a_histogram_is_the_density_of_its_law_and_of_no_other() -> None:
+    found = histogram(memory(400_000, seed_of("histogram")), 1.0, EDGES)
+    assert np.max(np.abs(found.density - expected()) / found.standard_error) <= 4.5
+    assert np.max(np.abs(found.density - expected(1.1)) / found.standard_error) > 6.0
+
+
+def test_errors_of_independent_values_are_binomial() -> None:
+    found = histogram(white(200_000, seed_of("histogram")) - 3.0, 1.0, EDGES)
+    share = expected() * np.diff(EDGES)
+    binomial = np.sqrt(share * (1.0 - share) / 200_000) / np.diff(EDGES)
+    assert found.standard_error == pytest.approx(binomial, rel=0.3)
+
+
+def test_errors_of_a_record_with_memory_are_larger() -> None:
+    lone = histogram(white(200_000, seed_of("histogram")) - 3.0, 1.0, EDGES)
+    kept = histogram(memory(200_000, seed_of("histogram")), 1.0, EDGES)
+    assert np.median(kept.standard_error / lone.standard_error) > 1.5
+
+
+def test_a_histogram_adds_up_and_says_what_lies_outside() -> None:
+    values = white(10_000, seed_of("histogram"))
+    found = histogram(values, 1.0)
+    assert (found.density * np.diff(found.edges)).sum() == pytest.approx(1.0)
+    assert found.outside == pytest.approx(0.0, abs=1e-12)
+    assert found.middles.size == found.density.size == 60
+    half = histogram(values, 1.0, [3.0, 5.0, 10.0])
+    assert half.outside == pytest.approx((values < 3.0).mean())
+
+
+def test_the_last_edge_belongs_to_the_last_bin() -> None:
+    values = np.tile([0.0, 1.0, 2.0, 2.0], 1000)
+    found = histogram(values, 1.0, [0.0, 1.0, 2.0])
+    assert found.density.tolist() == [0.25, 0.75]
+    assert found.standard_error == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_constant_fills_one_bin() -> None:
+    found = histogram(np.full(1000, 7.0), 1.0, 4)
+    assert found.edges[0] == 7.0
+    assert found.density[0] * np.diff(found.edges)[0] == 1.0
+
+
+@pytest.mark.parametrize("edges", [[1.0], [0.0, 0.0], [1.0, 0.0], [[0.0, 1.0]]])
+def test_edges_must_rise(edges: list[float]) -> None:
+    with pytest.raises(ValueError, match="must rise"):
+        histogram(white(1000, 1), 1.0, edges)
+
+
+def test_a_short_record_is_refused_with_its_histogram() -> None:
+    with pytest.raises(RecordTooShort) as refused:
+        histogram(memory(1000, 1), 1.0, EDGES)
+    assert isinstance(refused.value.estimate, Histogram)
+    assert refused.value.estimate.density.size == 24
+
+
+# Kolmogorov distances: by the definition, their tails, and samples of any size.
+def uniform(count: int, name: str) -> np.ndarray:
+    return np.random.default_rng(seed_of(f"kolmogorov/{name}")).random(count)
+
+
+def naive_distance(values: np.ndarray) -> float:
+    places = np.linspace(0.0, 1.0, 20_001)
+    return float(np.max(np.abs((values[:, None] <= places).mean(axis=0) - places)))
+
+
+def test_the_distance_is_the_largest_difference() -> None:
+    values = uniform(50, "few")
+    assert sample_distance(values, values) == pytest.approx(naive_distance(values), abs=1e-4)
+
+
+def test_the_tail_is_that_of_the_exact_law() -> None:
+    from scipy.stats import kstwo
+
+    for count, distance in ((10, 0.6), (40, 0.3), (900, 0.06)):
+        assert distance_tail(distance, count) == pytest.approx(float(kstwo.sf(distance, count)), rel=1e-3)
+    assert distance_tail(0.02, 10_000) == pytest.approx(float(kstwo.sf(0.02, 10_000)), rel=0.05)
+    assert distance_tail(0.0, 10) == distance_tail(0.0, 10_000) == 1.0
+    assert distance_tail(2.0, 10) == 0.0
+
+
+def test_a_law_is_accepted_and_another_rejected() -> None:
+    values = np.random.default_rng(seed_of("kolmogorov/normal")).standard_normal(5000)
+    right = kolmogorov_figure("x", sample_distance(values, ndtr(values)), 5000)
+    wrong = kolmogorov_figure("x", sample_distance(values, ndtr(values - 0.2)), 5000)
+    assert abs(right.z or 0.0) <= 4.0
+    assert (wrong.z or 0.0) > 5.0
+
+
+def test_scores_of_right_samples_are_unit_normals() -> None:
+    figures = [
+        kolmogorov_figure("x", sample_distance(u, u), 2000) for u in uniform(400 * 2000, "many").reshape(400, -1)
+    ]
+    scores = np.array([figure.z for figure in figures])
+    plain = [(figure.observed - (figure.expected or 0.0)) / (figure.standard_error or 1.0) for figure in figures]
+    assert abs(scores.mean()) <= 4.0 / 20.0
+    assert abs(scores.std() - 1.0) <= 4.0 / np.sqrt(2.0 * 400)
+    assert abs(float(np.mean(plain))) <= 4.0 / 20.0
+
+
+def test_few_values_are_never_called_too_good() -> None:
+    even = (np.arange(20) + 0.5) / 20
+    assert kolmogorov_figure("x", sample_distance(even, even), 20).z == 0.0
+
+
+def test_small_distances_of_a_law_with_an_atom_are_never_called_too_good() -> None:
+    """Of mostly one value the distance is that of a few: it says nothing, and a large one still does."""
+    values = np.maximum(uniform(20_000, "atom") - 0.9, 0.0)
+    distance = sample_distance(values, values + 0.9, atom=0.9)
+    assert (kolmogorov_figure("x", distance, 20_000).z or 0.0) < -2.0
+    assert kolmogorov_figure("x", distance, 20_000, 0.9).z == 0.0
+    assert (kolmogorov_figure("x", 0.02, 20_000, 0.9).z or 0.0) > 5.0
+
+
+@pytest.mark.parametrize("pieces", [1, 9])
+def test_counts_in_bins_give_the_distance(pieces: int) -> None:
+    values = uniform(30_000, "bins")
+    sample = UniformSample()
+    for piece in np.array_split(values, pieces):
+        sample.add(piece)
+    assert sample.count == 30_000
+    assert sample.distance() <= sample_distance(values, values)
+    assert sample.distance() == pytest.approx(sample_distance(values, values), abs=1e-4)
+
+
+def test_counts_take_the_ends() -> None:
+    sample = UniformSample()
+    sample.add(np.array([0.0, 1.0]))
+    assert sample.distance() == pytest.approx(0.5, abs=1e-5)
+
+
+def test_an_atom_at_zero_is_compared_as_one() -> None:
+    generator = np.random.default_rng(seed_of("kolmogorov/atom"))
+    values = np.maximum(generator.random(4000) - 0.3, 0.0)
+    heights = values + 0.3
+    assert sample_distance(values, heights, atom=0.3) * 4000**0.5 < 2.2
+    assert sample_distance(values[values > 0.0], heights[values > 0.0], atom=0.3) >= 0.3
+    assert sample_distance(np.zeros(10), np.full(10, 0.3), atom=0.3) == pytest.approx(0.7)

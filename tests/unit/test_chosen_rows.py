@@ -1,0 +1,390 @@
+"""Rows of a result that are asked for: conditions, order, and how much of the file is read."""
+
+import operator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+import rubnoise
+from rubnoise.analysis import selection
+from rubnoise.analysis.selection import gather, select
+from rubnoise.analysis.where import DEEPEST, LONGEST, ConditionRefused, condition
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.schema import JUNCTIONS
+from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose
+from tests.format.runs import Compression, describe, random_rows, write_run
+
+# Which rows are chosen, in which order, and how much is read for it.
+ROWS = 1000
+CHUNK = 64
+
+
+@pytest.fixture(scope="module", params=["none", "gzip"])
+def path(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """A file of many panels, with many equal diameters and a row whose diameter is no number."""
+    compression: Compression = request.param
+    description = describe(ROWS, 3, compression=compression)
+    rows = random_rows(description)
+    diameter = np.random.default_rng(7).integers(1, 9, size=ROWS).astype(float)
+    diameter[500] = np.nan
+    rows["junctions"] |= {"diameter": diameter, "junction": np.arange(ROWS)}
+    path = tmp_path_factory.mktemp("selection") / "x.h5"
+    write_run(path, description, rows)
+    return path
+
+
+@pytest.fixture
+def file(path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[RunFile]:
+    """That file, opened."""
+    monkeypatch.setattr(selection, "CHUNK_ROWS", CHUNK)
+    monkeypatch.setattr(selection, "NEAR", 5)
+    with open_run(path) as opened:
+        yield opened
+
+
+def _expected(file: RunFile, chosen: NDArray[Any], *, descending: bool) -> NDArray[Any]:
+    """Return the chosen rows in order of diameter, those of equal ones in order of birth, NaN last."""
+    diameter = file.column("junctions", "diameter")[chosen]
+    return chosen[np.lexsort((chosen, -diameter if descending else diameter))]
+
+
+@pytest.mark.parametrize("descending", [False, True])
+@pytest.mark.parametrize("text", [None, "diameter >= 4", "birth_distance > 0", "diameter > 99"])
+def test_rows_come_in_a_stable_order(file: RunFile, text: str | None, *, descending: bool) -> None:
+    where = None if text is None else condition(text)
+    columns = {name: file.column("junctions", name) for name in file.columns["junctions"]}
+    chosen = np.arange(ROWS) if where is None else np.flatnonzero(where.chosen(columns))
+    expected = _expected(file, chosen, descending=descending).tolist()
+    for head in (None, 0, 1, 10, 63, 64, 65, 999, 1000, 5000):
+        rows, total = select(file, where, sort="diameter", descending=descending, head=head)
+        assert total == chosen.size
+        assert rows.tolist() == expected[:head], head
+
+
+@pytest.mark.parametrize("head", [None, 7, 700])
+def test_without_a_column_the_order_is_that_of_birth(file: RunFile, head: int | None) -> None:
+    assert select(file, head=head)[0].tolist() == list(range(ROWS))[:head]
+    assert select(file, head=head, descending=True)[0].tolist() == list(range(ROWS))[::-1][:head]
+
+
+@pytest.mark.parametrize("rows", [[], [3], [999, 0, 500, 500], list(range(1000)), list(range(999, -1, -3))])
+def test_columns_are_gathered_in_the_order_of_the_rows(file: RunFile, rows: list[int]) -> None:
+    panels = list(gather(file, np.array(rows, dtype=np.int64), ["state", "junction", "birth_distance"]))
+    assert all(panel["state"].size <= CHUNK for panel in panels)
+    for name in ("state", "junction", "birth_distance"):
+        told = np.concatenate([np.zeros(0), *(panel[name] for panel in panels)])
+        assert told.tolist() == file.column("junctions", name)[rows].tolist()
+
+
+def test_only_what_is_needed_is_read_a_panel_at_a_time(file: RunFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    read, asked = RunFile.column, []
+
+    def watched(self: RunFile, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        assert stop is not None
+        asked.append((name, stop - start))
+        return read(self, group, name, start, stop)
+
+    monkeypatch.setattr(RunFile, "column", watched)
+    rows, _ = select(file, condition("diameter > 2 and not ended_early"), sort="max_area", head=4)
+    assert {name for name, _ in asked} == {"diameter", "state", "max_area"}
+    assert max(count for _, count in asked) == CHUNK
+    asked.clear()
+    next(gather(file, rows, ["birth_distance"]))
+    assert sum(count for _, count in asked) <= 4 * 6
+
+
+def test_few_rows_are_held_where_few_are_wanted(file: RunFile) -> None:
+    best = selection._Best(5, descending=False)
+    for first in range(0, ROWS, CHUNK):
+        best.add(np.arange(first, first + CHUNK), np.random.default_rng(first).random(CHUNK))
+        assert sum(map(len, best._rows)) <= 5
+
+
+def test_a_run_without_junctions_has_none_to_choose(tmp_path: Path) -> None:
+    description = describe(0, 3)
+    write_run(tmp_path / "x.h5", description, random_rows(description))
+    with open_run(tmp_path / "x.h5") as file:
+        rows, total = select(file, condition("diameter > 1"), sort="diameter", head=3)
+        assert (rows.size, total) == (0, 0)
+        assert list(gather(file, rows, ["diameter"])) == []
+
+
+# Conditions on junctions: what they choose, and what is said where they cannot be read.
+SIX_ROWS: dict[str, Any] = {
+    "junction": np.arange(6),
+    "birth_distance": np.array([-1.0, 0.5, 999.0, 1000.0, 1500.0, 2500.0]),
+    "diameter": np.array([4.0, 5.0, 6.0, 6.5, 7.0, 8.0]),
+    "life_distance": np.array([8.0, 10.0, 12.0, 6.0, 14.0, 16.0]),
+    "max_area": np.array([12.0, 19.0, 28.0, 33.0, 38.0, 50.0]),
+    "shear_strength": np.array([250.0, 250.0, 249.0, 251.0, 250.0, 250.0]),
+    "birth_time": np.array([-0.001, 0.0005, 0.999, 1.0, 1.5, 2.5]),
+    "state": np.array([1, 0, 0, 4, 0, 2], dtype=np.uint8),
+}
+
+CHOSEN = {
+    "diameter > 6": [3, 4, 5],
+    "diameter>=6": [2, 3, 4, 5],
+    "diameter > 6 um": [3, 4, 5],
+    "diameter > 0.006 mm": [3, 4, 5],
+    "diameter > 6um": [3, 4, 5],
+    "diameter>6um and complete": [4],
+    "6000 nm < diameter": [3, 4, 5],
+    "diameter == 6": [2],
+    "diameter != 6e0 µm": [0, 1, 3, 4, 5],
+    "birth_distance < -5e-1": [0],
+    "birth_distance >= 1.5 mm and (state == complete or not ended_early)": [4, 5],
+    "0 < birth_distance < 1 mm": [1, 2],
+    "birth_time <= 999 ms": [0, 1, 2],
+    "max_area > 3e-5 mm^2": [3, 4, 5],
+    "max_area > 3e-5 mm**2": [3, 4, 5],
+    "shear_strength > 0.25 GPa": [3],
+    "shear_strength > 250 N/mm^2": [3],
+    "life_distance < diameter": [3],
+    "complete": [1, 2, 4],
+    "not complete": [0, 3, 5],
+    "state != complete": [0, 3, 5],
+    "alive_at_start == state": [0],
+    "state == 4": [3],
+    "state > 1 and state < 4": [5],
+    "alive_at_start or alive_at_end": [0, 5],
+    "junction == 2 or junction == 3 and diameter > 7": [2],
+    "(junction == 2 or junction == 3) and diameter > 6": [3],
+    "not junction < 3 and not not diameter < 8": [3, 4],
+    "not(junction<3)and(diameter<7)": [3],
+    "diameter\n  > 7": [5],
+}
+
+
+@pytest.mark.parametrize("text", CHOSEN)
+def test_a_condition_chooses_its_rows(text: str) -> None:
+    assert np.flatnonzero(condition(text).chosen(SIX_ROWS)).tolist() == CHOSEN[text]
+
+
+def test_only_columns_that_are_named_are_needed() -> None:
+    assert condition("diameter > 6 and (complete or birth_time < 3 s)").columns == {"diameter", "state", "birth_time"}
+
+
+def test_a_state_is_a_bit_of_several() -> None:
+    both = {"state": np.array([1, 2, 3], dtype=np.uint8)}
+    assert condition("alive_at_start").chosen(both).tolist() == [True, False, True]
+    assert condition("state == alive_at_end").chosen(both).tolist() == [False, True, True]
+    assert condition("state == 3").chosen(both).tolist() == [False, False, True]
+
+
+REFUSED = {
+    "diametr > 6": ("no column diametr", "diametr", "did you mean diameter?"),
+    "Diameter > 6": ("no column Diameter", "Diameter", "did you mean diameter?"),
+    "diameter = 6": ('"=" is no comparison', "=", "equality is written =="),
+    "diameter => 6": ('"=>" is no comparison', "=>", "the comparisons are < <= > >= == !="),
+    "diameter <> 6": ('"<>" is no comparison', "<>", "the comparisons are < <= > >= == !="),
+    "diameter > 6 mm^2": ('"mm^2" is the unit of an area, a length is needed', "6 mm^2", "right form: 6 um"),
+    "diameter > 6 foo": (
+        'unknown unit "foo"',
+        "6 foo",
+        "a length, time, mass, force or pressure, such as um, s, kg, N, MPa",
+    ),
+    "junction > 6 um": ("junction has no unit", "6 um", "write 6"),
+    "diameter > 1,5 mm": ('"1,5" is no number', "1,5", "digits, with a dot before the decimals, as in 1234.5"),
+    "diameter > .5": ('".5" is no number', ".5", "digits on both sides of the dot: 0.5"),
+    "diameter > 6.": ('"6." is no number', "6.", "digits on both sides of the dot: 0.5"),
+    "diameter > 1e999": ("too large a number", "1e999", ""),
+    "diameter > \u22125": ('"\u2212" is not the minus sign of a number', "\u2212", "that is '-', U+002D"),
+    "diameter > nan": ("no column nan", "nan", None),
+    "diameter < 2*3": ('"*" is no part', "*", "there is no arithmetic; compare a column with a number"),
+    "max_area > 30 um\u00b2": ('"\u00b2" is no part', "\u00b2", "powers in units are written ^2"),
+    "diameter": ("diameter is compared with nothing", "diameter", "for instance: diameter > 0"),
+    "6": ("a number by itself", "6", "for instance: diameter > 6 um"),
+    "3 < 4": ("neither side is a column", "3 < 4", ""),
+    "diameter < max_area": ("diameter is in um, max_area in um^2", "diameter < max_area", ""),
+    "diameter >": ("the end stands where a column or a number is needed", "", ""),
+    "diameter > > 6": ('">" stands where a column or a number is needed', ">", ""),
+    "(diameter > 3": ("this parenthesis is not closed", "(", ""),
+    "diameter > 3)": ("no parenthesis is open here", ")", ""),
+    "()": ('")" stands where', ")", ""),
+    "diameter > 3 AND complete": ('"AND" does not belong here', "AND", "write and"),
+    "diameter > 3 complete": ('"complete" does not belong here', "complete", "conditions are joined by and, or"),
+    "NOT complete": ("no column NOT", "NOT", "write not"),
+    "diameter > 3 && complete": ('"&&" is no operator', "&&", "write and"),
+    "!complete": ('"!" is no operator', "!", "write not"),
+    "state < complete": ("states have no order", "<", "write state == complete"),
+    "diameter == complete": ("complete is a state", "diameter == complete", "write complete, or not complete"),
+    'diameter > "6"': ('""" is no part', '"', "names and states are written without quotation marks"),
+    "": ("no condition", None, "for instance: diameter > 6 um"),
+    "__import__('os')": ("no column __import__", "__import__", None),
+}
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_what_cannot_be_read_is_shown_with_a_caret(text: str) -> None:
+    message, marked, hint = REFUSED[text]
+    with pytest.raises(ConditionRefused) as refused:
+        condition(text)
+    lines = str(refused.value).splitlines()
+    assert lines[0].startswith(f"--where: error: {message}")
+    if marked is not None:
+        caret = lines[2]
+        assert lines[1] == f"    {text}"
+        start = caret.index("^")
+        assert lines[1][start : start + caret.count("^")] == marked
+    if hint is not None:
+        assert lines[-1] == (f"    {hint}" if hint else lines[2])
+
+
+def test_a_column_of_other_runs_is_told_apart_from_a_slip() -> None:
+    bare = [column for column in JUNCTIONS.columns if column.needs is None]
+    with pytest.raises(ConditionRefused, match="this run has no birth_time; it has junction, birth_distance"):
+        condition("birth_time > 1 s", bare)
+
+
+def test_length_and_depth_are_bounded() -> None:
+    longest = "diameter > 1" + " " * (LONGEST - 12)
+    deepest = "(" * DEEPEST + "complete" + ")" * DEEPEST
+    assert condition(longest).columns == {"diameter"}
+    assert condition(deepest).columns == {"state"}
+    assert condition(f"{deepest} and {deepest}").columns == {"state"}
+    for text in (f"{longest} ", f"({deepest})", "not " * (DEEPEST + 1) + "complete", "(" * LONGEST):
+        with pytest.raises(ConditionRefused, match="more than"):
+            condition(text)
+
+
+def test_what_would_steer_a_terminal_is_escaped() -> None:
+    with pytest.raises(ConditionRefused) as refused:
+        condition("diameter > 6 \x1b[31m")
+    assert "\x1b" not in str(refused.value)
+
+
+OPERATORS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq}
+COLUMNS = ("birth_distance", "diameter", "life_distance", "max_area")
+comparisons = st.tuples(
+    st.sampled_from(COLUMNS), st.sampled_from(list(OPERATORS)), st.sampled_from([-1.0, 0.5, 6.0, 12.0, 1000.0])
+)
+trees = st.recursive(
+    comparisons,
+    lambda parts: st.one_of(
+        st.tuples(st.just("not"), parts),
+        st.tuples(st.sampled_from(["and", "or"]), parts, parts),
+    ),
+    max_leaves=8,
+)
+
+
+def _text(tree: Any) -> str:
+    """Write a tree with no more parentheses than the rules of precedence ask for."""
+    if tree[0] == "not":
+        inner = _text(tree[1])
+        return f"not ({inner})" if tree[1][0] in {"and", "or"} else f"not {inner}"
+    if tree[0] == "or":
+        return f"{_text(tree[1])} or {_text(tree[2])}"
+    if tree[0] == "and":
+        sides = (f"({_text(side)})" if side[0] == "or" else _text(side) for side in tree[1:])
+        return " and ".join(sides)
+    column, sign, value = tree
+    return f"{column} {sign} {value!r}"
+
+
+def _truth(tree: Any, row: int) -> bool:
+    if tree[0] == "not":
+        return not _truth(tree[1], row)
+    if tree[0] in {"and", "or"}:
+        first, second = _truth(tree[1], row), _truth(tree[2], row)
+        return first and second if tree[0] == "and" else first or second
+    column, sign, value = tree
+    return bool(OPERATORS[sign](SIX_ROWS[column][row], value))
+
+
+@given(trees)
+def test_and_or_not_mean_what_they_mean_in_python(tree: Any) -> None:
+    chosen = condition(_text(tree)).chosen(SIX_ROWS)
+    assert chosen.tolist() == [_truth(tree, row) for row in range(6)]
+
+
+@given(st.text(max_size=60) | st.text(alphabet="()<>=! 0123456789.eandorntdiameterum*/^", max_size=60))
+def test_whatever_is_written_is_read_or_refused(text: str) -> None:
+    with suppress(ConditionRefused):
+        assert condition(text).columns <= {column.name for column in JUNCTIONS.columns}
+
+
+# Opening a result reads its structure, however long the run; asking for rows reads those rows.
+IO = Path("/proc/self/io")
+LAST_TICK = 150_000_000
+LONG_RUN = 20_000_000
+
+COUNTED_BY_LINUX = pytest.mark.skipif(not IO.exists(), reason="only Linux counts the bytes that a process reads")
+
+
+def _read(what: Callable[[], object]) -> int:
+    """Return the number of bytes that this process reads while doing something."""
+
+    def so_far() -> int:
+        return int(IO.read_text().split()[1])
+
+    cost_of_asking = -(so_far() - so_far())
+    before = so_far()
+    what()
+    return so_far() - before - cost_of_asking
+
+
+@pytest.fixture(scope="module")
+def huge(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A whole result of 11 GB as its size says; no row was ever written, so that it takes no room on the disk."""
+    path = tmp_path_factory.mktemp("huge") / "huge.h5"
+    with h5py.File(path, "w", libver=LIBRARY_VERSIONS) as file:
+        compose(file, describe(LONG_RUN, LAST_TICK + 1, slider=LAST_TICK + 1), compressed=False)
+        complete(file, {}, {}, "2026-01-02T03:04:06Z")
+    assert path.stat().st_size > 11e9
+    if path.stat().st_blocks * 512 > 1e8:
+        pytest.skip("the file system has no sparse files")
+    with rubnoise.open(path) as run:  # whatever is imported late is imported now
+        run.to_xarray(index=False)
+    return path
+
+
+@COUNTED_BY_LINUX
+def test_opening_eleven_gigabytes_reads_their_structure(huge: Path) -> None:
+    def look() -> None:
+        with rubnoise.open(huge) as run:
+            assert len(run.trace) == LAST_TICK + 1
+            assert run.trace["real_contact_area"].units == "um^2"
+
+    assert _read(look) < 500_000
+
+
+@COUNTED_BY_LINUX
+def test_rows_are_read_as_asked_for(huge: Path) -> None:
+    with rubnoise.open(huge) as run:
+        area = run.trace["real_contact_area"]
+        assert _read(lambda: area[:100]) < 100_000
+        assert _read(lambda: area[-1]) < 100_000
+        assert _read(lambda: area[:: LAST_TICK // 10]) < 1_000_000
+        assert _read(lambda: repr(run)) < 100_000
+        assert _read(lambda: run.junction(LONG_RUN - 17)) < 1_000_000
+        assert 8_000_000 <= _read(lambda: area[:1_000_000]) < 9_000_000
+
+
+@COUNTED_BY_LINUX
+def test_xarray_reads_nothing_before_it_is_asked_to(huge: Path) -> None:
+    with rubnoise.open(huge) as run:
+        # xarray loads libraries of its own when it is first asked for something.
+        float(run.trace.to_xarray(index=False)["friction_force"][:9].mean())
+        run.to_xarray(index=False)
+        run.junctions.to_xarray()["diameter"].sel(junction=0).item()
+        assert _read(lambda: run.to_xarray(index=False)) < 100_000
+        assert _read(run.junctions.to_xarray) < 100_000
+        junctions = run.junctions.to_xarray()
+        assert _read(lambda: junctions["diameter"].sel(junction=LONG_RUN - 1).item()) < 100_000
+        trace = run.trace.to_xarray(index=False)
+        assert _read(lambda: float(trace["friction_force"][1000:2000].mean())) < 200_000
+
+
+@COUNTED_BY_LINUX
+def test_a_whole_column_in_memory_would_be_noticed(huge: Path) -> None:
+    with rubnoise.open(huge) as run:
+        assert _read(lambda: np.asarray(run.junctions["state"])) >= LONG_RUN

@@ -1,0 +1,266 @@
+"""Rows of a result that others are derived from: junctions with their pulse, areas by stretches, the slider."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis.life import life_of
+from rubnoise.analysis.verification import verify
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
+from rubnoise.errors import RunFileRefused
+from rubnoise.figures.life import life_png
+from rubnoise.figures.slider import slider_figure
+from rubnoise.figures.stretch import Stretch
+from rubnoise.model import Model
+from rubnoise.record.sink import Appender
+from rubnoise.scenario import Scenario, build
+from rubnoise.simulation.block_starts import BlockStarts
+from rubnoise.simulation.kernels import Grid, Scratch, choice, deposit
+from rubnoise.simulation.kernels.fine import FINEST
+from rubnoise.simulation.state import LiveRows
+from rubnoise.storage.life_curve import life_curve, pulse_of, stored_pulse
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.schema import JUNCTION_AREA_FORMULAS
+
+# Junctions of a result have the pulse of the run, from the scenario in the file alone.
+SCENARIO = """format = 1
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 8
+[diameter]
+law = "normal"
+spread = "30 %"
+[birth]
+law = "regular"
+[pulse]
+shape = "triangle"
+[strength]
+law = "lognormal"
+mean = "250 MPa"
+spread = "40 %"
+[sliding]
+distance = "150 um"
+[output]
+tick = "0.1 um"
+"""
+
+
+@pytest.fixture(scope="module")
+def scenario(tmp_path_factory: pytest.TempPathFactory) -> rubnoise.Scenario:
+    path = tmp_path_factory.mktemp("pulse") / "triangles.toml"
+    path.write_text(SCENARIO, encoding="utf-8")
+    return rubnoise.load(path)
+
+
+@pytest.fixture(scope="module")
+def path(scenario: rubnoise.Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("pulse") / "triangles.h5"
+    rubnoise.run(scenario, path).close()
+    return path
+
+
+@pytest.fixture
+def run(path: Path) -> Iterator[rubnoise.Run]:
+    with rubnoise.open(path) as opened:
+        yield opened
+
+
+def test_the_file_has_the_formula_and_the_curve_of_its_pulse(run: rubnoise.Run) -> None:
+    assert run.attributes["junction_area_formula"] == JUNCTION_AREA_FORMULAS["triangle"]
+    curve = run.groups()["life_curve"]
+    u = np.linspace(0.0, 2.0, 1_777)
+    found = np.interp(u, curve["u"][:], curve["area_fraction"][:])
+    assert np.abs(found - TRIANGLE.area(u, 1.0)).max() < 1e-15
+    assert np.abs(found - LENS.area(u, 1.0)).max() > 0.05
+
+
+@pytest.mark.parametrize("pulse", PULSES.values(), ids=lambda pulse: pulse.shape)
+def test_the_formula_in_words_gives_the_area(pulse: Pulse) -> None:
+    formula = JUNCTION_AREA_FORMULAS[pulse.shape].removeprefix("A(s) = ").partition(" with")[0]
+    expression = formula.replace("^", "**").replace("d**2/2 acos", "d**2/2 * acos").replace("/2 sqrt", "/2 * sqrt")
+    expression = expression.replace("pi/4 d (", "pi/4 * d * (").replace("pi/4 (", "pi/4 * (")
+    names = {"acos": np.arccos, "sqrt": np.sqrt, "pi": np.pi, "d": 3.0}
+    for s in (0.5, 3.0, 4.2):
+        area = eval(expression, names | {"x": abs(3.0 - s)})  # noqa: S307  (our own formula, to see that it is one)
+        assert area == pytest.approx(float(pulse.area(s, 3.0)), rel=1e-14)
+
+
+@pytest.mark.parametrize("pulse", PULSES.values(), ids=lambda pulse: pulse.shape)
+def test_a_curve_is_that_of_its_pulse_at_every_point(pulse: Pulse) -> None:
+    curve = life_curve(pulse.shape)
+    assert np.abs(curve["area_fraction"] - pulse.area(curve["u"], 1.0)).max() < 1e-15
+
+
+def test_the_trace_is_the_sum_of_the_junctions(run: rubnoise.Run) -> None:
+    s = run.trace["distance"][:]
+    junctions = [run.junction(n) for n in range(len(run.junctions))]
+    area = sum(junction.area(s) for junction in junctions)
+    np.testing.assert_allclose(area, run.trace["real_contact_area"][:], rtol=0.0, atol=1e-9)
+    force = sum((junction.shear_strength or 0.0) * junction.area(s) for junction in junctions)
+    np.testing.assert_allclose(force, run.trace["friction_force"][:], rtol=0.0, atol=1e-6)
+
+
+def test_a_record_in_memory_has_the_same_junctions(scenario: rubnoise.Scenario, run: rubnoise.Run) -> None:
+    record = rubnoise.simulate(scenario)
+    assert record.junction(7) == run.junction(7)
+    assert record.junction(7).pulse == TRIANGLE
+
+
+def test_a_life_and_its_share_are_those_of_the_rows(path: Path) -> None:
+    with open_run(path) as file:
+        life = life_of(file, 20)
+        columns = {name: file.column("junctions", name) for name in ("birth_distance", "diameter", "shear_strength")}
+    areas = TRIANGLE.area(life.peak_distance - columns["birth_distance"], columns["diameter"])
+    forces = areas * columns["shear_strength"]
+    assert life.peak_area == pytest.approx(areas[20], rel=1e-14)
+    assert life.area_share == pytest.approx(areas[20] / areas.sum(), rel=1e-12)
+    assert life.force_share == pytest.approx(forces[20] / forces.sum(), rel=1e-12)
+    assert life.area_share != pytest.approx(life.force_share, rel=0.01)
+    quarter = 0.25 * life.diameter
+    assert life.area_at_age(quarter) == pytest.approx(0.25 * life.max_area, rel=1e-14)
+    around = life.others.total_area(np.array([life.peak_distance]))[0]
+    assert around + life.peak_area == pytest.approx(areas.sum(), rel=1e-14)
+    assert life_png(life).startswith(b"\x89PNG")
+
+
+def test_a_file_that_names_no_pulse_is_of_the_lens() -> None:
+    assert pulse_of({}) == stored_pulse("{}") == LENS
+    assert stored_pulse(json.dumps({"pulse": {"shape": "triangle"}})) == TRIANGLE
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['{"pulse": {"shape": "square"}}', '{"pulse": {"shape": ["lens"]}}', '{"pulse": 3}', "[]", "no JSON", "[" * 9999],
+)
+def test_a_pulse_that_nobody_knows_is_refused(text: str) -> None:
+    with pytest.raises(RunFileRefused, match="the scenario in the file"):
+        stored_pulse(text)
+
+
+# A few lives of few ticks among many of many: summed by stretches, to the bits of one pass over everything.
+GRID = Grid.around(0, 12_000, 1.0)
+COARSE = {100.3: 20.0, 130.7: 31.0, 3_000.2: 17.5, 9_500.9: 40.25}
+
+
+def rows() -> LiveRows:
+    """Return lives of many ticks all along, and four of few: two that meet, and two by themselves."""
+    fine = np.arange(-150.0, 11_900.0, 37.1)
+    birth = np.concatenate([fine, list(COARSE)])
+    diameter = np.concatenate([np.full(fine.size, 1.3 * FINEST), list(COARSE.values())])
+    order = np.argsort(birth)
+    return LiveRows(
+        junction=np.arange(birth.size),
+        birth=birth[order],
+        diameter=diameter[order],
+        strength=np.ones(birth.size),
+        departure=np.full(birth.size, np.inf),
+    )
+
+
+@pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
+def test_stretches_have_the_bits_of_one_pass(pulse: Pulse, monkeypatch: pytest.MonkeyPatch) -> None:
+    lives = rows()
+    weight = lives.diameter**2
+    found = deposit(pulse.shape, GRID, lives, weight, Scratch(0))
+    monkeypatch.setattr(choice, "_LONG", 1_000_000)
+    at_once = deposit(pulse.shape, GRID, lives, weight, Scratch(0))
+    assert np.array_equal(found.total, at_once.total)
+    assert np.array_equal(found.moments, at_once.moments)
+    without = lives.at(np.flatnonzero(lives.diameter > FINEST))
+    bare = deposit(pulse.shape, GRID, without, without.diameter**2, Scratch(0))
+    assert np.count_nonzero(found.total != bare.total) > 200
+
+
+def test_lives_that_meet_are_one_stretch() -> None:
+    lives = rows()
+    coarse = lives.at(np.flatnonzero(lives.diameter < FINEST))
+    assert [(some.start, some.stop) for some in choice._apart(GRID, coarse)] == [(0, 2), (2, 3), (3, 4)]
+    assert [(some.start, some.stop) for some in choice._apart(GRID, lives)] == [(0, len(lives))]
+
+
+# /slider has a number of rows of its own: nothing takes it for a copy of /trace.
+KEYS = {
+    "format": 1,
+    "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+    "strength": {"mean": "250 MPa"},
+    "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
+    "sliding": {"distance": "16 mm", "speed": "1 mm/s"},
+    "output": {"tick": "5 um"},
+}
+TICKS, FEWER = 3201, 2001
+
+
+@pytest.fixture
+def slider_scenario() -> Scenario:
+    return build(KEYS)
+
+
+def shorten(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let sliders end before the run does."""
+    append = Appender.append
+
+    def at_most(self: Appender, columns: dict[str, Any]) -> None:
+        append(self, {name: values[: FEWER - self.rows] for name, values in columns.items()})
+
+    monkeypatch.setattr(Model, "slider_rows", FEWER)
+    monkeypatch.setattr(Appender, "append", at_most)
+
+
+def test_a_slider_may_have_fewer_rows_than_there_are_ticks(
+    tmp_path: Path, slider_scenario: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = rubnoise.simulate(slider_scenario)
+    with monkeypatch.context() as patch:
+        shorten(patch)
+        short = rubnoise.simulate(slider_scenario)
+        rubnoise.run(slider_scenario, tmp_path / "x.h5").close()
+    assert (len(short.trace), len(short.slider)) == (TICKS, FEWER)
+    with rubnoise.open(tmp_path / "x.h5") as opened:
+        assert (len(opened.trace), len(opened.slider)) == (TICKS, FEWER)
+        assert opened.to_xarray()["slider"].sizes == {"time": FEWER}
+        for name in whole.slider:
+            assert np.array_equal(opened.slider[name], whole["slider"][name][:FEWER])
+            assert np.array_equal(short["slider"][name], whole["slider"][name][:FEWER])
+    with open_run(tmp_path / "x.h5") as file:
+        assert (file.extent.ticks, file.extent.slider) == (TICKS, FEWER)
+        assert Stretch.of(file).rows("slider") == (0, FEWER)
+        assert Stretch.of(file).rows("trace") == (0, TICKS)
+        assert len(slider_figure(Stretch.of(file)).axes) == 3
+
+
+def test_a_one_way_slider_of_other_rows_is_seen(
+    tmp_path: Path, slider_scenario: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patch:
+        shorten(patch)
+        rubnoise.run(slider_scenario, tmp_path / "x.h5").close()
+    with open_run(tmp_path / "x.h5") as file:
+        [wrong] = verify(file).different
+    assert (wrong.name, wrong.first.place) == ("layout", "/slider rows")
+    assert (wrong.first.found, wrong.first.expected) == (str(FEWER), str(TICKS))
+
+
+def test_a_block_begins_where_the_slider_was_last_before_it() -> None:
+    """Whatever its rows are: here two to a tick, in panels that end between blocks."""
+    places = np.array([0.0, 10.0, 20.0, 30.0])
+    starts = BlockStarts(
+        block=np.arange(4),
+        birth_distance=places,
+        first_junction=np.zeros(4, np.int64),
+        first_tick=np.zeros(4, np.int64),
+        time=np.zeros(4),
+        distance=np.zeros(4),
+        phase=np.zeros(4, np.uint8),
+        displacement=np.full(4, -1.0),
+        velocity=np.full(4, -1.0),
+    )
+    distance = np.arange(0.0, 25.0, 0.5)
+    for panel in (distance[:7], distance[7:41], distance[41:]):
+        starts.pass_slider({"distance": panel, "displacement": 2.0 * panel, "velocity": 3.0 * panel})
+    assert starts.displacement.tolist() == [-1.0, 19.0, 39.0, 49.0]
+    assert starts.velocity.tolist() == [-1.0, 28.5, 58.5, 73.5]

@@ -1,0 +1,337 @@
+"""Files below results: regular, written whole, between HDF5 and the disk, on systems that do half of what is asked."""
+
+import errno
+import io
+import os
+import socket
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import rubnoise
+from rubnoise.errors import OutputRefused, RubnoiseError, RunStopped
+from rubnoise.regular_file import NotRegular, is_folder, open_regular, open_stream, read_at_most
+from rubnoise.simulation import draws
+from rubnoise.storage import disk, writer
+from rubnoise.storage.disk import write_all
+from rubnoise.storage.output import OutputAppearedError, whole_file
+from rubnoise.storage.pages import PAGE, Overlay, Unfailing
+from rubnoise.storage.reader import open_run
+from rubnoise.sweep.journal import Entry, Journal, entries
+from tests.format.runs import Compression, attempt, describe, names, random_rows, write_run
+
+
+# Only regular files are opened, none of them is waited for, and none is read beyond what was asked.
+def _socket(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as there:
+        there.bind(str(path))
+
+
+OTHERS: dict[str, Callable[[Path], object]] = {
+    "folder": Path.mkdir,
+    "pipe": os.mkfifo,
+    "socket": _socket,
+    "device": lambda path: path.symlink_to("/dev/zero"),
+    "terminal": lambda path: path.symlink_to("/dev/tty"),
+}
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_what_is_no_regular_file_is_not_even_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str) -> None:
+    path = tmp_path / "x"
+    OTHERS[kind](path)
+    opened: list[object] = []
+    monkeypatch.setattr(os, "open", lambda name, *_: opened.append(name))
+    with pytest.raises(NotRegular) as refused:
+        open_regular(path)
+    assert (refused.value.strerror, refused.value.filename, opened) == ("is not a regular file", str(path), [])
+
+
+def test_a_pipe_that_takes_the_place_of_a_file_is_neither_waited_for_nor_kept_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    regular, pipe = tmp_path / "regular", tmp_path / "pipe"
+    regular.touch()
+    os.mkfifo(pipe)
+    about = regular.stat()
+    monkeypatch.setattr(Path, "stat", lambda _path: about)
+    free = os.dup(0)
+    os.close(free)
+    with pytest.raises(NotRegular):
+        open_regular(pipe)
+    after = os.dup(0)
+    os.close(after)
+    assert after == free
+
+
+def test_no_more_is_read_than_asked(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(b"0123456789")
+    assert [read_at_most(path, count) for count in (0, 4, 10, 11)] == [b"", b"0123", b"0123456789", b"0123456789"]
+    with open_stream(path) as stream:
+        assert stream.read() == b"0123456789"
+
+
+def test_a_file_without_an_end_is_read_as_far_as_asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "x").touch()
+    monkeypatch.setattr(os, "read", lambda _descriptor, count: b"x" * min(count, 7))
+    assert read_at_most(tmp_path / "x", 100) == b"x" * 100
+
+
+def test_a_file_that_would_be_waited_for_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def waiting(_descriptor: int, _count: int) -> bytes:
+        raise BlockingIOError
+
+    (tmp_path / "x").touch()
+    monkeypatch.setattr(os, "read", waiting)
+    with pytest.raises(NotRegular):
+        read_at_most(tmp_path / "x", 100)
+
+
+def test_a_name_that_no_file_can_have_is_told_as_the_system_would() -> None:
+    with pytest.raises(OSError, match="embedded null byte"):
+        open_regular("a\0b")
+
+
+def test_a_folder_that_may_not_be_looked_at_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert is_folder(tmp_path)
+    assert not is_folder(tmp_path / "x")
+
+    def closed(_path: Path) -> bool:
+        raise PermissionError
+
+    monkeypatch.setattr(Path, "is_dir", closed)
+    assert not is_folder(tmp_path)
+
+
+# Files that are written whole or not at all.
+def test_a_file_gets_its_name_when_it_is_whole(tmp_path: Path) -> None:
+    with whole_file(tmp_path / "a", force=False) as part:
+        part.write_bytes(b"half")
+        assert not (tmp_path / "a").exists()
+        part.write_bytes(b"whole")
+    assert (tmp_path / "a").read_bytes() == b"whole"
+    assert names(tmp_path) == ["a"]
+
+
+def _fail(path: Path, problem: BaseException) -> None:
+    with whole_file(path, force=True) as part:
+        part.write_bytes(b"half")
+        raise problem
+
+
+@pytest.mark.parametrize("problem", [KeyboardInterrupt(), ValueError("x")])
+def test_what_stops_the_writing_leaves_what_was_there(tmp_path: Path, problem: BaseException) -> None:
+    (tmp_path / "a").write_bytes(b"precious")
+    with pytest.raises(type(problem)):
+        _fail(tmp_path / "a", problem)
+    assert (tmp_path / "a").read_bytes() == b"precious"
+    assert names(tmp_path) == ["a"]
+
+
+def test_a_full_disk_is_told(tmp_path: Path) -> None:
+    with pytest.raises(RubnoiseError, match="a: writing failed: No space left on device"):
+        _fail(tmp_path / "a", OSError(errno.ENOSPC, "No space left on device"))
+    assert names(tmp_path) == []
+
+
+def test_nothing_is_begun_where_a_file_is(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"precious")
+    with pytest.raises(OutputRefused, match="exists already"), whole_file(tmp_path / "a", force=False):
+        raise AssertionError
+    assert (tmp_path / "a").read_bytes() == b"precious"
+
+
+def _write_beside_another(path: Path) -> None:
+    with whole_file(path, force=False) as part:
+        part.write_bytes(b"ours")
+        path.write_bytes(b"theirs")
+
+
+def test_a_file_that_appears_meanwhile_stays_beside_the_part(tmp_path: Path) -> None:
+    with pytest.raises(OutputAppearedError):
+        _write_beside_another(tmp_path / "a")
+    assert (tmp_path / "a").read_bytes() == b"theirs"
+    assert (tmp_path / "a.part").read_bytes() == b"ours"
+
+
+# Files between HDF5 and the disk behave as files, and keep what goes wrong until it is asked for.
+offsets = st.integers(0, 3 * PAGE)
+changes = st.lists(st.tuples(offsets, st.binary(min_size=1, max_size=PAGE + 7)), max_size=8)
+
+
+@given(beneath=st.binary(max_size=2 * PAGE + 5), changes=changes, size=offsets)
+def test_overlay_reads_as_the_changed_file_and_commits_to_it(
+    beneath: bytes, changes: list[tuple[int, bytes]], size: int
+) -> None:
+    expected = io.BytesIO(beneath)
+    with TemporaryFile() as disk:
+        disk.write(beneath)
+        disk.flush()
+        overlay = Overlay(disk.fileno())
+        for file in (expected, overlay):
+            for offset, data in changes:
+                file.seek(offset)
+                file.write(data)
+        overlay.seek(0)
+        assert overlay.read(overlay.size) == expected.getvalue()
+        assert os.pread(disk.fileno(), 4 * PAGE, 0) == beneath
+        overlay.truncate(size)
+        overlay.commit(disk.fileno())
+        assert os.pread(disk.fileno(), 8 * PAGE, 0) == expected.getvalue()[:size].ljust(size, b"\0")
+
+
+def test_overlay_of_nothing_costs_only_what_is_written() -> None:
+    overlay = Overlay()
+    overlay.truncate(10**15)
+    overlay.seek(10**14)
+    overlay.write(b"far")
+    overlay.seek(-3, os.SEEK_CUR)
+    assert overlay.read(3) == b"far"
+    assert overlay.seek(0, os.SEEK_END) == overlay.size == 10**15
+    assert len(overlay._pages) == 1
+
+
+def test_unfailing_is_the_file_on_disk(tmp_path: Path) -> None:
+    with (tmp_path / "file").open("w+b") as disk:
+        file = Unfailing(disk.fileno())
+        file.write(b"0123456789")
+        file.seek(4)
+        file.write(b"xy")
+        file.seek(2)
+        assert file.read(12) == b"23xy6789\0\0\0\0"
+        file.truncate(8)
+        file.raise_first_error()
+    assert (tmp_path / "file").read_bytes() == b"0123xy67"
+
+
+def test_unfailing_keeps_the_first_failure(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    with (tmp_path / "file").open("rb") as disk:
+        file = Unfailing(disk.fileno())
+        assert file.write(b"abc") == 3
+        assert file.write(b"def") == 3
+        assert file.tell() == 6
+        with pytest.raises(OSError, match="Bad file descriptor"):
+            file.raise_first_error()
+    assert (tmp_path / "file").read_bytes() == b""
+
+
+def test_short_writes_are_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = os.pwrite
+    monkeypatch.setattr(os, "pwrite", lambda descriptor, data, offset: whole(descriptor, data[:3], offset))
+    with (tmp_path / "file").open("w+b") as disk:
+        write_all(disk.fileno(), memoryview(b"0123456789"), 2)
+    assert (tmp_path / "file").read_bytes() == b"\0\x000123456789"
+
+
+# A system that reads or writes less than it was asked for, as it may, changes no byte of what is read or written.
+CONTENT = bytes(range(256)) * 40
+SCENARIO = {
+    "format": 1,
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20},
+    "sliding": {"distance": 300.0, "speed": 1000.0},
+    "strength": {"mean": 250.0},
+    "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05},
+    "output": {"tick": 1.0},
+}
+
+Shorten = Callable[[int], int]
+
+
+def one_less(size: int) -> int:
+    return max(size - 1, 1)
+
+
+def half(size: int) -> int:
+    return max(size // 2, 1)
+
+
+@pytest.fixture(params=[one_less, half])
+def short(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Shorten:
+    """Let every call of the system read and write less than it was asked for."""
+    less: Shorten = request.param
+    pread, preadv, pwrite, write = os.pread, os.preadv, os.pwrite, os.write
+
+    def short_preadv(descriptor: int, targets: Sequence[Any], offset: int) -> int:
+        view = memoryview(targets[0]).cast("B")
+        return preadv(descriptor, [view[: less(len(view))]], offset)
+
+    monkeypatch.setattr(os, "pread", lambda descriptor, size, offset: pread(descriptor, less(size), offset))
+    monkeypatch.setattr(os, "preadv", short_preadv)
+    monkeypatch.setattr(os, "pwrite", lambda descriptor, data, at: pwrite(descriptor, data[: less(len(data))], at))
+    monkeypatch.setattr(os, "write", lambda descriptor, data: write(descriptor, data[: less(len(data))]))
+    return less
+
+
+def test_all_is_read_and_written(tmp_path: Path, short: Shorten) -> None:
+    with (tmp_path / "file").open("w+b") as file:
+        disk.write_all(file.fileno(), memoryview(CONTENT), 3)
+        assert disk.read(file.fileno(), len(CONTENT), 3) == CONTENT
+        assert disk.read(file.fileno(), 10**5, 3) == CONTENT
+        assert disk.read(file.fileno(), 10, 10**5) == b""
+        disk.append_all(file.fileno(), memoryview(b"0123456789"))
+        assert disk.read(file.fileno(), 13, 0) == b"0123456789" + CONTENT[7:10]
+
+
+@pytest.mark.parametrize("compression", ["none", "gzip"])
+def test_a_result_is_the_same_file(tmp_path: Path, short: Shorten, compression: Compression) -> None:
+    description = describe(700, 900, compression=compression)
+    write_run(tmp_path / "short.h5", description, random_rows(description), borders=(3, 500))
+    with open_run(tmp_path / "short.h5") as run:
+        assert run.damaged() == ()
+        assert run.attributes["title"] == description.title
+        rows = random_rows(description)
+        assert all(
+            run.column(group, name).tobytes() == values.tobytes()
+            for group, columns in rows.items()
+            for name, values in columns.items()
+        )
+
+
+def test_a_run_that_was_stopped_goes_on_to_the_same_bits(
+    tmp_path: Path, short: Shorten, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    scenario = rubnoise.build(SCENARIO | {"sliding": {"distance": 3000.0, "speed": 1000.0}})
+
+    def stop(distance: float, born: int, live: int) -> None:
+        del born, live
+        if distance > 1000.0:
+            raise RunStopped(15)
+
+    with pytest.raises(RunStopped):
+        rubnoise.run(scenario, tmp_path / "x.h5", watch=stop)
+    assert names(tmp_path) == ["x.h5.part", "x.h5.part.journal"]
+    with rubnoise.run(scenario, tmp_path / "x.h5") as one, rubnoise.run(scenario, tmp_path / "y.h5") as other:
+        assert one._file.damaged() == other._file.damaged() == ()
+        for name, group in one.groups().items():
+            assert [group[each][:].tobytes() for each in group] == [
+                other.groups()[name][each][:].tobytes() for each in group
+            ]
+
+
+def test_the_journal_of_a_sweep_has_whole_lines(tmp_path: Path, short: Shorten) -> None:
+    told = [Entry(run_id=f"{n:016x}", state="failed", reason="no room " * n) for n in range(20)]
+    for some in (told[:7], told[7:]):
+        with Journal(tmp_path / "j") as journal:
+            journal.add(*some)
+    assert list(entries(tmp_path / "j")) == told
+
+
+def test_a_system_that_writes_nothing_is_not_asked_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "pwrite", lambda *_: 0)
+    monkeypatch.setattr(os, "write", lambda *_: 0)
+    with (tmp_path / "file").open("w+b") as file:
+        with pytest.raises(OSError, match=os.strerror(errno.EIO)):
+            disk.write_all(file.fileno(), memoryview(b"x"), 0)
+        with pytest.raises(OSError, match=os.strerror(errno.EIO)):
+            disk.append_all(file.fileno(), memoryview(b"x"))
+    with pytest.raises(RubnoiseError, match="cannot be written: Input/output error"):
+        attempt(tmp_path / "x.h5")

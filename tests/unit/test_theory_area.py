@@ -1,0 +1,317 @@
+"""Exact moments of area and count."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from math import factorial, log, pi, sqrt
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.laws import Fixed, Law, Lognormal, Normal, Weibull
+from rubnoise.contact.pulses import LENS, TRIANGLE
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.theory.campbell import area_cumulants, force_cumulants
+from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.exact import exact
+from rubnoise.theory.inversion import area_tails
+from rubnoise.theory.live_area import live_area
+from rubnoise.theory.occupancy import (
+    count_covariance,
+    count_from_empty,
+    expected_births,
+    expected_junction_rows,
+    length_biased_mean_diameter,
+    mean_count,
+    mean_count_error,
+    zero_share,
+)
+from rubnoise.theory.spectrum import spectral_density
+from tests.unit.theory_models import excess, model_of, one_size, paper_model
+from tests.verification.seeds import seed_of
+
+
+@pytest.mark.parametrize("mean_count", [0.01, 1.0, 20.0, 5000.0])
+def test_relative_spread_of_equal_sizes_falls_as_the_root_of_their_number(mean_count: float) -> None:
+    area = area_cumulants(paper_model(mean_count=mean_count, spread=0.0))
+    assert area.std / area.mean == pytest.approx(1.5 * sqrt((2.0 * pi / 3.0 - 64.0 / 45.0) / mean_count), rel=1e-13)
+
+
+def test_cumulants_are_those_of_the_characteristic_function() -> None:
+    """log E[exp(th A)] = lam int (exp(th A(s)) - 1) ds, differentiated numerically at 0, is an independent route."""
+    model = one_size()
+
+    def log_characteristic(theta: mpmath.mpf) -> mpmath.mpf:
+        def integrand(angle: mpmath.mpf) -> mpmath.mpf:
+            area = mpmath.mpf(5.53) ** 2 * (angle - mpmath.sin(angle) * mpmath.cos(angle)) / 2
+            return (mpmath.exp(theta * area) - 1) * 5.53 * mpmath.sin(angle)
+
+        return 2 * model.birth_rate * mpmath.quad(integrand, [0, mpmath.pi / 2])
+
+    with mpmath.workdps(40):
+        expected = [float(mpmath.diff(log_characteristic, 0, n, h=mpmath.mpf("1e-6"))) for n in range(1, 5)]
+    np.testing.assert_allclose(area_cumulants(model).values[:4], expected, rtol=1e-9)
+
+
+def test_triangles_have_the_cumulants_of_a_uniform_area() -> None:
+    """The area of a live triangle is uniform up to pi d^2/4: lam 2 d / (n + 1) times its largest to the power n."""
+    model = replace(one_size(), pulse=TRIANGLE)
+    largest = pi / 4.0 * 5.53**2
+    expected = [20.0 * largest**n / (n + 1) for n in range(1, 7)]
+    np.testing.assert_allclose(area_cumulants(model).values, expected, rtol=1e-13)
+    assert area_cumulants(model).std / area_cumulants(model).mean == pytest.approx(2.0 / sqrt(60.0), rel=1e-13)
+
+
+def test_twice_the_births_double_every_cumulant() -> None:
+    rare, often = one_size(), one_size()
+    often = replace(often, births=replace(often.births, mean_spacing=0.5 * rare.births.mean_spacing))
+    np.testing.assert_allclose(area_cumulants(often).values, 2.0 * np.array(area_cumulants(rare).values), rtol=1e-15)
+
+
+def test_force_is_strength_times_area() -> None:
+    model = replace(paper_model(), strengths=Fixed(value=3.0))
+    area, force = area_cumulants(model), force_cumulants(model)
+    np.testing.assert_allclose(force.values, [k * 3.0**n for n, k in enumerate(area.values, start=1)], rtol=1e-15)
+    assert force.skewness == pytest.approx(area.skewness, rel=1e-14)
+    assert force.variance == pytest.approx(9.0 * area.std**2, rel=1e-14)
+
+
+def test_unequal_strengths_bring_their_own_moments() -> None:
+    """A Weibull law as wide as its mean is exponential, and has n! times the mean to the power n for moments."""
+    model = replace(paper_model(), strengths=Weibull(mean=3.0, std=3.0))
+    area, force = area_cumulants(model), force_cumulants(model)
+    expected = [k * factorial(n) * 3.0**n for n, k in enumerate(area.values, start=1)]
+    np.testing.assert_allclose(force.values, expected, rtol=1e-14)
+
+
+def test_force_without_a_strength_is_refused() -> None:
+    with pytest.raises(Refused, match="strength"):
+        force_cumulants(replace(paper_model(), strengths=None))
+
+
+def test_everything_at_once() -> None:
+    found = exact(paper_model())
+    assert found.area.mean == pytest.approx(204.6736, abs=5e-5)
+    assert found.area.std == pytest.approx(56.42936, abs=5e-6)
+    assert found.count_std**2 == pytest.approx(20.0, rel=1e-12)
+    assert found.count_variance == found.count_mean
+    assert found.mean_diameter == pytest.approx(5.53, abs=5e-4)
+    assert found.length_biased_mean_diameter > 5.53
+    assert found.expected_junction_rows > found.expected_births
+    assert found.force is not None
+    assert found.force.mean == pytest.approx(51_168.4, abs=0.05)
+    assert found.slider is not None
+    assert found.slider.one_way_validity == pytest.approx(47.24, abs=5e-3)
+
+
+def test_what_is_asked_at_points_is_that_of_the_theory() -> None:
+    model = paper_model()
+    found = exact(model)
+    points = np.array([[0.0, 0.1], [1.0, 30.0]])
+    np.testing.assert_array_equal(found.spectral_density(points), spectral_density(model, points))
+    np.testing.assert_array_equal(found.autocovariance(points), autocovariance(model, points))
+    assert found.autocovariance(0.0) == pytest.approx(found.area.variance, rel=1e-12)
+    law = found.distribution()
+    assert law.cdf(found.area.mean) == pytest.approx(0.52, abs=0.02)
+    assert law.atom_at_zero == pytest.approx(np.exp(-found.count_mean), rel=1e-9)
+
+
+def test_regular_births_have_another_count() -> None:
+    found = exact(replace(paper_model(slider=None), births=RegularBirths(mean_spacing=0.5530012551)))
+    assert found.count_mean == pytest.approx(20.0, rel=1e-7)
+    assert found.count_variance < 1.0
+
+
+def test_no_force_without_a_strength_and_no_motion_without_a_slider() -> None:
+    found = exact(replace(paper_model(), strengths=None, slider=None))
+    assert found.force is None
+    assert found.slider is None
+
+
+@pytest.mark.parametrize("slow", ["scipy.signal", "scipy.stats", "simpy", "h5py"])
+def test_the_theory_imports_nothing_slow_or_foreign(slow: str) -> None:
+    code = f"import sys, rubnoise.theory.exact, rubnoise.theory.motion_errors; sys.exit({slow!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+LAWS = [Fixed(value=2.0), Normal(centre=2.0, std=0.4), Lognormal(mean=2.0, std=1.0)]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=["one size", "normal", "lognormal"])
+@pytest.mark.parametrize("count", [0.3, 20.0, 800.0])
+@pytest.mark.parametrize("nats", [2.0, 8.0, 15.0])
+def test_bounds_hold_and_are_near(law: Law, count: float, nats: float) -> None:
+    """Near, that is, but for the lognormal, whose tail is heavier than any exponential."""
+    model = model_of(law, law.moment(1), count)
+    tails, found = area_tails(live_area(law, LENS), count), distribution(model)
+    above = -log(1.0 - float(found.cdf(tails.upper(nats))))
+    assert nats < above < nats + (100.0 if isinstance(law, Lognormal) else 6.0)
+    assert tails.nats_above(tails.upper(nats)) == pytest.approx(nats, abs=0.05)
+    lower = tails.lower(nats)
+    if count < nats:
+        assert lower == 0.0
+    elif lower > 0.0:
+        assert nats < -log(float(found.cdf(lower))) < nats + 6.0
+
+
+def test_furthest_area_is_all_but_out_of_reach() -> None:
+    live = live_area(Lognormal(mean=2.0, std=1.0), LENS)
+    few, many = area_tails(live, 1.0).furthest, area_tails(live, 1e6).furthest
+    assert 0.0 < few < many < live.largest
+    assert float(live.cdf(few)) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_nothing_is_beyond_the_largest_area_of_a_lone_junction() -> None:
+    tails = area_tails(live_area(Fixed(value=2.0), LENS), 1e-3)
+    assert np.pi < tails.upper(log(1e4)) < 2.0 * np.pi
+
+
+Doubles = NDArray[np.float64]
+
+WIDE = model_of(Normal(centre=2.0, std=3.0), 2.0)
+
+
+def dense(model: Model, function: Callable[[Doubles], Doubles]) -> float:
+    """Return E[g(d)] by the trapezium rule on 400 001 points."""
+    d = np.linspace(*model.sizes.support, 400_001)
+    return np.trapezoid(function(d) * model.sizes.density(d), d)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.3, 4.0, 11.0, 30.0])
+def test_covariance_is_the_life_that_is_left(lag: float) -> None:
+    expected = WIDE.birth_rate * dense(WIDE, lambda d: np.maximum(2.0 * d - lag, 0.0))
+    assert count_covariance(WIDE, lag) == pytest.approx(expected, rel=1e-8, abs=1e-9)
+    assert count_covariance(WIDE, -lag) == count_covariance(WIDE, lag)
+
+
+def test_covariance_of_one_size_falls_in_a_straight_line_to_zero() -> None:
+    np.testing.assert_allclose(
+        count_covariance(one_size(), [0.0, 5.53, 11.06, 50.0]), [20.0, 10.0, 0.0, 0.0], atol=1e-12
+    )
+
+
+def test_spread_makes_more_junctions_alive_than_asked_for() -> None:
+    at_turning = model_of(Normal(centre=1.0, std=1.0), 1.0)
+    assert mean_count(at_turning) / 20.0 == pytest.approx(1.288, abs=5e-4)
+    assert mean_count(one_size()) == pytest.approx(20.0, rel=1e-15)
+
+
+def test_length_bias_is_the_law_weighted_by_life() -> None:
+    expected = dense(WIDE, np.square) / dense(WIDE, lambda d: d)
+    assert length_biased_mean_diameter(WIDE) == pytest.approx(expected, rel=1e-9)
+
+
+def test_an_empty_start_fills_in_one_longest_life() -> None:
+    distances = np.array([0.0, 0.5, 3.0, 20.0, 2.0 * WIDE.sizes.support[1], 1e6])
+    expected = [WIDE.birth_rate * dense(WIDE, lambda d, s=s: np.minimum(s, 2.0 * d)) for s in distances]
+    found = count_from_empty(WIDE, distances)
+    np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-12)
+    assert found[-1] == pytest.approx(mean_count(WIDE), rel=1e-12)
+
+
+def test_expected_rows_count_those_alive_at_a_stationary_start() -> None:
+    model = paper_model()
+    assert expected_births(model) == pytest.approx(40_000.0 / 0.55300126, rel=1e-7)
+    assert expected_junction_rows(model) - expected_births(model) == pytest.approx(20.0, rel=1e-9)
+    assert expected_junction_rows(replace(model, start="empty")) == expected_births(model)
+
+
+@pytest.mark.parametrize("distance", [3.0, 11.06, 200.0, 40_000.0])
+def test_error_of_the_mean_count_in_closed_form(distance: float) -> None:
+    life, reach = 11.06, min(distance, 11.06)
+    integral = distance * life * reach - (distance + life) * reach**2 / 2.0 + reach**3 / 3.0
+    variance = 2.0 * one_size().birth_rate * integral / distance**2
+    assert mean_count_error(one_size(), distance) == pytest.approx(np.sqrt(variance), rel=1e-12)
+
+
+def of_one_size(count: float, tick: float, ticks: int) -> Model:
+    """Return a contact of lives of 10 um."""
+    contact = model_of(Fixed(value=5.0), 5.0, count, distance=tick * (ticks - 1), tick=tick)
+    assert contact.tick_count == ticks - 1
+    return contact
+
+
+def empty_ticks(model: Model, runs: int, name: str) -> Doubles:
+    """Return the share of ticks without a junction, run by run, from births and deaths alone."""
+    generator = np.random.default_rng(seed_of(f"occupancy/{name}"))
+    life, ticks = 2.0 * model.sizes.support[1], model.tick * np.arange(model.tick_count + 1)
+    shares = []
+    for count in generator.poisson(model.birth_rate * (ticks[-1] + life), runs):
+        birth = generator.uniform(-life, ticks[-1], count)
+        death = birth + life
+        alive = np.searchsorted(np.sort(birth), ticks, "right") - np.searchsorted(np.sort(death), ticks, "right")
+        shares.append(np.mean(alive == 0))
+    return np.array(shares)
+
+
+@pytest.mark.parametrize(("count", "tick"), [(0.1, 3.0), (0.7, 0.1), (3.0, 0.5)])
+def test_the_share_without_contact_has_the_law_that_is_said(count: float, tick: float) -> None:
+    run, runs = of_one_size(count, tick, 401), 2000
+    law, shares = zero_share(run), empty_ticks(of_one_size(count, tick, 401), runs, f"zero/{count}")
+    assert abs(shares.mean() - law.expected) <= 4.0 * law.standard_error / runs**0.5
+    assert abs(excess(shares, law.standard_error)) <= 4.0
+    independent = (law.expected * (1.0 - law.expected) / 401) ** 0.5
+    assert excess(shares, independent) > 5.0
+
+
+def test_the_share_without_contact_is_the_atom_of_the_area() -> None:
+    assert zero_share(WIDE).expected == distribution(WIDE).atom_at_zero
+
+
+def test_ticks_beyond_a_life_are_empty_one_by_one() -> None:
+    p, ticks = np.exp(-0.5), 1000
+    law = zero_share(of_one_size(0.5, 11.0, ticks))
+    assert law.standard_error == pytest.approx((p * (1.0 - p) / ticks) ** 0.5, rel=1e-12)
+    assert law.skewness == pytest.approx((1.0 - 2.0 * p) / (p * (1.0 - p) * ticks) ** 0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [0.05, 1.0, 4.0])
+def test_the_skewness_of_the_share_without_contact_is_that_of_all_triples_of_ticks(count: float) -> None:
+    """The third cumulant of the sum grows by as much from tick to tick, once the first ticks are forgotten."""
+    tick, ticks = 1.0, 10**6
+    law = zero_share(of_one_size(count, tick, ticks))
+    third = third_cumulant(count, 61) - third_cumulant(count, 60)
+    assert law.skewness * (law.standard_error * ticks) ** 3 / ticks == pytest.approx(third, rel=1e-4)
+
+
+def third_cumulant(count: float, ticks: int) -> float:
+    """Return that of the number of empty ticks 1 um apart, lives of 10 um: summed over all triples."""
+    p = np.exp(-count)
+    again = p * np.exp(count * np.maximum(1.0 - 0.1 * np.arange(ticks), 0.0))
+    i, j, k = np.sort(np.indices((ticks,) * 3).reshape(3, -1), axis=0)
+    one, two = ticks * p, p * again[np.abs(np.subtract.outer(np.arange(ticks), np.arange(ticks)))].sum()
+    three = p * float(again[j - i] @ again[k - j])
+    return three - 3.0 * two * one + 2.0 * one**3
+
+
+def test_fine_ticks_have_the_skewness_of_coarser_ones() -> None:
+    fine, coarse = zero_share(of_one_size(2.0, 0.01, 10**6)), zero_share(of_one_size(2.0, 0.2, 50_000))
+    assert fine.standard_error == pytest.approx(coarse.standard_error, rel=0.01)
+    assert fine.skewness == pytest.approx(coarse.skewness, rel=0.02)
+    assert fine.skewness > 0.0 > zero_share(of_one_size(0.05, 0.01, 10**6)).skewness
+
+
+def test_a_dense_contact_is_never_without_contact() -> None:
+    crowded = zero_share(of_one_size(2000.0, 0.5, 1000))
+    assert (crowded.expected, crowded.standard_error, crowded.skewness) == (0.0, 0.0, 0.0)
+    dense = zero_share(of_one_size(40.0, 0.01, 1000))
+    assert np.isfinite([dense.standard_error, dense.skewness]).all()
+
+
+def test_the_share_without_contact_needs_births_at_random() -> None:
+    with pytest.raises(Refused, match="share of ticks without a junction is known for Poisson births alone"):
+        zero_share(replace(one_size(), births=RegularBirths(mean_spacing=0.5)))
+
+
+def test_a_dense_contact_is_never_empty_and_has_a_share_all_the_same() -> None:
+    """p = exp(-500), which to the power of 1.5 is below the smallest number."""
+    law = zero_share(of_one_size(500.0, 0.1, 1000))
+    assert law.expected == pytest.approx(np.exp(-500.0))
+    assert 0.0 < law.standard_error < 1e-100
+    assert np.isfinite(law.skewness)

@@ -1,0 +1,327 @@
+"""Regular births: exact moments and covariances."""
+
+from dataclasses import replace
+from math import isnan, pi, sqrt
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.contact.births import PoissonBirths
+from rubnoise.contact.laws import Lognormal
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE, Pulse
+from rubnoise.errors import Refused
+from rubnoise.model import Model, Slider
+from rubnoise.theory import regular_births
+from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
+from rubnoise.theory.correlation import autocovariance, force_autocovariance, unphased_covariance
+from rubnoise.theory.exact import exact
+from rubnoise.theory.lags import lag_edges, longest_life
+from rubnoise.theory.motion_errors import mean_displacement_error, mean_force_error
+from rubnoise.theory.occupancy import count_covariance, count_variance, mean_count, mean_count_error
+from rubnoise.theory.quadrature import panels
+from rubnoise.theory.regular_births import line_covariance, spectral_lines
+from rubnoise.theory.response import response
+from rubnoise.theory.sampling import mean_area_error, standard_errors, variance_of_time_mean
+from rubnoise.theory.spectrum import density_at_zero, force_spectral_density, spectral_density
+from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, drawn, regular
+from tests.verification.seeds import seed_of
+
+Doubles = NDArray[np.float64]
+
+SHAPES = pytest.mark.parametrize("pulse", list(PULSES.values()), ids=PULSES)
+
+
+@pytest.mark.parametrize("count", [2, 4, 10, 20, 50, 500])
+def test_rabinowicz_has_a_constant_area(count: int) -> None:
+    area = area_cumulants(regular(count, pulse=TRIANGLE))
+    assert area.values[1:] == (0.0,) * 5
+    assert area.mean == pytest.approx(count * pi / 8.0 * 5.53**2, rel=1e-14)
+    assert isnan(area.skewness)
+    assert isnan(area.excess_kurtosis)
+
+
+@pytest.mark.parametrize("count", [1, 3, 5, 21, 501])
+def test_an_odd_number_of_triangles_leaves_a_ripple(count: int) -> None:
+    """A triangle wave of period one spacing: std/mean = 1/(sqrt(3) N^2), its values uniform."""
+    area = area_cumulants(regular(count, pulse=TRIANGLE))
+    assert area.std / area.mean == pytest.approx(1.0 / (sqrt(3.0) * count**2), rel=1e-8)
+    assert area.skewness == pytest.approx(0.0, abs=1e-8)
+    assert area.excess_kurtosis == pytest.approx(-1.2, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("count", "pulse", "ripple"),
+    [(2.5, TRIANGLE, 0.052), (2, LENS, 0.074), (10, LENS, 0.0038), (20, LENS, 0.000996)],
+    ids=["triangle-2.5", "lens-2", "lens-10", "lens-20"],
+)
+def test_ripple_of_other_counts_and_of_the_lens(count: float, pulse: Pulse, ripple: float) -> None:
+    area = area_cumulants(regular(count, pulse=pulse))
+    assert area.std / area.mean == pytest.approx(ripple, rel=0.01)
+
+
+@SHAPES
+@pytest.mark.parametrize("count", [0.5, 2.5, 7.0])
+def test_cumulants_of_one_size_are_those_of_a_periodic_function(count: float, pulse: Pulse) -> None:
+    model = regular(count, pulse=pulse)
+    phase = (np.arange(2_000_000) + 0.5) / 2_000_000 * model.births.mean
+    area = sum(pulse.area(phase + j * model.births.mean, 5.53) for j in range(8))
+    z = area - area.mean()
+    found = area_cumulants(model)
+    m = [np.mean(z**n) for n in range(7)]
+    assert found.mean == pytest.approx(area.mean(), rel=1e-12)
+    assert found.values[1] == pytest.approx(m[2], rel=1e-9)
+    assert found.values[2] == pytest.approx(m[3], rel=1e-9, abs=1e-9 * m[2] ** 1.5)
+    assert found.values[3] == pytest.approx(m[4] - 3 * m[2] ** 2, rel=1e-9, abs=1e-9 * m[2] ** 2)
+    assert found.values[5] == pytest.approx(
+        m[6] - 15 * m[4] * m[2] - 10 * m[3] ** 2 + 30 * m[2] ** 3, rel=1e-8, abs=1e-9 * m[2] ** 3
+    )
+
+
+def scores(sample: Doubles, exact: Cumulants) -> list[float]:
+    """Return z of mean, variance and third central moment, their errors from the sample's own higher moments."""
+    z = sample - exact.mean
+    found = [
+        (z, 0.0),
+        (z**2, exact.variance),
+        (z**3, exact.values[2]),
+        (z**4, exact.values[3] + 3.0 * exact.variance**2),
+    ]
+    return [float((x.mean() - value) / (x.std() / np.sqrt(x.size))) for x, value in found]
+
+
+@SHAPES
+@pytest.mark.parametrize(("count", "spread"), [(0.5, 0.2), (2.5, 0.2), (20.0, 0.2), (3.0, 1.5), (6.0, 6.0)])
+def test_cumulants_of_many_sizes(count: float, spread: float, pulse: Pulse) -> None:
+    model = replace(regular(count, spread, pulse), strengths=None)
+    generator = np.random.default_rng(seed_of(f"regular cumulants {count} {spread} {pulse.shape}"))
+    sample = drawn(model, [0.0], 200_000, generator)[0][0]
+    assert np.abs(scores(sample, area_cumulants(model))).max() <= 4.0
+    poisson = replace(model, births=PoissonBirths(mean_spacing=model.births.mean))
+    assert abs(scores(sample, area_cumulants(poisson))[1]) > 20.0
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.2, 3.0])
+def test_cumulants_of_unequal_strengths(spread: float) -> None:
+    """With one strength only the mean strength would count; the lives differ by strength even where sizes do not."""
+    psi = Lognormal(mean=250.0, std=75.0)
+    model = replace(regular(4.0, spread, TRIANGLE), strengths=psi)
+    generator = np.random.default_rng(seed_of(f"regular strengths {spread}"))
+    sample = drawn(model, [0.0], 200_000, generator)[0][0]
+    assert np.abs(scores(sample, force_cumulants(model))).max() <= 4.0
+    scaled = Cumulants(values=tuple(250.0**n * k for n, k in enumerate(area_cumulants(model).values, start=1)))
+    assert abs(scores(sample, scaled)[1]) > 20.0
+
+
+def test_equal_strengths_scale_the_area() -> None:
+    model = regular(3.0, 0.2)
+    expected = [250.0**n * k for n, k in enumerate(area_cumulants(model).values, start=1)]
+    np.testing.assert_allclose(force_cumulants(model).values, expected, rtol=1e-12)
+
+
+@SHAPES
+def test_a_hairline_of_spread_is_one_size(pulse: Pulse) -> None:
+    equal, hairline = (area_cumulants(regular(2.5, spread, pulse)) for spread in (0.0, 5e-9))
+    np.testing.assert_allclose(hairline.values, equal.values, rtol=1e-7)
+
+
+@pytest.mark.parametrize("count", [1_000, 1_000_000])
+@pytest.mark.parametrize("law", [LogNormal(5.53, 0.036), LogNormal(5.53, 1.0), Gamma(5.53, 1.0)], ids=repr)
+def test_cumulants_grow_with_the_number_of_lives(law: LogNormal, count: int) -> None:
+    """Lives that outlast many spacings leave no ripple, and given the phase they are independent."""
+    few, many = (area_cumulants(regular(n, sizes=law)) for n in (count, 4 * count))
+    np.testing.assert_allclose(many.values, 4.0 * np.array(few.values), rtol=1e-6)
+
+
+def ripple(model: Model) -> tuple[Doubles, Doubles]:
+    """Return the mean area given the phase, about its mean, and the probabilities of the phases."""
+    places, probabilities = regular_births.phase_rule(model)
+    found = regular_births.cumulant_ripple(model, places, (1.0,) * 7)[0]
+    return found - found @ probabilities, probabilities
+
+
+@pytest.mark.parametrize("count", [150.0, 160.0, 170.0])
+@pytest.mark.parametrize("spread", [0.05, 0.4])
+def test_old_lives_may_be_left_out_of_the_ripple(count: float, spread: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = regular(count, spread)
+    windowed = ripple(model)[0]
+    monkeypatch.setattr(regular_births, "_sharp_until", lambda model: 1e9)
+    np.testing.assert_allclose(windowed, ripple(model)[0], atol=1e-12 * area_cumulants(model).mean)
+
+
+@SHAPES
+@pytest.mark.parametrize(("count", "spread"), [(0.5, 0.0), (2.5, 0.0), (20.0, 0.0), (2.5, 0.2), (20.0, 1.5)])
+def test_lines_hold_what_the_phase_tells(count: float, spread: float, pulse: Pulse) -> None:
+    model = regular(count, spread, pulse)
+    found, probabilities = ripple(model)
+    told, nothing = float(probabilities @ np.square(found)), 1e-24 * area_cumulants(model).mean ** 2
+    assert 2.0 * spectral_lines(model)[1].sum() == pytest.approx(told, rel=1e-9, abs=nothing)
+
+
+def test_moments_have_no_errors_here() -> None:
+    with pytest.raises(Refused, match="Poisson births"):
+        standard_errors(regular(2.5))
+
+
+def test_poisson_births_have_no_lines() -> None:
+    model = regular(2.5)
+    wavenumbers, power = spectral_lines(replace(model, births=PoissonBirths(mean_spacing=model.births.mean)))
+    assert wavenumbers.size == power.size == 0
+
+
+LAGS = [0.0, 0.3, 4.4, 7.0]
+CASES = pytest.mark.parametrize(("count", "spread"), [(0.5, 0.2), (2.5, 0.0), (2.5, 0.2), (20.0, 0.2), (6.0, 6.0)])
+
+
+def score(first: Doubles, second: Doubles, means: float, covariance: float, allowed: float = 1e-9) -> float:
+    """Return z of a sample covariance, a share of it allowed where all products are equal, as of 0 and 1 about 1/2."""
+    products = (first - means) * (second - means)
+    error = products.std() / np.sqrt(products.size) + allowed * abs(covariance)
+    return float((products.mean() - covariance) / error)
+
+
+@SHAPES
+@CASES
+def test_covariances_of_area_and_count(count: float, spread: float, pulse: Pulse) -> None:
+    model = replace(regular(count, spread, pulse), strengths=None)
+    generator = np.random.default_rng(seed_of(f"regular covariance {count} {spread} {pulse.shape}"))
+    area, alive = drawn(model, LAGS, 100_000, generator)
+    for row, lag in enumerate(LAGS):
+        found = float(autocovariance(model, lag)), float(count_covariance(model, lag))
+        assert abs(score(area[0], area[row], area_cumulants(model).mean, found[0])) <= 4.0
+        assert abs(score(alive[0], alive[row], mean_count(model), found[1])) <= 4.0
+
+
+@SHAPES
+@CASES
+def test_variance_is_the_covariance_at_no_lag(count: float, spread: float, pulse: Pulse) -> None:
+    model = regular(count, spread, pulse)
+    assert autocovariance(model, 0.0) == pytest.approx(area_cumulants(model).variance, rel=1e-10)
+    assert count_variance(model) == float(count_covariance(model, 0.0))
+    assert exact(model).count_std == pytest.approx(np.sqrt(count_variance(model)), rel=1e-15)
+
+
+def test_a_count_of_equal_lives_takes_two_values() -> None:
+    assert count_variance(regular(2.5)) == pytest.approx(0.25, rel=1e-12)
+    assert count_variance(regular(0.2)) == pytest.approx(0.16, rel=1e-12)
+    assert count_variance(regular(20.0)) == 0.0
+    np.testing.assert_allclose(count_covariance(regular(2.5), [2.212, 4.424]), [-0.25, 0.25], atol=1e-12)
+
+
+@pytest.mark.parametrize("spread", [0.2, 2.0])
+def test_lives_of_many_spacings_are_summed_as_lines(spread: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = regular(200.0, spread)
+    lags = np.array([0.0, 0.013, 0.05, 1.0, 5.0])
+    summed = count_covariance(model, lags)
+    monkeypatch.setattr(regular_births, "_MOST_SUMMED", 10)
+    np.testing.assert_allclose(count_covariance(model, lags), summed, atol=1e-9)
+
+
+@SHAPES
+@pytest.mark.parametrize(("count", "spread"), [(2.5, 0.2), (20.0, 0.2), (6.0, 6.0)])
+def test_continuous_spectrum_is_the_transform_of_what_the_phase_does_not_tell(
+    count: float, spread: float, pulse: Pulse
+) -> None:
+    model = regular(count, spread, pulse)
+    edges = np.union1d(lag_edges(model, longest_life(model)), np.linspace(0.0, longest_life(model), 81))
+    lags, weights = panels(edges, 20)
+    covariance = 2.0 * weights * unphased_covariance(model, lags)
+    for k in (0.0, 0.1, 0.7, 2.0, 9.0):
+        expected = float(spectral_density(model, k))
+        found = np.sum(covariance * np.cos(k * lags))
+        assert found == pytest.approx(expected, rel=1e-8, abs=1e-11 * np.abs(covariance).sum())
+    m = model.sizes.moment
+    expected = model.birth_rate * pulse.life_integral(1) ** 2 * (m(6) - m(3) ** 2)
+    assert density_at_zero(model) == pytest.approx(expected, rel=1e-9)
+
+
+def test_one_size_has_lines_alone() -> None:
+    model = regular(2.5)
+    np.testing.assert_array_equal(spectral_density(model, [0.0, 1.0, 300.0]), 0.0)
+    lags = np.array([0.2, 3.0, 900.0])
+    np.testing.assert_array_equal(autocovariance(model, lags), line_covariance(spectral_lines(model), lags))
+    np.testing.assert_allclose(autocovariance(model, lags + model.births.mean), autocovariance(model, lags), rtol=1e-9)
+
+
+def test_unequal_strengths_add_to_the_continuous_spectrum_and_not_to_the_lines() -> None:
+    psi = Lognormal(mean=250.0, std=75.0)
+    model = replace(regular(4.0), strengths=psi)
+    generator = np.random.default_rng(seed_of("regular force covariance"))
+    force, _ = drawn(model, LAGS, 100_000, generator)
+    for row, lag in enumerate(LAGS):
+        covariance = float(force_autocovariance(model, psi, lag))
+        assert abs(score(force[0], force[row], force_cumulants(model).mean, covariance)) <= 4.0
+    lags, weights = panels(np.linspace(0.0, 11.06, 41), 20)
+    unphased = 2.0 * weights * (force_autocovariance(model, psi, lags) - 250.0**2 * autocovariance(model, lags))
+    found = float(force_spectral_density(model, psi, 0.4))
+    assert np.sum(unphased * np.cos(0.4 * lags)) == pytest.approx(found, rel=1e-9)
+
+
+def records(model: Model, draws: int, generator: np.random.Generator) -> tuple[Doubles, Doubles]:
+    """Return the means of area and count over the model's ticks for records of independent phase."""
+    lags = [model.tick * i for i in range(model.tick_count + 1)]
+    area, count = drawn(model, lags, draws, generator)
+    return area.mean(axis=0), count.mean(axis=0)
+
+
+@SHAPES
+@pytest.mark.parametrize(("count", "spread"), [(0.5, 0.2), (2.5, 0.0), (2.5, 0.2), (6.0, 2.0)])
+@pytest.mark.parametrize(("tick", "ticks"), [(1.7, 12), (4.424, 9)])
+def test_error_of_a_mean_over_ticks(count: float, spread: float, pulse: Pulse, tick: float, ticks: int) -> None:
+    """Ticks of 4.424 um meet births 2.212 um apart in the same phase for ever."""
+    model = replace(regular(count, spread, pulse), tick=tick, tick_count=ticks - 1, strengths=None)
+    generator = np.random.default_rng(seed_of(f"regular ticks {count} {spread} {pulse.shape} {tick}"))
+    area, alive = records(model, 20_000, generator)
+    assert abs(score(area, area, area_cumulants(model).mean, variance_of_time_mean(model))) <= 4.0
+    assert abs(score(alive, alive, mean_count(model), mean_count_error(model) ** 2, allowed=1e-4)) <= 4.0
+
+
+def test_a_long_record_averages_lines_out_as_one_over_its_length() -> None:
+    model = regular(2.5)
+    errors = [mean_area_error(model, length) for length in (1_000.3, 100_000.3)]
+    assert errors[0] / errors[1] > 50.0
+    assert mean_area_error(regular(2.5, 0.2), 1e5) == pytest.approx(
+        np.sqrt(density_at_zero(regular(2.5, 0.2)) / 1e5), rel=1e-3
+    )
+
+
+def test_a_constant_has_no_error() -> None:
+    model = regular(4.0, pulse=TRIANGLE, slider=FIG5_SLIDER)
+    assert mean_area_error(model) == mean_force_error(model) == mean_count_error(model) == 0.0
+    assert mean_displacement_error(model, 4e4) == pytest.approx(0.0, abs=1e-12)
+
+
+def ridden(slider: Slider, force: Doubles, step: float) -> Doubles:
+    """Return the displacement under a periodic force, ticks over one period, by its Fourier series."""
+    lines = np.fft.fft(force)
+    w = 2.0 * np.pi * np.fft.fftfreq(force.size, step)
+    return np.fft.ifft(lines / (slider.stiffness - slider.mass * w**2 + 1j * slider.damping * w)).real
+
+
+@SHAPES
+@pytest.mark.parametrize("count", [0.5, 2.5, 7.0])
+@pytest.mark.parametrize("speed", [100.0, 1000.0])
+def test_slider_under_a_periodic_force(count: float, pulse: Pulse, speed: float) -> None:
+    model = replace(regular(count, pulse=pulse, slider=FIG5_SLIDER), sliding_speed=speed)
+    ticks, spacing = 2**15, model.births.mean
+    phase = (np.arange(ticks) + 0.5) / ticks * spacing
+    force = 250.0 * sum(pulse.area(phase + j * spacing, 5.53) for j in range(8))
+    displacement = ridden(FIG5_SLIDER, force, spacing / speed / ticks)
+    assert response(model).displacement_std == pytest.approx(displacement.std(), rel=1e-6)
+    assert response(model).mean_displacement == pytest.approx(displacement.mean(), rel=1e-7)
+
+
+@pytest.mark.parametrize("strengths", [None, Lognormal(mean=250.0, std=75.0)], ids=["equal", "unequal"])
+def test_slow_slider_under_sizes_and_strengths_that_differ(strengths: Lognormal | None) -> None:
+    """Over-damped and slow, Var x = int R_F(tau) exp(-k |tau| / (c V)) dtau / (2 c k V), the lines by themselves."""
+    slider = replace(FIG5_SLIDER, mass=1e-9, damping=3.0)
+    model = regular(2.5, 0.2, slider=slider)
+    model = model if strengths is None else replace(model, strengths=strengths)
+    lags, weights = panels(np.linspace(0.0, longest_life(model), 201), 16)
+    rate = slider.stiffness / (slider.damping * 1000.0)
+    square, squared_mean = model.strengths.moment(2), model.strengths.mean**2
+    unphased = unphased_covariance(model, lags, square, squared_mean)
+    expected = weights @ (unphased * np.exp(-rate * lags)) / (3.0 * 300.0 * 1000.0)
+    k, power = spectral_lines(model)
+    expected += squared_mean * np.sum(2.0 * power / (300.0**2 + (3.0 * 1000.0 * k) ** 2))
+    assert response(model).displacement_std ** 2 == pytest.approx(expected, rel=1e-6)

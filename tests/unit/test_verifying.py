@@ -1,0 +1,351 @@
+"""Verification of attributes and of folders of sweeps: every change is named."""
+
+from collections.abc import Callable
+from pathlib import Path
+from shutil import copy, copytree
+
+import h5py
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.analysis.verification import verify
+from rubnoise.api.sweeping import run_sweep
+from rubnoise.api.verify_sweep import verify_sweep
+from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.schema import HASH
+from tests.unit.sweeps import sweep_of
+from tests.unit.tampering import forget, put_seal, put_text, run_of, tell
+
+# What a result says of itself: every attribute, unit, figure and name is asked, and a change of one is named.
+Change = Callable[[Path], None]
+
+
+@pytest.fixture(scope="module")
+def original(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return run_of(tmp_path_factory.mktemp("attributes") / "x.h5", sliding={"distance": "150 um"})
+
+
+@pytest.fixture
+def result(original: Path, tmp_path: Path) -> Path:
+    return Path(copy(original, tmp_path / "x.h5"))
+
+
+def told(path: Path) -> dict[str, str]:
+    """Return the first place of each check that fails."""
+    with open_run(path) as run:
+        return {check.name: str(check.first) for check in verify(run).different}
+
+
+def edited(by: Callable[[h5py.File], object]) -> Change:
+    """Return a change by plain h5py, with the hash of all attributes put right after it."""
+
+    def change(path: Path) -> None:
+        with h5py.File(path, "r+") as file:
+            by(file)
+            put_seal(file)
+
+    return change
+
+
+def text(owner: str, name: str, value: str) -> Change:
+    return edited(lambda file: put_text(file[owner], name, value))
+
+
+def without_sizes(path: Path) -> None:
+    """Take `d` out of the formula of an area."""
+    tell(path, "/", "junction_area_formula", "A = pi u")
+
+
+CHANGES: dict[str, tuple[Change, str, str]] = {
+    "a unit": (text("junctions/diameter", "units", "mm"), "attributes", "/junctions/diameter units"),
+    "a unit of ticks": (
+        text("trace/real_contact_area", "units", "mm^2"),
+        "attributes",
+        "/trace/real_contact_area",
+    ),
+    "a long name": (text("slider/velocity", "long_name", "displacement"), "attributes", "/slider/velocity long_name"),
+    "the meaning of a flag": (text("junctions/state", "flag_meanings", "a b c"), "attributes", "/junctions/state flag"),
+    "the formula": (without_sizes, "attributes", "/ junction_area_formula"),
+    "the convention": (text("/", "Conventions", "CF-1.0"), "attributes", "/ Conventions"),
+    "a title": (text("/", "title", "another"), "", ""),  # the scenario has none: it was the name of the file
+    "an empty title": (text("/", "title", " "), "attributes", "/ title"),
+    "the program": (text("/", "source", "rubnoise 99.0"), "attributes", "/ source"),
+    "the stream version": (
+        lambda path: tell(path, "provenance", "stream_version", 0),
+        "attributes",
+        "stream",
+    ),
+    "the scenario as read": (
+        lambda path: tell(path, "provenance", "scenario_toml", "format = 1\n[run]\nseed = 8\n"),
+        "scenario",
+        "scenario_toml",
+    ),
+    "an end that is no time": (
+        lambda path: tell(path, "provenance", "finished", "2001-01-01"),
+        "attributes",
+        "/provenance finished",
+    ),
+    "a standard error": (
+        lambda path: tell(path, "summary", "real_contact_area_mean_standard_error", 1000.0),
+        "summary",
+        "/summary real_contact_area_mean_standard_error",
+    ),
+    "a standard error that is none": (
+        lambda path: tell(path, "summary", "friction_force_std_standard_error", float("nan")),
+        "summary",
+        "/summary friction_force_std_standard_error",
+    ),
+    "a figure that nobody asked for": (
+        lambda path: tell(path, "summary", "wear_rate", 1.0),
+        "summary",
+        "/summary wear_rate",
+    ),
+    "a figure that is missing": (
+        lambda path: forget(path, "summary", "displacement_std_exact"),
+        "summary",
+        "/summary displacement_std_exact",
+    ),
+    "an attribute more": (lambda path: tell(path, "trace", "note", "seen"), "attributes", "/trace note"),
+    "a column more": (
+        edited(lambda file: file["trace"].create_dataset("temperature", data=np.zeros(3))),
+        "structure",
+        "/trace/temperature",
+    ),
+    "a group more": (edited(lambda file: file.create_group("notes")), "structure", "/notes"),
+    "a link": (edited(lambda file: file.__setitem__("other", h5py.SoftLink("/trace"))), "structure", "/other"),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_change_is_named(result: Path, name: str) -> None:
+    change, check, place = CHANGES[name]
+    assert told(result) == {}
+    change(result)
+    found = told(result)
+    assert [*found] == ([check] if check else [])
+    assert place in " ".join(found.values()).replace(" attribute ", " ")
+
+
+def test_a_change_without_the_hash_put_right_is_named_by_it(result: Path) -> None:
+    tell(result, "provenance", "started", "2001-01-01T00:00:00Z", seal=False)
+    assert [*told(result)] == ["hashes"]
+    assert f"/provenance {HASH}" in told(result)["hashes"].replace(" attribute ", " ")
+
+
+def test_every_unit_counts(result: Path) -> None:
+    """Of every column, lengths in mm and others in what is no unit, as a careless program might write them."""
+    columns = 0
+    with h5py.File(result, "r+") as file:
+        for group in ("junctions", "trace", "slider", "blocks", "life_curve"):
+            for column in file[group].values():
+                unit = column.attrs["units"].decode()
+                put_text(column, "units", unit.replace("um", "mm") if "um" in unit else f"{unit}2")
+                columns += 1
+    with open_run(result) as run:
+        (check,) = verify(run).different
+    assert (check.name, check.different) == ("attributes", columns)
+
+
+def test_a_clock_that_was_set_back_is_a_note(result: Path) -> None:
+    tell(result, "provenance", "finished", "2001-01-01T00:00:00Z")
+    with open_run(result) as run:
+        found = verify(run)
+    assert found.different == []
+    assert [each.name for each in found.left_out] == ["finished"]
+
+
+# The folder of a sweep is what it says, and every change of it is named: descriptions, journals, index and runs.
+TABLE = """\
+[output]
+tick = "5 um"
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_junction_count = [10, 20]
+"""
+HEAD = """\
+format = 1
+title = "swept"
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 20
+[sliding]
+distance = "100 um"
+"""
+FolderChange = Callable[[Path], object]
+
+
+@pytest.fixture(scope="module")
+def original_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a sweep of four runs."""
+    folder = tmp_path_factory.mktemp("swept")
+    run_sweep(sweep_of(folder, TABLE, head=HEAD), folder / "d", jobs=1).close()
+    return folder / "d"
+
+
+@pytest.fixture
+def folder(original_folder: Path, tmp_path: Path) -> Path:
+    return Path(copytree(original_folder, tmp_path / "d"))
+
+
+def told_of_folder(folder: Path, regenerate: int = 0) -> dict[str, str]:
+    """Return the first place of each check that fails."""
+    return {check.name: str(check.first) for check in verify_sweep(folder, regenerate).different}
+
+
+def runs(folder: Path) -> list[Path]:
+    return sorted((folder / "runs").glob("*.h5"))
+
+
+def swap(folder: Path) -> None:
+    """Exchange the files of two runs."""
+    first, second, *_ = runs(folder)
+    other = first.with_suffix(".other")
+    first.rename(other)
+    second.rename(first)
+    other.rename(second)
+
+
+def replace(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def flip(path: Path, part: bytes) -> None:
+    """Turn the lowest bit of the byte after some bytes."""
+    raw = bytearray(path.read_bytes())
+    raw[raw.index(part) + len(part)] ^= 1
+    path.write_bytes(raw)
+
+
+def of_index(by: Callable[[h5py.File], object]) -> FolderChange:
+    def change(folder: Path) -> None:
+        with h5py.File(folder / "index.h5", "r+") as file:
+            by(file)
+
+    return change
+
+
+def another_seed(file: h5py.File) -> None:
+    file["runs/seed"][1] += 1
+
+
+def of_run(by: Callable[[h5py.File], object]) -> FolderChange:
+    def change(folder: Path) -> None:
+        with h5py.File(runs(folder)[2], "r+") as file:
+            by(file)
+
+    return change
+
+
+def another_area(file: h5py.File) -> None:
+    file["trace/real_contact_area"][3] += 1.0
+
+
+FOLDER_CHANGES: dict[str, tuple[FolderChange, str, str]] = {
+    "two runs exchanged": (swap, "names", "the result of"),
+    "a run in the place of another": (lambda d: copy(runs(d)[0], runs(d)[1]), "names", "the result of"),
+    "a run gone": (lambda d: runs(d)[0].unlink(), "journals", "missing"),
+    "a run under another name": (lambda d: runs(d)[0].rename(d / "runs" / "0.h5"), "names", "the result of"),
+    "a file more among the runs": (lambda d: (d / "runs" / "note.txt").touch(), "names", "runs/note.txt"),
+    "a value in a run": (of_run(another_area), "runs", "/trace/real_contact_area"),
+    "a unit in a run": (of_run(lambda file: put_text(file["trace/distance"], "units", "mm")), "runs", "units"),
+    "another description": (
+        lambda d: replace(d / "sweep.json", "5 um", "6 um"),
+        "manifest",
+        "the name of its scenario",
+    ),
+    "no description": (lambda d: (d / "sweep.json").unlink(), "manifest", "missing"),
+    "a description that is none": (lambda d: replace(d / "sweep.json", "{", "["), "manifest", "unreadable"),
+    "a bit of a journal": (
+        lambda d: flip(d / "journal" / "runs.jsonl", b'"real_contact_area_mean":'),
+        "journals",
+        "line",
+    ),
+    "a file more among the journals": (lambda d: (d / "journal" / "x").touch(), "journals", "journal/x"),
+    "a seed in the index": (of_index(another_seed), "index", "/runs/seed row 1"),
+    "a title in the index": (of_index(lambda file: put_text(file, "title", "other")), "index_hashes", HASH),
+    "a unit in the index": (of_index(lambda file: put_text(file["runs/seed"], "units", "um")), "index", "units"),
+    "a column more in the index": (of_index(lambda file: file["runs"].create_dataset("x", data=[1])), "index", "/runs"),
+    "no index": (lambda d: (d / "index.h5").unlink(), "index", "missing"),
+    "an index that is none": (lambda d: (d / "index.h5").write_bytes(b"none"), "index", "HDF5"),
+}
+
+
+def test_a_right_folder_is_verified(folder: Path) -> None:
+    found = verify_sweep(folder, 2)
+    assert [check.name for check in found.checks] == [
+        "manifest", "journals", "index_hashes", "index", "names", "runs",
+    ]  # fmt: skip
+    assert (found.different, found.left_out) == ([], ())
+    assert min(check.values for check in found.checks) > 0
+
+
+@pytest.mark.parametrize("name", FOLDER_CHANGES)
+def test_a_change_of_a_folder_is_named(folder: Path, name: str) -> None:
+    change, check, place = FOLDER_CHANGES[name]
+    change(folder)
+    found = told_of_folder(folder)
+    assert check in found
+    assert place in found[check]
+
+
+def test_an_unfinished_run_and_files_of_others_are_left_out_by_name(folder: Path) -> None:
+    (folder / "runs" / f"{runs(folder)[0].name}.part").touch()
+    (folder / "notes.txt").touch()
+    found = verify_sweep(folder)
+    assert found.different == []
+    assert [each.name for each in found.left_out] == [f"runs/{runs(folder)[0].name}.part", "notes.txt"]
+
+
+@pytest.mark.parametrize("other", ["empty", "file", "missing"])
+def test_what_is_not_a_sweep_folder_is_refused(tmp_path: Path, other: str) -> None:
+    path = tmp_path / other
+    path.mkdir() if other == "empty" else path.touch() if other == "file" else None
+    with pytest.raises(RunFileRefused, match=f"{other}: is not a sweep folder"):
+        verify_sweep(path)
+
+
+def test_a_sweep_without_runs_has_no_blocks_to_make_again(tmp_path: Path) -> None:
+    sweep = sweep_of(tmp_path, TABLE + "", "sweep.keep=summary", head=HEAD)
+    run_sweep(sweep, tmp_path / "d", jobs=1).close()
+    assert told_of_folder(tmp_path / "d") == {}
+    with pytest.raises(Refused, match="keeps no runs"):
+        verify_sweep(tmp_path / "d", 1)
+
+
+def test_a_run_in_the_place_of_another_is_neither_handed_out_nor_taken_for_done(folder: Path, tmp_path: Path) -> None:
+    one, other, *_ = runs(folder)
+    with h5py.File(other) as file:
+        right = file["trace/real_contact_area"][:]
+    copy(one, other)
+    with rubnoise.open_sweep(folder) as swept, pytest.raises(RunFileRefused, match="is the result of"):
+        swept.run(other.stem)
+    with run_sweep(sweep_of(tmp_path, TABLE, head=HEAD), folder, jobs=1) as again:
+        (failure,) = again.failures
+        assert (again.count("done"), failure.run_id) == (3, other.stem)
+        assert "is not the result of this run; move it away" in failure.reason
+    other.unlink()
+    run_sweep(sweep_of(tmp_path, TABLE, head=HEAD), folder, jobs=1).close()
+    assert told_of_folder(folder) == {}
+    with h5py.File(other) as file:
+        assert np.array_equal(file["trace/real_contact_area"][:], right)
+
+
+def test_of_many_strays_ten_are_named_and_the_others_counted(folder: Path) -> None:
+    for number in range(14):
+        (folder / f"stray_{number:02}").touch()
+        (folder / "runs" / f"stray_{number:02}.h5.part").touch()
+    left_out = [each.name for each in verify_sweep(folder).left_out]
+    assert [name for name in left_out if name.startswith("stray")] == [f"stray_{number:02}" for number in range(10)]
+    assert {"4 more of others", "4 more of runs/*.h5.part"} <= set(left_out)
+    assert len(left_out) == 22
+
+
+def test_a_file_that_is_none_is_named_in_a_sentence(folder: Path) -> None:
+    (run, *_) = runs(folder)
+    run.write_bytes(b"text" * 100)
+    assert told_of_folder(folder)["runs"].startswith(f"runs/{run.name} is not an HDF5 file; ")
