@@ -180,7 +180,7 @@ class Count:
         """Take in a run."""
         self.runs += 1
         if found.outside:
-            self.alarms[seed] = found.outside
+            self.alarms[seed] = list(found.outside)
         for figure in found.figures:
             if figure.z is not None:
                 name = _PLACE.sub("", figure.name)

@@ -159,7 +159,7 @@ def test_a_file_without_a_scenario_is_refused(result: Path) -> None:
     rewrite(result, lambda resolved: resolved.clear())
     answer = call("compare", "x.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "x.h5: the scenario in the file is not valid, so there are no exact values\n"
+    assert answer.err == "x.h5: the scenario in the file is not valid\n"
 
 
 @pytest.mark.parametrize(

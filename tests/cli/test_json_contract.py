@@ -12,8 +12,9 @@ from unittest.mock import patch
 
 import pytest
 
+from rubnoise.analysis.replicates import Estimate
 from rubnoise.api.playing import describe
-from rubnoise.claims.claim import Claim, Estimate, Quantity, Verdict
+from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.claims.field import FieldClaim, Known, Source
 from rubnoise.cli.claims import claim_as_json
 from rubnoise.cli.ledger import row_as_json

@@ -168,7 +168,7 @@ def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
     write_run("odd.h5", description, random_rows(description))
     answer = call("plot", "odd.h5")
     assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "odd.h5: the scenario in the file is not valid, so there are no exact values\n"
+    assert answer.err == "odd.h5: the scenario in the file is not valid\n"
     assert names(here) == ["odd.h5"]
 
 

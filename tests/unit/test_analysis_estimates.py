@@ -21,13 +21,13 @@ from rubnoise.analysis.moments import (
 )
 from rubnoise.analysis.records import (
     FEWEST_BATCHES,
-    Estimate,
     RecordTooShort,
     batch_length,
     error_of_mean,
     integrated_autocorrelation,
     longer,
 )
+from rubnoise.analysis.replicates import Estimate
 from rubnoise.model import Model
 from rubnoise.theory import correlation
 from rubnoise.theory.campbell import area_cumulants

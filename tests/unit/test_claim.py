@@ -6,7 +6,8 @@ from math import inf, log, nan
 import numpy as np
 import pytest
 
-from rubnoise.claims.claim import Estimate, Quantity, Verdict, difference, estimate, ratio, verdict_if_agreed
+from rubnoise.analysis.replicates import Estimate, difference, estimate, ratio
+from rubnoise.claims.claim import Quantity, Verdict, verdict_if_agreed
 from rubnoise.claims.exponents import exponent, exponent_of
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Source
 from rubnoise.claims.field_page import agreement, as_range

@@ -236,7 +236,8 @@ def told(part: Path, **attributes: object) -> None:
             owner = file["provenance"].attrs
             if name in owner:
                 del owner[name]
-            owner[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
+            kind = h5py.string_dtype("utf-8", max(2, len(value.encode()))) if isinstance(value, str) else None
+            owner.create(name, value, dtype=kind)
 
 
 def with_key(section: str, **keys: object) -> str:

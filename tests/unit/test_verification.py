@@ -72,7 +72,7 @@ def test_a_right_result_of_every_kind_is_verified(kept: Path, tmp_path: Path, na
     path = fresh(kept, tmp_path, name)
     found = asked(path, 3)
     assert [str(check.first) for check in found.different] == []
-    assert (found.left_out, found.remark) == ((), "")
+    assert (found.omitted, found.remark) == ((), "")
     with h5py.File(path) as file:
         groups = {group for group in file if len(file[group])} - {"life_curve", "life_table"}
     assert {check.name for check in found.checks} == ALIKE | groups
@@ -181,7 +181,7 @@ def test_a_motion_changed_by_a_hundred_thousand_millionth_is_seen(result: Path) 
 def test_the_summary_of_rows_that_differ_is_left_out(result: Path) -> None:
     flip(result, "junctions/diameter", 900)
     found = asked(result)
-    assert [each.name for each in found.left_out] == ["summary"]
+    assert [each.name for each in found.omitted] == ["summary"]
     assert "summary" not in {check.name for check in found.checks}
 
 
@@ -302,7 +302,7 @@ def test_a_file_without_a_scenario_is_told(result: Path, text: str) -> None:
     tell(result, "provenance", "scenario_resolved", text or " ")
     found = asked(result, 1)
     assert [check.name for check in found.different] == ["layout"]
-    assert [each.name for each in found.left_out] == ["everything else"]
+    assert [each.name for each in found.omitted] == ["everything else"]
 
 
 @pytest.mark.parametrize(
@@ -339,7 +339,7 @@ def test_random_numbers_of_another_version_are_not_drawn(result: Path) -> None:
     found = asked(result)
     assert [check.name for check in found.different] == ["attributes"]
     assert {check.name for check in found.checks} == ALIKE | {"identities"}
-    (left_out,) = found.left_out
+    (left_out,) = found.omitted
     assert left_out.name == "replay"
     assert left_out.reason.startswith(
         "has random streams of version 0, which can't be drawn again: this rubnoise draws"
@@ -418,7 +418,7 @@ def test_a_column_that_cannot_be_read_is_told(kept: Path, tmp_path: Path) -> Non
     path.write_bytes(raw)
     found = asked(path, 1)
     assert str(found.different[0].first) == "/trace/real_contact_area is unreadable, should be as it was written"
-    assert found.left_out[0].reason == "/trace/real_contact_area cannot be read"
+    assert found.omitted[0].reason == "/trace/real_contact_area cannot be read"
 
 
 def without_blocks(path: Path) -> None:
@@ -483,7 +483,7 @@ def interrupted(of_intervention: Path, tmp_path: Path) -> Path:
 def test_lives_that_an_intervention_ended_are_played_again(interrupted: Path) -> None:
     found = asked(interrupted, 1)
     assert [str(check.first) for check in found.different] == []
-    assert found.left_out == ()
+    assert found.omitted == ()
     with h5py.File(interrupted) as file:
         assert np.flatnonzero(file["junctions/state"][:] & 4).tolist() == list(ENDED)
 

@@ -153,7 +153,7 @@ def test_a_clock_that_was_set_back_is_a_note(result: Path) -> None:
     with open_run(result) as run:
         found = verify(run)
     assert found.different == []
-    assert [each.name for each in found.left_out] == ["finished"]
+    assert [each.name for each in found.omitted] == ["finished"]
 
 
 # The folder of a sweep is what it says, and every change of it is named: descriptions, journals, index and runs.
@@ -280,7 +280,7 @@ def test_a_right_folder_is_verified(folder: Path) -> None:
     assert [check.name for check in found.checks] == [
         "manifest", "journals", "index_hashes", "index", "names", "runs",
     ]  # fmt: skip
-    assert (found.different, found.left_out) == ([], ())
+    assert (found.different, found.omitted) == ([], ())
     assert min(check.values for check in found.checks) > 0
 
 
@@ -298,7 +298,7 @@ def test_an_unfinished_run_and_files_of_others_are_left_out_by_name(folder: Path
     (folder / "notes.txt").touch()
     found = verify_sweep(folder)
     assert found.different == []
-    assert [each.name for each in found.left_out] == [f"runs/{runs(folder)[0].name}.part", "notes.txt"]
+    assert [each.name for each in found.omitted] == [f"runs/{runs(folder)[0].name}.part", "notes.txt"]
 
 
 @pytest.mark.parametrize("other", ["empty", "file", "missing"])
@@ -339,7 +339,7 @@ def test_of_many_strays_ten_are_named_and_the_others_counted(folder: Path) -> No
     for number in range(14):
         (folder / f"stray_{number:02}").touch()
         (folder / "runs" / f"stray_{number:02}.h5.part").touch()
-    left_out = [each.name for each in verify_sweep(folder).left_out]
+    left_out = [each.name for each in verify_sweep(folder).omitted]
     assert [name for name in left_out if name.startswith("stray")] == [f"stray_{number:02}" for number in range(10)]
     assert {"4 more of others", "4 more of runs/*.h5.part"} <= set(left_out)
     assert len(left_out) == 22

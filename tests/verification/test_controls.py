@@ -70,7 +70,7 @@ def broken(found: Comparison) -> set[str]:
 @pytest.mark.parametrize("run", [ORDINARY, LONG, SPARSE], ids=["ordinary", "long", "sparse"])
 def test_a_right_record_is_accepted(run: Model) -> None:
     found = compared("right", run)
-    assert found.outside == []
+    assert found.outside == ()
     assert len(found.figures) > 20
     assert max(abs(figure.z or 0.0) for figure in found.figures) <= found.bound
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rubnoise.claims import ledger
+from rubnoise.claims import catalogue
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known
 from rubnoise.claims.field_page import page
 from rubnoise.cli.ledger import row_as_json
@@ -56,7 +56,7 @@ def leaves(value: Any, kind: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 @pytest.fixture(scope="module")
 def claims() -> dict[str, FieldClaim]:
     told: list[str] = []
-    found = {claim.id: claim for claim in ledger.evaluate_field(told.append)}
+    found = {claim.id: claim for claim in catalogue.evaluate_field(told.append)}
     assert told
     return found
 
@@ -80,13 +80,13 @@ def test_no_verdict_on_numbers_rests_on_an_original_that_was_not_read(claims: di
 
 def test_simulation_and_theory_agree_and_a_wrong_theory_is_noticed(claims: dict[str, FieldClaim]) -> None:
     rows = list(claims.values())
-    assert ledger.disagreeing(rows) == []
+    assert catalogue.disagreeing(rows) == []
     for claim in rows:
         if claim.quantity is None or math.isnan(claim.quantity.exact):
             continue
         exact = claim.quantity.exact
         wrong = replace(claim, quantity=replace(claim.quantity, exact=1.4 * exact + math.copysign(0.3, exact)))
-        assert ledger.disagreeing([wrong]) == [claim.id]
+        assert catalogue.disagreeing([wrong]) == [claim.id]
 
 
 def test_exact_numbers_are_those_of_closed_forms(claims: dict[str, FieldClaim]) -> None:

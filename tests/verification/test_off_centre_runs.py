@@ -56,7 +56,7 @@ def scores(found: Comparison) -> dict[str, float]:
 @pytest.mark.parametrize("run", [ORDINARY, MOVING], ids=["contact", "slider"])
 def test_a_run_is_accepted_by_its_theory(run: Model) -> None:
     found = compared(run)
-    assert found.outside == []
+    assert found.outside == ()
     assert {
         "offset_kolmogorov", "real_contact_area_mean", "real_contact_area_std", "real_contact_area_kolmogorov",
         "life_mean_area", "life_over_diameter", "start_count",

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance
-from rubnoise.analysis.comparing.findings import Comparison, Identity, LeftOut
+from rubnoise.analysis.comparing.findings import Comparison, Identity
 from rubnoise.analysis.comparing.motion import Path, two_way_identities
 from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.summary import expected_figure
@@ -221,7 +222,7 @@ def weak_run() -> tuple[Held, Comparison]:
 def test_a_weakly_coupled_run_is_held_against_the_law() -> None:
     _, found = weak_run()
     figures = {figure.name: figure for figure in found.figures}
-    assert found.outside == []
+    assert found.outside == ()
     assert {"mean_force", "displacement_mean", "displacement_std", "velocity_std"} <= set(figures)
     change = coupling(WEAK).expected_change
     assert change > 1.03
@@ -244,11 +245,11 @@ def test_faults_of_a_weakly_coupled_run_are_outside() -> None:
 def test_strong_coupling_leaves_the_motion_out_and_keeps_the_contact() -> None:
     run, rows = ran("figure 5")
     found = compare(run, rows)
-    assert found.outside == []
+    assert found.outside == ()
     names = {figure.name for figure in found.figures}
     assert {"birth_count", "real_contact_area_mean", "life_mean_area", "mean_force"} <= names
     assert not any(name.startswith(("displacement", "velocity")) for name in names)
-    reason = next(each.reason for each in found.left_out if each.name == "displacement")
+    reason = next(each.reason for each in found.omitted if each.name == "displacement")
     assert "this slider pushes back" in reason
     assert "too strong" in reason
 

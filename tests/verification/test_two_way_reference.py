@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from scipy.special import stdtrit
 
-from rubnoise.analysis.replicates import Pooled, pooled, ratio_of_pairs
+from rubnoise.analysis.replicates import Estimate, pooled, ratio_of_pairs
 from rubnoise.analysis.summary import summarise
 from rubnoise.model import Model
 from rubnoise.record.tally import Tally
@@ -78,7 +78,7 @@ def scores(point: dict[str, Any], found: dict[str, list[float]]) -> list[Score]:
     return [_score(name, point[name], pooled(name, found[name])) for name in reference.FIGURES]
 
 
-def _score(name: str, known: list[float], seen: Pooled) -> Score:
+def _score(name: str, known: list[float], seen: Estimate) -> Score:
     """Return a score: four joint standard errors, ours by Student's law of few fields."""
     student = float(stdtrit(seen.runs - 1, FOUR_SIGMA))
     return Score(name, seen.value - known[0], hypot(student * seen.standard_error, 4.0 * known[1]))

@@ -207,7 +207,7 @@ def outside(fault: Fault, length: float, seed: int) -> list[str]:
     trace = record["trace"]
     changed = {name: fault.area * trace[name] for name in ("real_contact_area", "friction_force")}
     rows = Held({**record.groups, "trace": trace | changed}) if fault.area != 1.0 else Held(record.groups)
-    return compare(wrong if fault.told else right, rows).outside
+    return list(compare(wrong if fault.told else right, rows).outside)
 
 
 def tried(place: int, fault: Fault, name: str, length: float) -> tuple[str, str]:

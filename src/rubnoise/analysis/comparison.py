@@ -3,10 +3,11 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparing.asked import Cubes, asked_findings
 from rubnoise.analysis.comparing.births import Births, birth_findings
 from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
-from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, LeftOut, comparison
+from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, comparison
 from rubnoise.analysis.comparing.lives import Lives, life_findings
 from rubnoise.analysis.comparing.motion import (
     Path,

@@ -7,7 +7,8 @@ from math import inf
 import numpy as np
 
 from rubnoise.analysis.covariance import LaggedProducts
-from rubnoise.analysis.records import Estimate, RecordTooShort, batch_length, error_of_mean, longer
+from rubnoise.analysis.records import RecordTooShort, batch_length, error_of_mean, longer
+from rubnoise.analysis.replicates import Estimate
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model

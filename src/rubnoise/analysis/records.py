@@ -4,7 +4,6 @@ Batch means give a standard error from the record alone: how much the means of i
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import ceil, isfinite, sqrt
 
 import numpy as np
@@ -12,14 +11,6 @@ import numpy as np
 from rubnoise.analysis.covariance import autocovariance
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
-    """A number taken from a record and its standard error, both in the unit of the quantity."""
-
-    value: float
-    standard_error: float
 
 
 class RecordTooShort(Refused):

@@ -1,40 +1,78 @@
-"""A figure from the replicates of one point: their mean and its confidence interval."""
+"""A number with its standard error and confidence interval, from one record or from the replicates of one point."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, inf, isfinite, nan, sqrt
 from typing import Final
 
 import numpy as np
 
 _TAIL = 0.025
-_NORMAL = 1.959963984540054
+
+
+_FOUR_SIGMA = 3.1671241833119857e-05
+"""Chance that a normal number lies more than four standard deviations above its mean."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pooled:
-    """A figure of so many runs, and its standard error; inf where it is not known."""
+class Estimate:
+    """A number that so many runs give, and its standard error in the same unit; inf where it is not known.
+
+    ``from_theory`` says that theory knows the error, and not the scatter of the runs.
+    """
 
     value: float
     standard_error: float
-    runs: int
+    runs: int = 1
     from_theory: bool = False
 
     @property
     def reach(self) -> float:
         """Half the width of the 95 % interval: by Student's law of the runs, or a normal one by the theory's error."""
-        from scipy.special import stdtrit
+        return self._reach(_TAIL)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 95 % interval."""
+        return self.value - self.reach, self.value + self.reach
+
+    def agrees_with(self, exact: float, rounding: float = 0.0) -> bool:
+        """Whether an exact value is as near as four standard deviations of a normal number would be, or as rounding."""
+        return abs(self.value - exact) <= max(self._reach(_FOUR_SIGMA), rounding)
+
+    def times(self, factor: float) -> "Estimate":
+        """Return the estimate times an exact number."""
+        return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
+
+    def plus(self, number: float) -> "Estimate":
+        """Return the estimate plus an exact number."""
+        return replace(self, value=self.value + number)
+
+    def _reach(self, tail: float) -> float:
+        from scipy.special import ndtri, stdtrit
 
         if self.from_theory:
-            return _NORMAL * self.standard_error
-        return float(stdtrit(self.runs - 1, 1.0 - _TAIL)) * self.standard_error if self.runs > 1 else inf
+            return float(ndtri(1.0 - tail)) * self.standard_error
+        return float(stdtrit(self.runs - 1, 1.0 - tail)) * self.standard_error if self.runs > 1 else inf
+
+
+def estimate(values: Sequence[float]) -> Estimate:
+    """Return the mean of independent runs' values with its standard error, from their scatter alone."""
+    found = np.asarray(values, dtype=np.float64)
+    return Estimate(value=float(found.mean()), standard_error=_error(found) if found.size > 1 else inf, runs=found.size)
+
+
+def difference(first: Estimate, second: Estimate) -> Estimate:
+    """Return first - second for independent runs; counts the fewer runs."""
+    error = hypot(first.standard_error, second.standard_error)
+    return Estimate(value=first.value - second.value, standard_error=error, runs=min(first.runs, second.runs))
 
 
 LARGEST: Final = 1e75
 """Figures beyond it are left out as nan is: squares of their squares are not finite. None of ours come near."""
 
 
-def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> Pooled:
+def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> Estimate:
     """Return a figure over replicates, nan among them left out, with the standard error that their scatter gives.
 
     Standard deviations are pooled as squares: the root of their mean square falls less short of the true one than their
@@ -42,27 +80,29 @@ def pooled(name: str, values: Sequence[float], standard_error: float = nan) -> P
     """
     found = np.array([value for value in values if abs(value) <= LARGEST])
     if not found.size:
-        return Pooled(value=nan, standard_error=inf, runs=0)
+        return Estimate(value=nan, standard_error=inf, runs=0)
     if found.size == 1:
         known = isfinite(standard_error)
-        return Pooled(value=float(found[0]), standard_error=standard_error if known else inf, runs=1, from_theory=known)
+        return Estimate(
+            value=float(found[0]), standard_error=standard_error if known else inf, runs=1, from_theory=known
+        )
     if not name.endswith("_std"):
-        return Pooled(value=float(found.mean()), standard_error=_error(found), runs=found.size)
+        return estimate(found.tolist())
     squares = np.square(found)
     value = sqrt(float(squares.mean()))
-    return Pooled(value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size)
+    return Estimate(value=value, standard_error=_error(squares) / (2.0 * value) if value else 0.0, runs=found.size)
 
 
-def ratio(first: Pooled, second: Pooled) -> Pooled:
+def ratio(first: Estimate, second: Estimate) -> Estimate:
     """Return first / second for independent runs, with the standard error of first order; counts the fewer runs."""
     if not first.value or not second.value:
-        return Pooled(value=nan, standard_error=inf, runs=0)
+        return Estimate(value=nan, standard_error=inf, runs=0)
     value = first.value / second.value
     relative = hypot(first.standard_error / first.value, second.standard_error / second.value)
-    return Pooled(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
+    return Estimate(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
 
 
-def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -> Pooled:
+def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -> Estimate:
     """Return first / second of a figure over runs that were made in pairs, each pair on the same seed.
 
     What a pair has in common cancels: with r = sum a / sum b over pairs (of standard deviations their squares, and the
@@ -72,14 +112,14 @@ def ratio_of_pairs(name: str, first: Sequence[float], second: Sequence[float]) -
         [pair for pair in zip(first, second, strict=True) if all(abs(value) <= LARGEST for value in pair)]
     ).reshape(-1, 2)
     if not len(pairs) or not pairs[:, 1].any():
-        return Pooled(value=nan, standard_error=inf, runs=0)
+        return Estimate(value=nan, standard_error=inf, runs=0)
     squared = name.endswith("_std")
     one, other = (np.square(pairs) if squared else pairs).T
     value = float(one.sum() / other.sum())
     error = _error(one - value * other) / abs(float(other.mean())) if len(pairs) > 1 else inf
     if squared:
         value, error = sqrt(value), error / (2.0 * sqrt(value)) if value else 0.0
-    return Pooled(value=value, standard_error=error, runs=len(pairs))
+    return Estimate(value=value, standard_error=error, runs=len(pairs))
 
 
 def _error(values: "np.ndarray[tuple[int], np.dtype[np.float64]]") -> float:

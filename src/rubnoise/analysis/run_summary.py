@@ -18,7 +18,7 @@ from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.histogram import HistogramSum
 from rubnoise.analysis.moments import covariance_errors
-from rubnoise.analysis.spectra import Band, Spectrum, WelchSum, band_powers, bands_of, hann
+from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
 from rubnoise.analysis.summary import FEWEST_LIVES, summarise
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
@@ -268,11 +268,7 @@ def _spectrum(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:
         segments=layout.segments,
     )
     powers = band_powers(model, shown, expected, model.distance, BANDS)
-    return means, means * np.array([_relative(band) for band in powers])
-
-
-def _relative(band: Band) -> float:
-    return band.standard_error / band.expected
+    return means, means * np.array([(band.standard_error / band.expected) for band in powers])
 
 
 def _covariance(model: Model, layout: RunLayout) -> tuple[Doubles, Doubles]:

@@ -11,7 +11,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.where import Node
+from rubnoise.analysis.where import Condition
 from rubnoise.arrays import Doubles
 from rubnoise.contact.off_centre import area_of, half_life
 from rubnoise.contact.pulses import Pulse
@@ -28,7 +28,7 @@ RowNumbers = NDArray[np.int64]
 
 def select(
     file: Rows,
-    where: Node | None = None,
+    where: Condition | None = None,
     *,
     sort: str | None = None,
     descending: bool = False,
@@ -57,7 +57,9 @@ def gather(file: Rows, rows: RowNumbers, names: Sequence[str]) -> Iterator[dict[
         yield {name: _gathered(file, name, chunk, order, spans) for name in names}
 
 
-def _chunks(file: Rows, where: Node | None, sort: str | None) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
+def _chunks(
+    file: Rows, where: Condition | None, sort: str | None
+) -> Iterator[tuple[int, dict[str, NDArray[Any]], int]]:
     """Yield the first row, the columns needed and the number of rows of each chunk of the file."""
     names = (frozenset() if where is None else where.columns) | ({sort} if sort else frozenset())
     total = file.rows("junctions")

@@ -10,11 +10,11 @@ import numpy as np
 
 from rubnoise.analysis.resampling import MOST, input_count, output_count, rate_ratio, resampled
 from rubnoise.analysis.spectra import Spectrum, WelchSum
-from rubnoise.analysis.stored_model import stored_model
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.record.tally import Moments
+from rubnoise.scenario.reading import stored
 from rubnoise.storage import schema
 
 LOWEST: Final = 20.0
@@ -101,7 +101,7 @@ class Sound:
         Raises Refused where the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
         that makes more than 4096 ticks of a sample or the other way round.
         """
-        group, model = _group(file, what), stored_model(file)
+        group, model = _group(file, what), stored(file.provenance["scenario_resolved"]).model()
         if model.tick_duration is None:
             raise Refused("the run has no times, so nothing is heard; sliding.speed in its scenario would give them")
         ratio = rate_ratio(speed_up / model.tick_duration, rate)

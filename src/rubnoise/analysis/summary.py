@@ -107,7 +107,7 @@ def _errors(
     model: Model, mean_error: Callable[[Model], float], all_errors: Callable[[Model], StandardErrors]
 ) -> Errors:
     """Return the errors of mean, std, skewness and kurtosis; for short runs and regular births of the mean alone."""
-    if not (_many_lives(model) and are_at_random(model)):
+    if not ((model.distance >= FEWEST_LIVES * model.mean_life_distance) and are_at_random(model)):
         return mean_error(model), None, None, None
     errors = all_errors(model)
     return errors.mean, errors.std, errors.skewness, errors.excess_kurtosis
@@ -234,10 +234,6 @@ def _validity(velocity: Agreement, speed: float) -> Agreement:
         expected=None if velocity.expected is None else velocity.expected / speed,
         standard_error=None if error is None else error / speed,
     )
-
-
-def _many_lives(model: Model) -> bool:
-    return model.distance >= FEWEST_LIVES * model.mean_life_distance
 
 
 def missing_for_motion(model: Model) -> MissingMotion | None:

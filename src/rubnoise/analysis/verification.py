@@ -3,18 +3,19 @@
 from collections.abc import Sequence
 from typing import Protocol
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.reading import chunks
-from rubnoise.analysis.stored_model import stored_scenario
 from rubnoise.analysis.verifying.areas import area_check
 from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
 from rubnoise.analysis.verifying.derived import curve_check, summary_check
-from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Verification
+from rubnoise.analysis.verifying.findings import Check, Difference, Verification
 from rubnoise.analysis.verifying.hashes import hash_check, unreadable
 from rubnoise.analysis.verifying.origin import layout_check, machines, other_streams, scenario_check
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import HashedReader
 from rubnoise.record.tally import TALLIED, Tally
 from rubnoise.scenario import Scenario
+from rubnoise.scenario.reading import stored
 from rubnoise.storage.inventory import Inventory
 
 
@@ -39,7 +40,7 @@ def verify(run: ResultFile, regenerate: int = 0) -> Verification:
     if not hashes.holds and (lost := unreadable(run)):
         return _stopped([hashes], f"{lost[0]} cannot be read")
     try:
-        scenario = stored_scenario(run)
+        scenario = stored(run.provenance["scenario_resolved"])
     except RunFileRefused as refusal:
         place = "/provenance scenario_resolved"
         first = Difference(place=place, row=None, found=str(refusal), expected="the scenario of the run")
@@ -53,7 +54,7 @@ def verify(run: ResultFile, regenerate: int = 0) -> Verification:
     checks.append(curve_check(scenario.model(), run))
     rows, areas, summary = _of_rows(scenario, run, streams, left_out)
     remark = machines(run) if areas.holds and not streams and not all(check.holds for check in rows) else ""
-    return Verification(checks=(*checks, *rows, areas, *summary), left_out=tuple(left_out), remark=remark)
+    return Verification(checks=(*checks, *rows, areas, *summary), omitted=tuple(left_out), remark=remark)
 
 
 def _of_rows(
@@ -83,4 +84,4 @@ def _of_rows(
 
 def _stopped(checks: list[Check], reason: str, left_out: Sequence[LeftOut] = ()) -> Verification:
     everything = LeftOut(name="everything else", reason=reason)
-    return Verification(checks=tuple(checks), left_out=(*left_out, everything))
+    return Verification(checks=tuple(checks), omitted=(*left_out, everything))

@@ -12,14 +12,17 @@ the rows that have it; a row may have several. Nothing is ever handed to Python'
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import isinf
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
-from rubnoise.analysis.where_tree import Comparison, Every, InState, Negation, Node, Some
+import numpy as np
+from numpy.typing import NDArray
+
 from rubnoise.errors import Refused
+from rubnoise.record.sink import Columns
 from rubnoise.scenario.problems import Place, Problem
 from rubnoise.storage.schema import JUNCTIONS, Column
 from rubnoise.units import KINDS, NUMBER, QuantityError, read_quantity
@@ -126,8 +129,6 @@ def _not_a_word(text: str, position: int) -> ConditionRefused:
     return refusal(text, start, start + 1, f'"{text[start]}" is no part of a condition')
 
 
-__all__ = ["ConditionRefused", "Node", "condition"]
-
 DEEPEST: Final = 50
 """Levels of parentheses and ``not`` in a condition."""
 
@@ -138,12 +139,35 @@ STATES: Final = {"complete": 0} | {
 }
 
 
-def condition(text: str, columns: Sequence[Column] = JUNCTIONS.columns) -> Node:
+Choose = Callable[[Columns], NDArray[np.bool_]]
+"""Returns for each row whether it is chosen, from the columns by name."""
+
+COMPARISONS: Final[Mapping[str, Callable[[Any, Any], Any]]] = {
+    "<": np.less,
+    "<=": np.less_equal,
+    ">": np.greater,
+    ">=": np.greater_equal,
+    "==": np.equal,
+    "!=": np.not_equal,
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition:
+    """Which rows are chosen, and the names of the columns that decide it."""
+
+    columns: frozenset[str]
+    chosen: Choose
+
+
+def condition(text: str, columns: Sequence[Column] = JUNCTIONS.columns) -> Condition:
     """Return the condition that a text writes about rows with these columns.
 
     Raises ConditionRefused, with the text and a caret below what is wrong, where it writes none.
     """
-    return _Reader(text, columns).whole()
+    reader = _Reader(text, columns)
+    chosen = reader.whole()
+    return Condition(columns=frozenset(reader.named), chosen=chosen)
 
 
 def did_you_mean(word: str, names: Iterable[str]) -> str:
@@ -155,7 +179,7 @@ def did_you_mean(word: str, names: Iterable[str]) -> str:
 
 
 class _Reader:
-    """Reads a condition from left to right, one word ahead."""
+    """Reads a condition from left to right, one word ahead; ``named`` are the columns that it has met."""
 
     def __init__(self, text: str, columns: Sequence[Column]) -> None:
         self._text = text
@@ -163,8 +187,9 @@ class _Reader:
         self._tokens = tokens(text)
         self._next = next(self._tokens)
         self._depth = 0
+        self.named: set[str] = set()
 
-    def whole(self) -> Node:
+    def whole(self) -> Choose:
         if self._next.sort == "end":
             raise refusal(self._text, 0, 1, "no condition", "for instance: diameter > 6 um")
         node = self._condition()
@@ -175,32 +200,32 @@ class _Reader:
             raise self._not_going_on()
         return node
 
-    def _condition(self) -> Node:
+    def _condition(self) -> Choose:
         parts = [self._conjunction()]
         while self._next.sort == "or":
             self._take()
             parts.append(self._conjunction())
-        return parts[0] if len(parts) == 1 else Some(parts=tuple(parts))
+        return _joined(np.logical_or, parts)
 
-    def _conjunction(self) -> Node:
+    def _conjunction(self) -> Choose:
         parts = [self._negation()]
         while self._next.sort == "and":
             self._take()
             parts.append(self._negation())
-        return parts[0] if len(parts) == 1 else Every(parts=tuple(parts))
+        return _joined(np.logical_and, parts)
 
-    def _negation(self) -> Node:
+    def _negation(self) -> Choose:
         if self._next.sort not in {"not", "("}:
             return self._comparison()
         opening = self._take()
         self._depth += 1
         if self._depth > DEEPEST:
             raise self._refused(opening, f"more than {DEEPEST} levels of parentheses and not")
-        node = Negation(part=self._negation()) if opening.sort == "not" else self._in_parentheses(opening)
+        node = _opposite(self._negation()) if opening.sort == "not" else self._in_parentheses(opening)
         self._depth -= 1
         return node
 
-    def _in_parentheses(self, opening: Token) -> Node:
+    def _in_parentheses(self, opening: Token) -> Choose:
         node = self._condition()
         if self._next.sort == "end":
             raise self._refused(opening, "this parenthesis is not closed")
@@ -209,17 +234,17 @@ class _Reader:
         self._take()
         return node
 
-    def _comparison(self) -> Node:
+    def _comparison(self) -> Choose:
         left = self._side()
         if self._next.sort != "comparison":
             return self._alone(left)
-        parts: list[Node] = []
+        parts: list[Choose] = []
         while self._next.sort == "comparison":
             operator = self._take()
             right = self._side()
             parts.append(self._compared(left, operator, right))
             left = right
-        return parts[0] if len(parts) == 1 else Every(parts=tuple(parts))
+        return _joined(np.logical_and, parts)
 
     def _side(self) -> Token:
         token = self._take()
@@ -245,14 +270,14 @@ class _Reader:
             return f"this run has no {word}; it has {', '.join(self._columns)}"
         return did_you_mean(word, known)
 
-    def _alone(self, token: Token) -> Node:
+    def _alone(self, token: Token) -> Choose:
         if token.text in STATES:
-            return InState(bit=STATES[token.text])
+            return self._in_state(token)
         if token.sort == "number":
             raise self._refused(token, "a number by itself", "for instance: diameter > 6 um")
         raise self._refused(token, f"{token.text} is compared with nothing", f"for instance: {token.text} > 0")
 
-    def _compared(self, left: Token, operator: Token, right: Token) -> Node:
+    def _compared(self, left: Token, operator: Token, right: Token) -> Choose:
         if STATES.keys() & {left.text, right.text}:
             return self._state(left, operator, right)
         column = next((self._columns[side.text] for side in (left, right) if side.sort == "name"), None)
@@ -262,24 +287,32 @@ class _Reader:
         if other.units != column.units:
             message = f"{column.name} is in {column.units}, {other.name} in {other.units}"
             raise self._refused_span(left, right, message)
-        return Comparison(left=self._value(left, column), operator=operator.text, right=self._value(right, column))
+        compare, one, two = COMPARISONS[operator.text], self._value(left, column), self._value(right, column)
+        return lambda rows: compare(one(rows), two(rows))
 
-    def _state(self, left: Token, operator: Token, right: Token) -> Node:
+    def _state(self, left: Token, operator: Token, right: Token) -> Choose:
         word, other = (left, right) if left.text in STATES else (right, left)
         if other.text != "state":
             raise self._refused_span(left, right, f"{word.text} is a state", f"write {word.text}, or not {word.text}")
         if operator.text not in {"==", "!="}:
             raise self._refused(operator, "states have no order", f"write state == {word.text}")
-        node = InState(bit=STATES[word.text])
-        return node if operator.text == "==" else Negation(part=node)
+        chosen = self._in_state(word)
+        return chosen if operator.text == "==" else _opposite(chosen)
 
-    def _value(self, side: Token, column: Column) -> str | float:
+    def _in_state(self, word: Token) -> Choose:
+        """Choose the rows whose state has a bit, or, as complete, none at all."""
+        self.named.add("state")
+        bit = STATES[word.text]
+        return lambda rows: (rows["state"] & bit) != 0 if bit else rows["state"] == 0
+
+    def _value(self, side: Token, column: Column) -> Callable[[Columns], Any]:
         if side.sort == "name":
-            return side.text
+            self.named.add(side.text)
+            return lambda rows: rows[side.text]
         value = float(side.text) if side.digits == len(side.text) else self._quantity(side, column)
         if isinf(value):
             raise self._refused(side, "too large a number")
-        return value
+        return lambda _: value
 
     def _quantity(self, side: Token, column: Column) -> float:
         unit = side.text[side.digits :].strip(" ")
@@ -304,3 +337,11 @@ class _Reader:
 
     def _refused_span(self, first: Token, last: Token, message: str, hint: str = "") -> ConditionRefused:
         return refusal(self._text, first.start, last.end, message, hint)
+
+
+def _joined(join: np.ufunc, parts: Sequence[Choose]) -> Choose:
+    return parts[0] if len(parts) == 1 else lambda rows: join.reduce([part(rows) for part in parts])
+
+
+def _opposite(part: Choose) -> Choose:
+    return lambda rows: ~part(rows)

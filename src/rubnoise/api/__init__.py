@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
-    from rubnoise.api.answers import Comparison, Verification
+    from rubnoise.analysis.comparing.findings import Comparison
+    from rubnoise.analysis.verifying.findings import Verification
     from rubnoise.api.columns import Column, Columns
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
     from rubnoise.api.inferring import infer
@@ -72,7 +73,8 @@ __all__ = [
 
 HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
-    "rubnoise.api.answers": ("Comparison", "Verification"),
+    "rubnoise.analysis.comparing.findings": ("Comparison",),
+    "rubnoise.analysis.verifying.findings": ("Verification",),
     "rubnoise.api.columns": ("Column", "Columns"),
     "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
     "rubnoise.api.inferring": ("infer",),

@@ -1,12 +1,13 @@
 """Pictures of runs and of the paper, drawn from Python as by `rubnoise plot` and `rubnoise figures`."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 from rubnoise.api.trace import Trace
-from rubnoise.errors import Refused
+from rubnoise.errors import OutputRefused, Refused
 from rubnoise.units import in_unit
 
 if TYPE_CHECKING:
@@ -103,27 +104,61 @@ def draw_figures(
     >>> [file.name for file in rubnoise.draw_figures("fig3", "from_python", formats="png", force=True)]
     ['fig3.png']
     """
+    asked = [formats] if isinstance(formats, str) else list(formats)
+    return list(
+        drawn_figures([names] if isinstance(names, str) else names, Path(folder), asked, scenarios, force=force)
+    )
+
+
+def drawn_figures(
+    names: Iterable[str],
+    folder: Path,
+    formats: Collection[str],
+    scenarios: str | os.PathLike[str] | None,
+    *,
+    force: bool,
+    report: Callable[[str], None] = lambda _text: None,
+) -> Iterator[Path]:
+    """Draw figures and yield each file as it is written; see draw_figures. ``report`` gets the progress of each."""
     from rubnoise.figures.paper import check_sources, chosen, paper_figure
     from rubnoise.figures.paper_sources import Sources
     from rubnoise.figures.style import FORMATS, house_style
-    from rubnoise.storage.output import check_output, whole_file
+    from rubnoise.storage.output import whole_file
 
-    wanted = chosen([names] if isinstance(names, str) else names)
-    asked = [formats] if isinstance(formats, str) else list(formats)
-    kinds = tuple(kind for kind in FORMATS if kind in asked)
-    if wrong := [kind for kind in asked if kind not in FORMATS]:
+    wanted, kinds = chosen(names), tuple(kind for kind in FORMATS if kind in formats)
+    if wrong := [kind for kind in formats if kind not in FORMATS]:
         raise Refused(f"{', '.join(wrong)}: no format of a picture; there are {', '.join(FORMATS)}")
-    house_style()
+    house_style()  # says at once where matplotlib is missing
     place = None if scenarios is None else Path(scenarios)
     check_sources(wanted, place)
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    files = {name: {kind: Path(folder) / f"{name}.{kind}" for kind in kinds} for name in wanted}
-    for own in files.values():
-        for file in own.values():
-            check_output(file, force=force)
+    files = {name: {kind: folder / f"{name}.{kind}" for kind in kinds} for name in wanted}
+    _make_folder(folder, [file for own in files.values() for file in own.values()], force=force)
     for name, own in files.items():
-        pictures = paper_figure(name, kinds, Sources(folder=place))
+        report(name)
+        watch = partial(_report_runs, report, name)
+        pictures = paper_figure(name, kinds, Sources(folder=place, watch=watch))
         for kind, file in own.items():
             with whole_file(file, force=force) as part:
                 part.write_bytes(pictures[kind])
-    return [file for own in files.values() for file in own.values()]
+            yield file
+
+
+def _make_folder(folder: Path, files: Iterable[Path], *, force: bool) -> None:
+    """Make a folder if it is missing; raises OutputRefused if it cannot be, or a file in it may not be written."""
+    from rubnoise.storage.output import check_output
+
+    try:
+        above = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+        if not above.is_dir():
+            raise OutputRefused(f"{above}: is no folder")
+        for file in files if above == folder else ():
+            check_output(file, force=force)
+        if above != folder:
+            check_output(above / folder.name, force=True)
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputRefused(f"{folder}: cannot be written: {problem.strerror}") from problem
+
+
+def _report_runs(report: Callable[[str], None], name: str, done: int, runs: int) -> None:
+    report(f"{name}: {done} of {runs} runs")

@@ -77,9 +77,9 @@ class Record(MemoryRecord, Contents):
         return MemoryReader(self)
 
     def _file_of(self) -> "AbstractContextManager[ResultFile]":
-        from rubnoise.api.answers import stored
+        from rubnoise.api.answers import saved
 
-        return stored(self)
+        return saved(self)
 
     @property
     def _called(self) -> str:

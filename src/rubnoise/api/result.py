@@ -1,6 +1,5 @@
 """What a run has, in a file or in memory; a run in a file, and one junction."""
 
-import json
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
@@ -20,7 +19,7 @@ from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.api.columns import Column, Columns
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.errors import RunFileRefused, ScenarioRefused, needing
+from rubnoise.errors import needing
 from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
@@ -36,8 +35,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rubnoise.analysis.comparing.findings import Comparison
     from rubnoise.analysis.verification import ResultFile
-    from rubnoise.api.answers import Comparison, Verification
+    from rubnoise.analysis.verifying.findings import Verification
     from rubnoise.api.estimates import PowerSpectrum
     from rubnoise.api.trace import Trace
     from rubnoise.model import Model
@@ -199,9 +199,9 @@ class Contents(ABC):
 
     def model(self) -> "Model":
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
-        from rubnoise.analysis.stored_model import stored_model
+        from rubnoise.scenario.reading import stored
 
-        return stored_model(self.reader())
+        return stored(self.reader().provenance["scenario_resolved"]).model()
 
     @abstractmethod
     def reader(self) -> Reader:
@@ -276,13 +276,9 @@ class Run(Contents):
     @cached_property
     def scenario(self) -> "Scenario":
         """The scenario of the run, with every default and change of it made explicit."""
-        from rubnoise.scenario import build
+        from rubnoise.scenario.reading import stored
 
-        text = str(self.provenance["scenario_resolved"])
-        try:
-            return build(json.loads(text))
-        except (ValueError, RecursionError, AttributeError, TypeError, ScenarioRefused) as problem:
-            raise RunFileRefused(f"{self.path}: the scenario in the file is not valid") from problem
+        return stored(self.provenance["scenario_resolved"], f"{self.path}: the scenario in the file")
 
     @cached_property
     def summary(self) -> list[Agreement]:

@@ -11,7 +11,8 @@ from rubnoise.api.playing import named_constants, play
 from rubnoise.api.result import Run
 from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
-from rubnoise.scenario import Scenario, build
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.reading import stored
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervention
@@ -168,11 +169,11 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
 
 def _stored(description: RunDescription, part: str) -> Scenario:
     """Return the scenario that a part keeps; raises RunFileRefused where it is none."""
+    scenario = stored(description.scenario_resolved, what := f"{part}: the scenario in the file")
     try:
-        scenario = build(description.scenario_resolved)
         scenario.check_size()
-    except (ScenarioRefused, AttributeError, TypeError, ValueError) as problem:
-        raise RunFileRefused(f"{part}: the scenario in the file is not valid") from problem
+    except ScenarioRefused as problem:
+        raise RunFileRefused(f"{what} is not valid") from problem
     return scenario
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column, Columns
 from rubnoise.api.result import Run
-from rubnoise.errors import RunFileRefused, ScenarioRefused, needing
+from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_checks import check_index
 from rubnoise.storage.index_file import IndexFile, open_index, open_named
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from rubnoise.analysis.replicates import Pooled
+    from rubnoise.analysis.replicates import Estimate
     from rubnoise.scenario import Scenario
 
 INDEX: Final = "index.h5"
@@ -139,7 +139,7 @@ class SweepResult:
         """Return how many runs are "planned", "done" or "failed"."""
         return int(np.count_nonzero(self.runs["state"][:] == state))
 
-    def estimates(self, figure: str) -> "list[Pooled]":
+    def estimates(self, figure: str) -> "list[Estimate]":
         """Return a figure of every point, pooled over its replicates: a mean, of standard deviations that of squares.
 
         Raises KeyError for a figure that no run has.
@@ -149,7 +149,7 @@ class SweepResult:
         values, point = self.runs[figure][:], self.runs["point"][:]
         return [pooled(figure, values[point == number].tolist()) for number in range(len(self.points))]
 
-    def ratios(self, figure: str, key: str, value: Any) -> "list[Pooled]":
+    def ratios(self, figure: str, key: str, value: Any) -> "list[Estimate]":
         """Return a figure of every point over that of the point which differs from it in having a value of a swept key.
 
         Runs on the same seed are compared pair by pair, since what they have in common cancels. Raises KeyError for a
@@ -189,16 +189,13 @@ class SweepResult:
 
         Raises RunFileRefused where what the index says of it is not valid.
         """
-        from rubnoise.scenario import build
+        from rubnoise.scenario.reading import stored
 
         resolved = json.loads(self._file.attributes["scenario_resolved"])
         for key, value in self.values[point].items():
             section, name = key.split(".")
             resolved.setdefault(section, {})[name] = value
-        try:
-            return build(resolved)
-        except (ValueError, RecursionError, AttributeError, TypeError, ScenarioRefused) as problem:
-            raise RunFileRefused(f"{self._file.path}: the scenario of point {point} is not valid") from problem
+        return stored(resolved, f"{self._file.path}: the scenario of point {point}")
 
     @property
     def summaries(self) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.verifying.attributes import (
     command_form,
     compare_attributes,
@@ -17,7 +18,7 @@ from rubnoise.analysis.verifying.attributes import (
     shown,
     source_form,
 )
-from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes
+from rubnoise.analysis.verifying.findings import Check, Difference, Notes
 from rubnoise.analysis.verifying.origin import asked_by
 from rubnoise.errors import RunFileRefused, ScenarioRefused
 from rubnoise.scenario.points import Case, Point, points_of

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, get_args
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.verification import ResultFile, verify
 from rubnoise.analysis.verifying.attributes import shown
-from rubnoise.analysis.verifying.findings import Check, Difference, LeftOut, Notes, Verification
+from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
 from rubnoise.api.verify_index import index_checks
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.scenario.sweep import Sweep
@@ -143,7 +144,7 @@ def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification
     index = index_checks(place, sweep, left_out)
     _unknown_runs(results, known | index.run_ids)
     checks = [manifest, journals, *index.checks, *results.checks()]
-    return Verification(checks=tuple(checks), left_out=tuple(left_out))
+    return Verification(checks=tuple(checks), omitted=tuple(left_out))
 
 
 def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
@@ -225,7 +226,7 @@ def _take_in(results: Results, run: ResultFile, path: Path) -> None:
     results.figures[path.stem] = {name: value for name, value in run.summary.items() if isinstance(value, int | float)}
     found = verify(run)
     results.values += found.values
-    results.left_out.update((each.name, each.reason) for each in found.left_out)
+    results.left_out.update((each.name, each.reason) for each in found.omitted)
     for check in found.different:
         if check.first is not None:
             first = check.first

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, difference, verdict_if_agreed
+from rubnoise.analysis.replicates import difference
+from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model

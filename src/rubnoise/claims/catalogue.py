@@ -1,18 +1,23 @@
-"""Every claim of the paper, in the order in which the paper makes them."""
+"""Every claim of the paper, in the order in which the paper makes them, and every published statement of its field."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 
-from rubnoise.claims import area_spread, contact_and_slider, rabinowicz, spectrum, unequal_sizes
+from rubnoise.claims import (
+    area_spread,
+    contact_and_slider,
+    field_levels,
+    field_spectra,
+    field_traces,
+    rabinowicz,
+    spectrum,
+    unequal_sizes,
+)
 from rubnoise.claims.claim import Claim
 from rubnoise.claims.evidence import Report
+from rubnoise.claims.field import FieldClaim
 
-_SOURCES: tuple[Callable[[Report], Sequence[Claim]], ...] = (
-    contact_and_slider.claims,
-    rabinowicz.claims,
-    area_spread.claims,
-    spectrum.claims,
-    unequal_sizes.claims,
-)
+_OF_PAPER = (contact_and_slider.claims, rabinowicz.claims, area_spread.claims, spectrum.claims, unequal_sizes.claims)
+_OF_FIELD = (field_levels.claims, field_spectra.claims, field_traces.claims)
 
 ORDER = (
     "life_mean",
@@ -35,9 +40,15 @@ def evaluate_claims(report: Report) -> tuple[Claim, ...]:
 
     ``report`` is called with a text on the run that begins.
     """
-    return tuple(sorted(_all(report), key=lambda claim: ORDER.index(claim.name)))
+    found = [claim for claims in _OF_PAPER for claim in claims(report)]
+    return tuple(sorted(found, key=lambda claim: ORDER.index(claim.name)))
 
 
-def _all(report: Report) -> Iterator[Claim]:
-    for claims in _SOURCES:
-        yield from claims(report)
+def evaluate_field(report: Report) -> tuple[FieldClaim, ...]:
+    """Run what the ledger of the field rests on, and return every row, as `evaluate_claims` does."""
+    return tuple(claim for claims in _OF_FIELD for claim in claims(report))
+
+
+def disagreeing(claims: Sequence[FieldClaim]) -> list[str]:
+    """Return the rows whose simulated and exact numbers differ by more than four standard errors."""
+    return [claim.id for claim in claims if claim.quantity is not None and not claim.quantity.agrees]

@@ -1,17 +1,13 @@
 """What the paper claims, what a simulation and the theory say to it, and the verdict that follows from the numbers."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
-from math import inf, isnan, sqrt
+from math import isnan
 
-import numpy as np
+from rubnoise.analysis.replicates import Estimate
 
 _CLOSE = 0.05
 """Relative difference up to which a printed number needs a correction and not another claim."""
-
-_FOUR_SIGMA = 3.1671241833119857e-05
-"""Chance that a normal number lies more than four standard deviations above its mean."""
 
 
 class Verdict(StrEnum):
@@ -24,58 +20,6 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Estimate:
-    """A number found by independent runs: their mean, its standard error (unit of the mean), and how many they were."""
-
-    value: float
-    standard_error: float
-    runs: int
-
-    @property
-    def interval(self) -> tuple[float, float]:
-        """The 95 % interval, by Student's distribution of the runs' mean."""
-        reach = self._reach(0.025)
-        return self.value - reach, self.value + reach
-
-    def agrees_with(self, exact: float, rounding: float = 0.0) -> bool:
-        """Whether an exact value is as near as four standard deviations of a normal number would be, or as rounding."""
-        return abs(self.value - exact) <= max(self._reach(_FOUR_SIGMA), rounding)
-
-    def times(self, factor: float) -> "Estimate":
-        """Return the estimate times an exact number."""
-        return replace(self, value=factor * self.value, standard_error=abs(factor) * self.standard_error)
-
-    def plus(self, number: float) -> "Estimate":
-        """Return the estimate plus an exact number."""
-        return replace(self, value=self.value + number)
-
-    def _reach(self, tail: float) -> float:
-        from scipy.special import stdtrit
-
-        return float(stdtrit(self.runs - 1, 1.0 - tail)) * self.standard_error if self.runs > 1 else inf
-
-
-def estimate(values: Sequence[float]) -> Estimate:
-    """Return the mean of independent runs' values with its standard error, from their scatter alone."""
-    found = np.asarray(values, dtype=np.float64)
-    error = float(found.std(ddof=1)) / sqrt(found.size) if found.size > 1 else inf
-    return Estimate(value=float(found.mean()), standard_error=error, runs=found.size)
-
-
-def difference(first: Estimate, second: Estimate) -> Estimate:
-    """Return first - second for independent estimates; counts the runs of the one with fewer."""
-    error = sqrt(first.standard_error**2 + second.standard_error**2)
-    return Estimate(value=first.value - second.value, standard_error=error, runs=min(first.runs, second.runs))
-
-
-def ratio(first: Estimate, second: Estimate) -> Estimate:
-    """Return first / second for independent estimates, with the error of first order; counts the fewer runs."""
-    value = first.value / second.value
-    relative = sqrt((first.standard_error / first.value) ** 2 + (second.standard_error / second.value) ** 2)
-    return Estimate(value=value, standard_error=abs(value) * relative, runs=min(first.runs, second.runs))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
     """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
@@ -84,10 +28,10 @@ class Quantity:
     """
 
     name: str
-    unit: str
-    printed: float | None
     simulated: Estimate
     exact: float
+    unit: str = ""
+    printed: float | None = None
     rounding: float = 0.0
 
     @property

@@ -5,7 +5,8 @@ from math import nan, sqrt
 
 import numpy as np
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, ratio, verdict_if_agreed
+from rubnoise.analysis.replicates import ratio
+from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -44,7 +45,6 @@ def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
 def _life_mean(paper: Found) -> Claim:
     quantity = Quantity(
         name="mean area over a life, over d^2",
-        unit="",
         printed=0.327,
         simulated=paper.numbers["life_mean"],
         exact=float(paper.model.pulse.life_mean()),
@@ -86,7 +86,6 @@ def _live_count(paper: Found) -> Claim:
     quantities = tuple(
         Quantity(
             name=f"{name} of the number of junctions",
-            unit="",
             printed=paper.model.mean_junction_count,
             simulated=paper.numbers[f"count_{name}"],
             exact=mean,
@@ -111,22 +110,16 @@ def _few_or_many(found: Evidence) -> Claim:
     many, few = found.at(count=50), found.at(count=10)
     force = Quantity(
         name="std of the friction force, 50 junctions over 10",
-        unit="",
-        printed=None,
         simulated=ratio(many.numbers["force_std"], few.numbers["force_std"]),
         exact=_force_std(many.model) / _force_std(few.model),
     )
     motion = Quantity(
         name="std of the displacement, 50 junctions over 10",
-        unit="",
-        printed=None,
         simulated=ratio(many.numbers["displacement_std"], few.numbers["displacement_std"]),
         exact=response(many.model).displacement_std / response(few.model).displacement_std,
     )
     pushing_back = Quantity(
         name="the same, with two-way coupling",
-        unit="",
-        printed=None,
         simulated=ratio(*(found.at(count=count, coupling="two-way").numbers["displacement_std"] for count in (50, 10))),
         exact=nan,
     )
@@ -151,29 +144,21 @@ def _constant_speed(found: Evidence) -> Claim:
     name = "std of the slider's velocity over the sliding speed"
     one_way = Quantity(
         name=name,
-        unit="",
-        printed=None,
         simulated=paper.numbers["velocity_ratio"],
         exact=response(paper.model).one_way_validity,
     )
     pushing_back = Quantity(
         name="the same, with two-way coupling",
-        unit="",
-        printed=None,
         simulated=two_way.numbers["velocity_ratio"],
         exact=nan,
     )
     stuck = Quantity(
         name="fraction of the time in which it then sticks",
-        unit="",
-        printed=None,
         simulated=two_way.numbers["stuck"],
         exact=nan,
     )
     change = Quantity(
         name="std of its displacement, two-way over one-way",
-        unit="",
-        printed=None,
         simulated=ratio(two_way.numbers["displacement_std"], paper.numbers["displacement_std"]),
         exact=nan,
     )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rubnoise.claims.claim import Estimate, estimate
+from rubnoise.analysis.replicates import Estimate, estimate
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario.shipped import shipped

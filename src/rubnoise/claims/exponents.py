@@ -2,7 +2,8 @@
 
 from math import log
 
-from rubnoise.claims.claim import Estimate, Quantity, ratio
+from rubnoise.analysis.replicates import Estimate, ratio
+from rubnoise.claims.claim import Quantity
 
 
 def exponent(near: Estimate, far: Estimate, factor: float) -> Estimate:
@@ -25,8 +26,6 @@ def exponent_of(
     simulated = exponent(near[0], far[0], factor).times(times)
     return Quantity(
         name=name,
-        unit="",
-        printed=None,
         simulated=simulated,
         exact=times * log(far[1] / near[1]) / log(factor),
     )

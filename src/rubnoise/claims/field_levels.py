@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from math import inf, log10, nan
 
+from rubnoise.analysis.replicates import Estimate, ratio
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Estimate, Quantity, ratio
+from rubnoise.claims.claim import Quantity
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.exponents import exponent_of
 from rubnoise.claims.field import FieldClaim
@@ -287,7 +288,6 @@ def _damping(found: Evidence) -> FieldClaim:
         quantity=Quantity(
             name="level of velocity at ten times the damping",
             unit="dB",
-            printed=None,
             simulated=Estimate(
                 value=20.0 * log10(quotient.value),
                 standard_error=20.0 / _LN_10 * quotient.standard_error / quotient.value,

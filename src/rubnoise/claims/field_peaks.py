@@ -2,8 +2,9 @@
 
 from math import nan
 
+from rubnoise.analysis.replicates import ratio
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Quantity, ratio
+from rubnoise.claims.claim import Quantity
 from rubnoise.claims.evidence import Evidence, Found
 from rubnoise.claims.field import FieldClaim
 from rubnoise.theory.response import response
@@ -19,16 +20,12 @@ def frequencies(fast: Evidence) -> list[FieldClaim]:
     pairs = [(point.numbers["frequency"], _frequency(point)) for point in (fine, rough)]
     moved = Quantity(
         name="mean frequency of motion, 5 junctions over 20",
-        unit="",
-        printed=None,
         simulated=ratio(pairs[1][0], pairs[0][0]),
         exact=pairs[1][1] / pairs[0][1],
     )
     natural = fine.model.slider.natural_angular_frequency if fine.model.slider else nan
     own = Quantity(
         name="mean frequency of motion over the natural one",
-        unit="",
-        printed=None,
         simulated=pairs[0][0].times(1.0 / natural),
         exact=pairs[0][1] / natural,
     )
@@ -92,9 +89,7 @@ def jerks(slow: Evidence) -> FieldClaim:
         source=sources.BOWDEN_LEBEN_1939,
         statement="Metals do not slide steadily but by jerks (stick-slip).",
         conditions="slow sliding",
-        quantity=Quantity(
-            name="share of the time stuck, two-way, 1 mm/s", unit="", printed=None, simulated=stuck, exact=nan
-        ),
+        quantity=Quantity(name="share of the time stuck, two-way, 1 mm/s", unit="", simulated=stuck, exact=nan),
         because="One-way coupling cannot stick. Two-way coupling sticks most of the time, without a static friction "
         "above the kinetic one. The source gives no share of the time, so no share could disagree.",
         scenario=SLOW,

@@ -171,8 +171,6 @@ def _blocks(free: Found) -> list[FieldClaim]:
     )
     quantity = Quantity(
         name=of_velocity.name,
-        unit="",
-        printed=None,
         simulated=of_velocity.simulated.plus(2.0),
         exact=of_velocity.exact + 2.0,
     )

@@ -7,9 +7,10 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
+from rubnoise.analysis.replicates import Estimate
 from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Estimate, Quantity
+from rubnoise.claims.claim import Quantity
 from rubnoise.claims.evidence import Found, Report, gather
 from rubnoise.claims.exponents import exponent_of
 from rubnoise.claims.field import FieldClaim
@@ -89,7 +90,6 @@ def _rabinowicz_1956(strengths: Found, paper: Found) -> list[FieldClaim]:
             quantity=Quantity(
                 name="diameter read from the half-width",
                 unit="um",
-                printed=None,
                 simulated=strengths.numbers["half_width"].times(1.0 / per_diameter),
                 exact=strengths.model.calibrated_diameter,
             ),
@@ -106,7 +106,6 @@ def _rabinowicz_1956(strengths: Found, paper: Found) -> list[FieldClaim]:
             quantity=Quantity(
                 name="diameter read from the half-width",
                 unit="um",
-                printed=None,
                 simulated=paper.numbers["half_width"].times(1.0 / lens),
                 exact=paper.model.calibrated_diameter,
             ),
@@ -177,8 +176,6 @@ def _kilburn(paper: Found, loaded: Found) -> list[FieldClaim]:
             conditions=f"{conditions}, test of Kolmogorov and Smirnov; here 20 junctions",
             quantity=Quantity(
                 name="skewness of the area",
-                unit="",
-                printed=None,
                 simulated=paper.numbers["skewness"],
                 exact=area_cumulants(paper.model).skewness,
             ),
@@ -220,8 +217,6 @@ def _holm(paper: Found) -> FieldClaim:
         conditions="sliding electric contacts",
         quantity=Quantity(
             name="variance over mean of the count",
-            unit="",
-            printed=None,
             simulated=paper.numbers["count_dispersion"],
             exact=1.0,
         ),
@@ -240,8 +235,6 @@ def _campbell(paper: Found) -> FieldClaim:
         conditions="births at random, linear superposition; here lenses of one size",
         quantity=Quantity(
             name="N_jm times the relative variance",
-            unit="",
-            printed=None,
             simulated=paper.numbers["relative_variance"],
             exact=paper.model.mean_junction_count * area.variance / area.mean**2,
         ),

@@ -55,7 +55,6 @@ def _ripple(found: Evidence, shape: str, count: int, words: str) -> Quantity:
     ripple = area.std / area.mean
     return Quantity(
         name=f"std over mean: {words}",
-        unit="",
         printed=0.0,
         simulated=point.numbers["ripple"],
         exact=ripple,

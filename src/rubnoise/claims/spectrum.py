@@ -5,9 +5,10 @@ from math import log
 
 import numpy as np
 
+from rubnoise.analysis.replicates import ratio
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
-from rubnoise.claims.claim import Claim, Quantity, Verdict, ratio, verdict_if_agreed
+from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -81,8 +82,6 @@ def _decay(paper: Found) -> Claim:
     half, corner = (
         Quantity(
             name=name,
-            unit="",
-            printed=None,
             # Of means, since the mean of ratios is too large; bands that do not touch are independent to first order.
             simulated=ratio(paper.numbers[key], paper.numbers["low"]),
             exact=_exact_power(paper.model, _BANDS[key]) / low,
@@ -110,7 +109,6 @@ def _decay(paper: Found) -> Claim:
 def _floor(paper: Found) -> Claim:
     quantity = Quantity(
         name="exponent of S from k L_jm = 42 to 170",
-        unit="",
         printed=0.0,
         simulated=paper.numbers["exponent"],
         exact=_slope(*(_exact_power(paper.model, band) for band in _TAIL_BANDS.values())),
@@ -136,7 +134,6 @@ def power_ratio(one: Found, other: Found, name: str, band: str = "low", *, scale
     exact = _exact_power(one.model, _BANDS[band]) / _exact_power(other.model, _BANDS[band])
     return Quantity(
         name=name,
-        unit="",
         printed=None if scaled else 1.0,
         simulated=ratio(one.numbers[band], other.numbers[band]).times(factor),
         exact=factor * exact,

@@ -53,7 +53,6 @@ def _present(point: Found, spread: str) -> Quantity:
     moment = point.model.sizes.moment
     return Quantity(
         name=f"mean over junctions present, over that of lives, spread {spread}",
-        unit="",
         printed=1.0,
         simulated=point.numbers["present"],
         exact=moment(3) / (moment(1) * moment(2)),

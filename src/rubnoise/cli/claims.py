@@ -68,18 +68,18 @@ def _paper(*, as_json: bool, quiet: bool) -> None:
 def _field(folder: Path | None, *, force: bool, as_json: bool, quiet: bool) -> None:
     import sys
 
-    from rubnoise.claims import ledger
+    from rubnoise.claims.catalogue import disagreeing, evaluate_field
     from rubnoise.cli.ledger import check_places, format_ledger, row_as_json, write_ledger
 
     if folder is not None:
         check_places(folder, force=force)
     with StatusLine(shown=on_terminal() and not quiet) as status:
-        claims = ledger.evaluate_field(status.show)
+        claims = evaluate_field(status.show)
     if as_json:
         print(json.dumps({"claims": [row_as_json(claim) for claim in claims]}))
     elif folder is None:
         print("\n".join(format_ledger(claims)))
-    if wrong := ledger.disagreeing(claims):
+    if wrong := disagreeing(claims):
         print(f"rubnoise: simulation and theory disagree: {', '.join(wrong)}", file=sys.stderr)
         raise typer.Exit(3)
     if folder is not None:

@@ -36,14 +36,14 @@ def command(
     """
     from rubnoise.analysis.comparison import compare
     from rubnoise.analysis.records import RecordTooShort
-    from rubnoise.analysis.stored_model import stored_model
     from rubnoise.cli.loading import finished_run
+    from rubnoise.scenario.reading import stored
 
     if bound is not None and not (isfinite(bound) and bound > 0.0):
         raise typer.BadParameter(f"--bound: {bound} is no bound on |z|; it is a number above 0")
     with finished_run(file) as run:
         try:
-            found = compare(stored_model(run), run, bound)
+            found = compare(stored(run.provenance["scenario_resolved"]).model(), run, bound)
         except RecordTooShort as refusal:
             raise Refused(str(refusal)) from refusal
         print(json.dumps(comparison_as_json(found, file)) if as_json else "\n".join(format_comparison(found, file)))
@@ -60,13 +60,13 @@ def comparison_as_json(found: "Comparison", file: Path) -> dict[str, Any]:
     return {
         "file": str(file),
         "agrees": not found.outside,
-        "outside": found.outside,
+        "outside": list(found.outside),
         "bound": found.bound,
         "family_wise_error": FAMILY_WISE_ERROR if found.by_family else None,
         "begins": {part.heading: part.begins for part in found.parts if part.figures},
         "figures": as_json(found.figures),
         "identities": identities,
-        "left_out": {each.name: each.reason for each in found.left_out},
+        "left_out": found.left_out,
     }
 
 
@@ -116,9 +116,9 @@ def format_comparison(found: "Comparison", file: Path) -> Iterator[str]:
         yield ""
         yield table_row(f"{'exact but for rounding':<34}", f"{'off by':>13}{'allowed':>14}  ")
         yield from map(_identity, found.identities)
-    if found.left_out:
+    if found.omitted:
         yield "\nleft out"
-        yield from (remark(f"{label(each.name)}: {each.reason}") for each in found.left_out)
+        yield from (remark(f"{label(each.name)}: {each.reason}") for each in found.omitted)
     yield ""
     yield from format_verdict(found)
 

@@ -14,7 +14,7 @@ from rubnoise.errors import Refused, resume_hint
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
-    from rubnoise.analysis.replicates import Pooled
+    from rubnoise.analysis.replicates import Estimate
     from rubnoise.api import Run
     from rubnoise.api.sweep_result import SweepResult
     from rubnoise.storage.layout import RunDescription
@@ -154,14 +154,14 @@ def part_as_json(file: Path) -> dict[str, Any]:
 
 def _slider_rows_at_most(about: "RunDescription") -> int | None:
     """Return the bound that `check` prints too; None if the rows are known or the scenario in the file is damaged."""
-    from rubnoise.scenario import build
+    from rubnoise.scenario.reading import stored
     from rubnoise.storage.forecast import rows_at_most
 
     if about.extent.slider is not None:
         return None
     try:
-        model = build(about.scenario_resolved).model()
-    except (ValueError, RecursionError, AttributeError, TypeError, Refused):
+        model = stored(about.scenario_resolved).model()
+    except Refused:
         return None
     return rows_at_most(model, about.extent).slider
 
@@ -258,7 +258,7 @@ def _swept_value(sweep: "SweepResult", over: str) -> tuple[str, Any]:
     return key, next(values[key] for values in sweep.values if str(values[key]) == text)
 
 
-def _interval(estimate: "Pooled") -> dict[str, float | int | None]:
+def _interval(estimate: "Estimate") -> dict[str, float | int | None]:
     """Return value, standard error, 95 % interval and the number of runs; None for what is not known."""
     numbers = {
         "value": estimate.value,

@@ -15,7 +15,7 @@ from rubnoise.errors import Refused
 
 if TYPE_CHECKING:
     from rubnoise.analysis.selection import RowNumbers
-    from rubnoise.analysis.where_tree import Node
+    from rubnoise.analysis.where import Condition
     from rubnoise.record.reader import Rows
     from rubnoise.storage.schema import Column
 
@@ -178,7 +178,7 @@ def _cell(name: str, value: float) -> str:
     return str(value) if isinstance(value, int) else number(value)
 
 
-def _named_columns(tree: "Node | None", sort: str | None) -> frozenset[str]:
+def _named_columns(tree: "Condition | None", sort: str | None) -> frozenset[str]:
     return frozenset(() if tree is None else tree.columns) | frozenset(() if sort is None else (sort,))
 
 

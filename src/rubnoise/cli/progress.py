@@ -24,6 +24,47 @@ _FIRST = 1.0
 Given = ParamSpec("Given")
 
 
+class StatusLine:
+    """Shows one text on a terminal in place of the one before; nothing at all where ``shown`` is False."""
+
+    def __init__(self, *, shown: bool, first: float = 0.0) -> None:
+        """Begin with an empty line; ``first``: seconds before the first text that `show_now_and_then` shows."""
+        self._shown = shown
+        self._width = 0
+        self._shown_at = time.monotonic() + first - _BETWEEN if first else 0.0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.clear()
+
+    def show(self, text: str) -> None:
+        """Show a text in place of what is there."""
+        if self._shown:
+            text = cut(text, sys.stderr)
+            sys.stderr.write("\r" + text.ljust(self._width))
+            sys.stderr.flush()
+            self._width = len(text)
+
+    def show_now_and_then(self, text: Callable[[], str]) -> None:
+        """Show a text, unless there was one a moment ago."""
+        now = time.monotonic()
+        if self._shown and now - self._shown_at >= _BETWEEN:
+            self._shown_at = now
+            self.show(text())
+
+    def clear(self) -> None:
+        """Leave the terminal's line empty."""
+        if self._width:
+            self.show("")
+            sys.stderr.write("\r")
+            sys.stderr.flush()
+            self._width = 0
+
+
 class Watcher:
     """Shows on a terminal how far a run is, and raises RunStopped after a signal.
 
@@ -34,11 +75,9 @@ class Watcher:
     def __init__(self, distance: float, *, shown: bool) -> None:
         """Watch a run of a length in um; shown: whether to say anything."""
         self._distance = distance
-        self._shown = shown
+        self.line = StatusLine(shown=shown)
         self._began: float | None = None
-        self._shown_at = 0.0
         self._origin = 0.0
-        self._width = 0
         self.stopped_by: int | None = None
 
     def __call__(self, distance: float, junctions: int, live: int) -> None:
@@ -46,9 +85,7 @@ class Watcher:
         if self.stopped_by is not None:
             raise RunStopped(self.stopped_by)
         now = time.monotonic()
-        if self._shown and now - self._shown_at >= _BETWEEN:
-            self._shown_at = now
-            self._write(self._text(distance, junctions, live, self._rest(distance, now)))
+        self.line.show_now_and_then(lambda: self._text(distance, junctions, live, self._rest(distance, now)))
         if self._began is None or self._origin == 0.0 < distance:
             # Kernels may be compiled for the first range of ticks: the remaining time is shown from the second on.
             self._began, self._origin = now, distance
@@ -61,8 +98,7 @@ class Watcher:
 
     def counting(self) -> None:
         """Say that births are being counted, which takes a while for a run of millions."""
-        if self._shown:
-            self._write("counting the births")
+        self.line.show("counting the births")
 
     def _text(self, distance: float, junctions: int, live: int, rest: str) -> str:
         share = min(distance / self._distance, 1.0)
@@ -77,19 +113,6 @@ class Watcher:
         rest = (now - self._began) * max(self._distance - distance, 0.0) / (distance - self._origin)
         return f"  {clock(rest)} to go"
 
-    def _write(self, text: str) -> None:
-        text = cut(text, sys.stderr)
-        sys.stderr.write("\r" + text.ljust(self._width))
-        sys.stderr.flush()
-        self._width = len(text)
-
-    def clear(self) -> None:
-        """Leave the terminal's line empty."""
-        if self._width:
-            self._write("")
-            sys.stderr.write("\r")
-            sys.stderr.flush()
-
 
 @contextmanager
 def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
@@ -97,25 +120,16 @@ def watching_reads(run: "RunFile", *, shown: bool) -> Iterator[None]:
     if not shown:
         yield
         return
-    last, width = time.monotonic() + _FIRST - _BETWEEN, 0
+    with StatusLine(shown=True, first=_FIRST) as line:
 
-    def watch(column: str, row: int, rows: int) -> None:
-        nonlocal last, width
-        now = time.monotonic()
-        if now - last >= _BETWEEN:
-            text = f"{column}: {row:,} of {rows:,} rows"
-            sys.stderr.write("\r" + text.ljust(width))
-            sys.stderr.flush()
-            last, width = now, len(text)
+        def watch(column: str, row: int, rows: int) -> None:
+            line.show_now_and_then(lambda: f"{column}: {row:,} of {rows:,} rows")
 
-    run.watch = watch
-    try:
-        yield
-    finally:
-        run.watch = None
-        if width:
-            sys.stderr.write("\r" + " " * width + "\r")
-            sys.stderr.flush()
+        run.watch = watch
+        try:
+            yield
+        finally:
+            run.watch = None
 
 
 def interrupted_at_once(command: Callable[Given, None]) -> Callable[Given, None]:
@@ -152,7 +166,7 @@ def watching(distance: float, *, shown: bool) -> Iterator[Watcher]:
     try:
         yield watcher
     finally:
-        watcher.clear()
+        watcher.line.clear()
         for each, handler in before.items():
             signal.signal(each, handler)
 
@@ -189,34 +203,6 @@ def clock(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
-
-
-class StatusLine:
-    """Shows one text in place of the one before; nothing at all where ``shown`` is False."""
-
-    def __init__(self, *, shown: bool) -> None:
-        """Begin with an empty line."""
-        self._shown = shown
-        self._width = 0
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._width:
-            self.show("")
-            sys.stderr.write("\r")
-            sys.stderr.flush()
-
-    def show(self, text: str) -> None:
-        """Show a text in place of what is there."""
-        if self._shown:
-            text = cut(text, sys.stderr)
-            sys.stderr.write("\r" + text.ljust(self._width))
-            sys.stderr.flush()
-            self._width = len(text)
 
 
 class SweepWatcher:

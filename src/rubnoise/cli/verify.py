@@ -84,9 +84,9 @@ def verification_as_json(found: "Verification", file: Path) -> dict[str, Any]:
     return {
         "folder" if is_folder(file) else "file": str(file),
         "verified": not found.different,
-        "different": [check.name for check in found.different],
+        "different": list(found.failing),
         "checks": {check.name: _fields(check) for check in found.checks},
-        "left_out": {each.name: each.reason for each in found.left_out},
+        "left_out": found.left_out,
         **({"remark": found.remark} if found.remark else {}),
     }
 
@@ -101,9 +101,9 @@ def format_verification(found: "Verification", file: Path) -> Iterator[str]:
         yield f"  {check.name.replace('_', ' '):<22}{grouped(check.values):>16}{grouped(check.different):>14}"
         if check.first is not None:
             yield remark(printable(f"  {check.first}"))
-    if found.left_out:
+    if found.omitted:
         yield "\nleft out"
-        yield from (remark(printable(f"{each.name}: {each.reason}")) for each in found.left_out)
+        yield from (remark(printable(f"{each.name}: {each.reason}")) for each in found.omitted)
     if found.remark:
         yield "\n" + remark(printable(found.remark))
     yield ""

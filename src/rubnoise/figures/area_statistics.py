@@ -211,7 +211,9 @@ def psd_figure(stretch: Stretch) -> "Figure":
     _draw_ratio(ratio, seen, expected)
     logarithmic(axes.xaxis)
     logarithmic(axes.yaxis)
-    axes.set_ylim(0.1 * _smallest_density(seen), 10.0 * float(seen.density.max()))
+    # Zeros of the theory lie far below what has a logarithm.
+    highest = float(seen.density.max())
+    axes.set_ylim(0.1 * float(seen.density.min(where=seen.density > 0.0, initial=highest)), 10.0 * highest)
     axes.set_xlim(seen.wavenumber[1], seen.wavenumber[-1])
     ratio.set_xlabel("wavenumber (rad/µm)")
     axes.set_ylabel(f"two-sided spectral density\n({UNIT})")
@@ -234,11 +236,6 @@ def _estimate(stretch: Stretch) -> Spectrum:
     if seen.power <= (NEAREST * area_cumulants(stretch.model).mean) ** 2:
         raise Refused("the real contact area does not vary in this stretch, so it has no spectrum")
     return seen
-
-
-def _smallest_density(seen: Spectrum) -> float:
-    """Return the smallest density that has a logarithm; zeros of the theory lie far below it."""
-    return float(seen.density.min(where=seen.density > 0.0, initial=float(seen.density.max())))
 
 
 def _draw_exact_density(axes: "Axes", stretch: Stretch, seen: Spectrum) -> None:

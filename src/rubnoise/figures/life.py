@@ -72,13 +72,9 @@ def _draw_own(axes: "Axes", life: Life) -> None:
         ha="right" if beyond_middle else "left",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.85},
     )
-    tallest = max(float(area.max()), _tallest(life))
+    tallest = max(float(area.max()), float(0.25 * np.pi * np.max(life.others.diameter, initial=0.0) ** 2))
     axes.set_ylim(0.0, 1.32 * tallest)
     axes.set_ylabel("junction area (µm²)")
-
-
-def _tallest(life: Life) -> float:
-    return float(0.25 * np.pi * np.max(life.others.diameter, initial=0.0) ** 2)
 
 
 def _draw_contact(axes: "Axes", life: Life) -> None:

@@ -8,11 +8,11 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.stored_model import stored_model
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.record.reader import Reader, Rows
+from rubnoise.scenario.reading import stored
 
 MOST_POINTS: Final = 3000
 """Points of a curve that a picture of this size can show apart; of more only the extremes are drawn."""
@@ -41,7 +41,7 @@ class Stretch:
     @classmethod
     def of(cls, file: Reader, start: float | None = None, stop: float | None = None) -> Self:
         """Return a stretch of an open result, all of it by default; raises Refused where it holds no two ticks."""
-        model = stored_model(file)
+        model = stored(file.provenance["scenario_resolved"]).model()
         whole = cls(
             file=file,
             model=model,

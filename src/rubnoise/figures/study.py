@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.replicates import Pooled, pooled
+from rubnoise.analysis.replicates import Estimate, pooled
 from rubnoise.analysis.summary import expected_figure
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.arrays import Doubles
@@ -39,7 +39,7 @@ class Spot:
     place: float
     numbers: Mapping[str, float]
     label: str
-    seen: Pooled
+    seen: Estimate
     exact: float
     scenario: Scenario
 
@@ -139,11 +139,6 @@ def _as_written(scenario: Scenario, table: str, name: str, value: float) -> Any:
     return Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
 
 
-def without_values(lines: Sequence[Line]) -> bool:
-    """Whether no point of any line has a value."""
-    return not any(isfinite(spot.seen.value) for line in lines for spot in line.spots)
-
-
 def line_of(label: str, spots: Sequence[Spot], *, curve: Curve | None) -> Line:
     """Return a line through points, which are put in order; no curve goes through a single one."""
     inorder = sorted(spots, key=lambda spot: spot.place)
@@ -191,7 +186,7 @@ def study_of_points(
     smooth = bool(numeric) and set(along) <= set(numeric)
     curve = partial(exact_curve, keys=(key, *along), quantity=quantity) if smooth else None
     lines = _lines(points, quantity, key if numeric else "", key, others, curve)
-    if without_values(lines):
+    if not any(isfinite(spot.seen.value) for line in lines for spot in line.spots):
         raise Refused(f"{quantity}: no run has it")
     unit, scale = _written_unit(points, key, units[key]) if numeric else (units[key], 1.0)
     return Study(

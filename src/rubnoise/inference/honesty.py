@@ -87,10 +87,6 @@ def _of(level: Doubles | float, piece: slice) -> Doubles | float:
     return level[piece] if isinstance(level, np.ndarray) else level
 
 
-def _two_sided(z: float) -> float:
-    return erfc(abs(z) / sqrt(2.0))
-
-
 def spectrum_test(fit: Fit) -> HonestyTest:
     """Return the chi-square of relative residuals in log bands, with the covariance that fitting leaves of them.
 
@@ -332,7 +328,7 @@ def drift_test(values: Doubles, fit: Fit) -> HonestyTest:
     words = f"drift: a line through it rises by {rise:+.2f} of its standard deviation, {z:+.1f} standard errors"
     if fit.known.ramp**2 > variance:
         words += "; number and strength allow for a zero that moved so"
-    return HonestyTest(name="drift", statistic=z, p=_two_sided(z), level=DRIFT, words=words)
+    return HonestyTest(name="drift", statistic=z, p=erfc(abs(z) / sqrt(2.0)), level=DRIFT, words=words)
 
 
 def _steadiness(values: Doubles, fit: Fit) -> tuple[float, float]:

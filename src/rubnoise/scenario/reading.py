@@ -1,10 +1,11 @@
 """Reading a scenario: from a file, a text or Python values to a Scenario, or to all of its problems at once."""
 
+import json
 import os
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from rubnoise.errors import ScenarioRefused
+from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.scenario import keys, layers
 from rubnoise.scenario.checks import modelled, plausibility
@@ -40,6 +41,15 @@ def build(values: Mapping[str, Any], name: str = "<python>") -> Scenario:
     1000.0
     """
     return _checked(layers.from_values(values, name), from_python=True)
+
+
+def stored(resolved: object, what: str = "the scenario in the file") -> Scenario:
+    """Return the scenario that a result keeps, as JSON or parsed; raises RunFileRefused, naming it, if it is none."""
+    try:
+        values: Any = json.loads(resolved) if isinstance(resolved, str) else resolved
+        return build(values)
+    except (ValueError, RecursionError, AttributeError, TypeError, Refused) as problem:
+        raise RunFileRefused(f"{what} is not valid") from problem
 
 
 def build_changed(values: Mapping[str, Any], changed: Collection[Path], name: str = "<python>") -> Scenario:

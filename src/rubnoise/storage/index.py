@@ -146,14 +146,10 @@ def describe(file: h5py.File, index: Index) -> None:
         for column in columns:
             attach(described(owner, column.about, column.values), scale)
         _keep_arrays(file, arrays, scale)
-    attributes = {name: _as_read(texts[name]) for name in TEXTS}
+    attributes = {name: text_bytes(texts[name]).decode("utf-8", "replace").rstrip("\0") for name in TEXTS}
     owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
     hashes = {dataset.name: str(dataset.attrs[HASH], "ascii") for owner in owners for dataset in owner.values()}
     put_text(file, HASH, seal_of_index(attributes, hashes))
-
-
-def _as_read(text: str) -> str:
-    return text_bytes(text).decode("utf-8", "replace").rstrip("\0")
 
 
 def create_scale(owner: h5py.Group, about: Column, values: NDArray[Any]) -> h5py.Dataset:

@@ -1,6 +1,5 @@
 """An open index of a sweep, whose columns are read on demand with plain reads, and the results of its runs by name."""
 
-import json
 import os
 from collections.abc import Mapping
 from math import prod
@@ -13,7 +12,7 @@ import numpy as np
 import xxhash
 from numpy.typing import NDArray
 
-from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
 from rubnoise.storage.reader import RunFile, examined, looked_at, open_run, refusing, reopened
@@ -28,7 +27,7 @@ class IndexFile:
     """An open index. Use it as a context manager, or close it."""
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of a file, and what a survey found in it."""
+        """Take over the descriptor of a file, and what was found in it."""
         self.path = Path(path)
         self._place = self.path.absolute()
         self._descriptor = descriptor
@@ -169,10 +168,7 @@ def open_named(path: str | os.PathLike[str], run_id: str) -> RunFile:
 
 def name_of(file: Reader) -> str:
     """Return the name that the scenario in a file has in a sweep; raises RunFileRefused where there is none."""
-    from rubnoise.scenario import build
     from rubnoise.scenario.points import run_id
+    from rubnoise.scenario.reading import stored
 
-    try:
-        return run_id(build(json.loads(str(file.provenance["scenario_resolved"]))))
-    except (ValueError, RecursionError, AttributeError, TypeError, Refused) as problem:
-        raise RunFileRefused(f"{file.path}: the scenario in the file is not valid") from problem
+    return run_id(stored(file.provenance["scenario_resolved"], f"{file.path}: the scenario in the file"))

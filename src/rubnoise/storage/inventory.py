@@ -1,6 +1,6 @@
 """Everything in a file by name, with every attribute, and what a correct run has there.
 
-Files from elsewhere are looked at in a child process (see vetting); no row is read.
+Files from elsewhere are read in the sandbox; no row is read.
 """
 
 import json
@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.checks import ATTRIBUTE_BYTES
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
-from rubnoise.storage.layout import RunDescription
+from rubnoise.storage.layout import Name, RunDescription
 from rubnoise.storage.pages import Overlay
-from rubnoise.storage.rows import REMEDY
-from rubnoise.storage.structure import LIBRARY_VERSIONS, compose, put_text
+from rubnoise.storage.read_structure import structure_read_by
+from rubnoise.storage.schema import Scalar
+from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, put_text
 
 OBJECTS_LIMIT: Final = 20_000
 """More groups and columns are in no file of ours, be it the index of the largest sweep."""
@@ -32,22 +33,26 @@ Inventory = Mapping[str, Mapping[str, Any]]
 """What there is, by path: its kind, of a dataset also type, shape, storage and sources, and its attributes by name."""
 
 
+OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
+"""Attributes that HDF5 writes itself, in types of its own choice."""
+
+Ended = tuple[Mapping[Name, str], Mapping[str, Scalar], str]
+"""What only the end of a run shows: the hashes of its columns, its summary, and the time."""
+
+
 def inventory(descriptor: int) -> bytes:
     """Return, as JSON, everything that an open file holds, or why it is refused."""
-    try:
-        with h5py.File(Overlay(descriptor), "r") as file:
-            found: dict[str, Any] = {"objects": inventory_of(file)}
-    except RunFileRefused as refusal:
-        found = {"refused": str(refusal)}
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError) as problem:
-        found = {"refused": f"damaged: {problem}; {REMEDY}"}
-    return json.dumps(found).encode()
+    return structure_read_by(descriptor, lambda file: {"objects": inventory_of(file)})
 
 
-def expected_inventory(description: RunDescription) -> dict[str, dict[str, Any]]:
-    """Return what the file of a run holds before its first row: it is made in memory, as for a run."""
+def expected_inventory(
+    description: RunDescription, *, compressed: bool, ending: Ended | None = None
+) -> dict[str, dict[str, Any]]:
+    """Return what the file of a run holds beside its rows, before the first or at the end: it is made in memory."""
     with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
-        compose(file, description, compressed=description.compression == "gzip")
+        compose(file, description, compressed=compressed)
+        if ending is not None:
+            complete(file, *ending)
         return inventory_of(file)
 
 
@@ -109,12 +114,14 @@ def _links(owner: h5py.Group) -> Iterator[tuple[str, str, Any]]:
 def _dataset(dataset: h5py.Dataset) -> dict[str, Any]:
     creation = dataset.id.get_create_plist()
     layout = creation.get_layout()
-    # That of a virtual dataset may be found in other files only, which cannot be opened here.
-    shape = dataset.id.shape if layout != h5py.h5d.VIRTUAL else dataset.id.get_space().shape
+    # The shape of a virtual dataset may be found in other files only, which cannot be opened here.
+    space = dataset.id.get_space()
+    shape = dataset.id.shape if layout != h5py.h5d.VIRTUAL else space.shape
     return {
         "kind": DATASET,
         "type": _type(dataset.id.get_type()),
         "shape": list(shape),
+        "grows_to": list(space.get_simple_extent_dims(maxdims=True)),
         "storage": _storage(creation, layout),
         "sources": _sources(creation) if layout == h5py.h5d.VIRTUAL else "none",
         "attributes": _attributes(dataset),

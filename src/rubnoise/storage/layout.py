@@ -124,7 +124,7 @@ class Place:
 
 
 def places_of(found: Mapping[str, Any]) -> dict[Name, Place]:
-    """Return where the columns lie that a survey has found; those in chunks have no place of their own."""
+    """Return where the columns lie that read_structure has found; those in chunks have no place of their own."""
     return {
         (group, name): Place(offset=place.get("offset", 0), rows=place["rows"], dtype=DTYPES[group, name])
         for group, columns in found["columns"].items()

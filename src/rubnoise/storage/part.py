@@ -20,6 +20,7 @@ from rubnoise.record.sink import Columns, Extent, Sink
 from rubnoise.storage import disk
 from rubnoise.storage.columns import ColumnFile, Mark
 from rubnoise.storage.growing import GrowingFile
+from rubnoise.storage.inspection import check_structure
 from rubnoise.storage.journal import Commit, Ending
 from rubnoise.storage.layout import Name, Place, RunDescription, between, digest_of, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
@@ -301,7 +302,8 @@ def _copy(part: Part, file: h5py.File, between: Callable[[], None]) -> None:
 def _check_hashes(path: Path, written: Written) -> None:
     """Read a compressed file once; raises NotAsWritten unless it says and holds what was written."""
     try:
-        with open_run(path, strict=True) as run:
+        with open_run(path) as run:
+            check_structure(run)
             if not written.is_in(run) or run.damaged():
                 raise disk.NotAsWritten("its compressed copy")
     except RunFileRefused as refusal:

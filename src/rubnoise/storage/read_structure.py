@@ -24,14 +24,14 @@ from rubnoise.storage.seal import read_provenance, read_root, read_seal, read_su
 
 def read_structure(descriptor: int) -> bytes:
     """Return, as JSON, where the columns of an open file lie and what its attributes say, or why it is refused."""
-    return structure_read_by(descriptor, lambda file, _: found_in(file, os.fstat(descriptor).st_size))
+    return structure_read_by(descriptor, lambda file: found_in(file, os.fstat(descriptor).st_size))
 
 
-def structure_read_by(descriptor: int, find: Callable[[h5py.File, int], dict[str, Any]]) -> bytes:
-    """Return, as JSON, what is found in an open file by HDF5 and its descriptor, or why it is refused."""
+def structure_read_by(descriptor: int, find: Callable[[h5py.File], dict[str, Any]]) -> bytes:
+    """Return, as JSON, what is found in an open file, or why it is refused."""
     try:
         with h5py.File(Overlay(descriptor), "r") as file:
-            found = find(file, descriptor)
+            found = find(file)
     except (RunFileRefused, OSError, RuntimeError, LookupError, ValueError, TypeError, MemoryError) as problem:
         found = {"refused": _reason(problem)}
     return json.dumps(found, ensure_ascii=False).encode("utf-8", "backslashreplace")

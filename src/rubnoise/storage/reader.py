@@ -1,6 +1,6 @@
 """The reader of result files: opens a file or refuses it in one sentence, and reads columns on demand.
 
-A file may come from anywhere. Its structure is read in a child process (see vetting, survey), its rows with plain
+A file may come from anywhere. Its structure is read in the sandbox (see read_structure), its rows with plain
 reads from places that were checked: in this process HDF5 never sees it. Both go through one descriptor, so that
 no other file can take its place in between.
 """
@@ -10,6 +10,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
@@ -23,7 +24,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.record.sink import Extent
 from rubnoise.regular_file import NotRegular, open_regular
 from rubnoise.storage import disk, lock
-from rubnoise.storage.layout import DTYPES, Name, Place, places_of, row_count, stored_extent
+from rubnoise.storage.layout import DTYPES, Name, Place, between, digest_of, places_of, row_count, stored_extent
 from rubnoise.storage.rows import REMEDY, StoredColumn
 from rubnoise.storage.schema import CHUNK_ROWS, FORMAT_VERSION, GROUPS, Feature, Scalar
 
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 
+STRUCTURE_LIMIT: Final = 8 * 1024**2
+"""Bytes that are no rows, at most: a part has some 100 kB of them, and the texts of its scenario."""
 
 Watch = Callable[[str, int, int], None]
 """Called at each read with the path of the column, the row up to which is read, and how many rows there are."""
@@ -58,7 +61,7 @@ class RunFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of a file, and what a survey found in it."""
+        """Take over the descriptor of a file, and what was found in it."""
         self.path = Path(path)
         self._place = self.path.absolute()
         self.descriptor = descriptor
@@ -102,9 +105,23 @@ class RunFile:
         return places_of(self._found)
 
     @property
+    def is_compressed(self) -> bool:
+        """Whether rows lie in chunks, which have no place of their own."""
+        return any(column.chunk_rows for columns in self._columns.values() for column in columns.values())
+
+    @cached_property
     def structure(self) -> str:
-        """A hash of all that is no row, where the file was opened strictly and is not compressed; else empty."""
-        return str(self._found.get("structure", ""))
+        """A hash of all that was no row when it was first asked for; empty for a compressed file.
+
+        Raises RunFileRefused where that is more than a run has.
+        """
+        if self.is_compressed:
+            return ""
+        with self._reading():
+            rest = between(self.places.values(), os.fstat(self.descriptor).st_size)
+            if sum(map(len, rest)) > STRUCTURE_LIMIT:
+                raise RunFileRefused(f"holds {sum(map(len, rest)):,} bytes that are no rows")
+            return digest_of((place.start, disk.read(self.descriptor, len(place), place.start)) for place in rest)
 
     def rows(self, group: str) -> int:
         """Return the number of rows of a group."""
@@ -168,7 +185,7 @@ class RunFile:
             yield
 
     def _value(self, answer: Mapping[str, Any]) -> Any:
-        """Return what the survey found at one place, as a copy; raises RunFileRefused where it could not be read."""
+        """Return what was found at one place, as a copy; raises RunFileRefused where it could not be read."""
         with self._reading():
             if "refused" in answer:
                 raise RunFileRefused(answer["refused"])
@@ -187,15 +204,14 @@ class RunFile:
         return digest.hexdigest()
 
 
-def open_run(path: str | os.PathLike[str], own: "Written | None" = None, *, strict: bool = False) -> RunFile:
+def open_run(path: str | os.PathLike[str], own: "Written | None" = None) -> RunFile:
     """Open a run file for reading, also one from elsewhere.
 
-    ``own`` is the file that this process has just written: it needs no caution. With ``strict`` its
-    whole structure is read, and has to be what the program makes of what the file says of itself (see inspection).
-    Raises RunFileRefused, with the reason in one sentence, for a path that is missing or no regular file, a file that
-    is not HDF5, not a run, cut short or damaged; TooNew for one of a later format.
+    ``own`` is the file that this process has just written: it needs no caution. Raises RunFileRefused, with the reason
+    in one sentence, for a path that is missing or no regular file, a file that is not HDF5, not a run, cut short or
+    damaged; TooNew for one of a later format.
     """
-    descriptor, found = examined(path, own, strict=strict)
+    descriptor, found = examined(path, own)
     try:
         with refusing(path):
             _check_run(found)
@@ -219,16 +235,14 @@ def _check_run(found: Mapping[str, Any]) -> None:
         raise RunFileRefused("is the index of a sweep, not the result of a run")
 
 
-def examined(
-    path: str | os.PathLike[str], own: "Written | None" = None, *, strict: bool = False
-) -> tuple[int, dict[str, Any]]:
-    """Return a descriptor of a file, locked for reading, and what a survey found in it; refused as by `open_run`."""
+def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
+    """Return a descriptor of a file, locked for reading, and what was found in it; refused as by `open_run`."""
     with refusing(path):
         descriptor = open_regular(path)
         try:
             _check_signature(descriptor, path)
             _share(descriptor)
-            return descriptor, _surveyed(descriptor, own, strict=strict)
+            return descriptor, _found(descriptor, own)
         except BaseException:
             os.close(descriptor)
             raise
@@ -268,12 +282,12 @@ def _share(descriptor: int) -> None:
         raise InUse("is being written by another program")
 
 
-def _surveyed(descriptor: int, own: "Written | None", *, strict: bool) -> dict[str, Any]:
-    """Return what a child process found in the file (see survey); raises RunFileRefused where it is not sound."""
+def _found(descriptor: int, own: "Written | None") -> dict[str, Any]:
+    """Return what a child process found in the file (see read_structure); raises RunFileRefused if it is damaged."""
     known = None if own is None or not own.is_still(os.fstat(descriptor)) else own
     if known is not None and known.found is not None:
         return dict(known.found)
-    found = looked_at(descriptor, "inspection" if strict else "survey", own=known is not None)
+    found = looked_at(descriptor, "structure", own=known is not None)
     if "too_new" in found:
         version, source = found["too_new"], found["source"]
         raise TooNew(

@@ -18,6 +18,7 @@ from rubnoise.record.reader import Attributes
 from rubnoise.simulation.state import State
 from rubnoise.storage import disk
 from rubnoise.storage.growing import GrowingFile
+from rubnoise.storage.inspection import check_structure
 from rubnoise.storage.journal import Ending, History, identity, state_at
 from rubnoise.storage.layout import RunDescription, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES
@@ -224,7 +225,8 @@ def mended(paths: OutputPaths) -> Iterator[RunFile]:
     history = History.read(paths.journal)
     if history.ending is not None:
         _mend(paths, history.run, history.ending)
-    with open_run(paths.part, strict=True) as run:
+    with open_run(paths.part) as run:
+        check_structure(run)
         yield run
 
 

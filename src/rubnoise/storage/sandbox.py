@@ -172,19 +172,14 @@ def _refusal(reason: str, *, unseen: bool = False) -> bytes:
 
 TOO_MUCH: Final = "reading its structure takes more time or memory than that of any run"
 
-LookName = Literal["survey", "inventory", "inspection"]
+LookName = Literal["structure", "inventory"]
 
 
 def look_of(name: LookName) -> Look:
     """Return the look of a name."""
-    from rubnoise.storage import inspection, inventory, read_structure  # which all rest on HDF5
+    from rubnoise.storage import inventory, read_structure  # which rest on HDF5
 
-    looks: dict[LookName, Look] = {
-        "survey": read_structure.read_structure,
-        "inventory": inventory.inventory,
-        "inspection": inspection.inspect,
-    }
-    return looks[name]
+    return read_structure.read_structure if name == "structure" else inventory.inventory
 
 
 START_SECONDS: Final = 60.0
@@ -192,7 +187,7 @@ END_SECONDS: Final = 2.0
 PROGRAM: Final = "from rubnoise.storage.sandbox import serve_looks; serve_looks()"
 CHANNEL: Final = 0
 LENGTH_BYTES: Final = 8
-WORDS: "Final[dict[LookName, bytes]]" = {"survey": b"?", "inventory": b"*", "inspection": b"!"}
+WORDS: "Final[dict[LookName, bytes]]" = {"structure": b"?", "inventory": b"*"}
 """What is sent along with a descriptor: which look is wanted."""
 
 
@@ -205,7 +200,7 @@ class SandboxWorker:
         self._channel: socket.socket | None = None
         self._owner = 0
 
-    def ask(self, descriptor: int, look: "LookName" = "survey") -> bytes:
+    def ask(self, descriptor: int, look: "LookName" = "structure") -> bytes:
         """Return what a look at an open file finds (see looks); raises OSError where no process answers."""
         with self._asking:
             if self._owner != os.getpid():  # after a fork the channel is that of the parent
@@ -236,8 +231,6 @@ SANDBOX_WORKER: Final = SandboxWorker()
 
 def serve_looks() -> None:
     """Serve as that process: answer until the program that asks is gone."""
-    from rubnoise.storage.sandbox import look_of
-
     looks = {word: look_of(name) for name, word in WORDS.items()}
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(ConnectionError), socket.socket(fileno=CHANNEL) as channel:  # it may be killed while it waits

@@ -18,7 +18,7 @@ NamedColumn = tuple[tuple[str, str], ColumnFile]
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A file as it was when this process had written it, and what there is in it where that is known (see survey)."""
+    """A file as it was when this process had written it, and what is in it if that is known (see read_structure)."""
 
     file: os.stat_result
     found: Mapping[str, Any] | None = None

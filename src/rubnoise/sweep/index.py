@@ -67,16 +67,11 @@ def swept(key: str, scenarios: Sequence[Scenario]) -> Filled:
     section, name = key.split(".")
     values = [getattr(getattr(scenario, section), name) for scenario in scenarios]
     meaning = SECTIONS[section].model_fields[name].description or name
-    units = {_unit_of(value) for value in values}
+    units = {(value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1") for value in values}
     if len(units) == 1 and all(isinstance(value, int | float) for value in values):
         about = Column(name=key, units=units.pop(), long_name=meaning, symbol="")
         return Filled(about=about, values=np.array(values, dtype=np.float64))
     return text(key, meaning, [value.as_text() if isinstance(value, Quantity) else str(value) for value in values])
-
-
-def _unit_of(value: object) -> str:
-    """Return the unit of a value; a ratio is kept as a part of 1."""
-    return value.kind.unit if isinstance(value, Quantity) and value.kind != RATIO else "1"
 
 
 LONGEST_REASON = 500

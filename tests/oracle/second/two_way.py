@@ -6,9 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.reading import Ahead, chunks
 from rubnoise.analysis.stick_slip import first_landmark
-from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.arrays import Doubles, Integers
 from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows

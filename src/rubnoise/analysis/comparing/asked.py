@@ -11,7 +11,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged_mean, tail_of, too_short
+from rubnoise.analysis.answer import LeftOut
+from rubnoise.analysis.comparing.findings import Finding, Identity, judged_mean, tail_of, too_short
 from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.quadrature import size_range

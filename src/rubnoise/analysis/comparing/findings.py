@@ -3,14 +3,15 @@
 A number and its standard error become a figure that is judged, or a reason why it is not.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import inf, isfinite, log1p
-from typing import Final, Protocol
+from typing import Any, ClassVar, Final, Protocol
 
 import numpy as np
 
 from rubnoise.analysis.agreement import Agreement, family_wise_bound, normal_deviate, outside
+from rubnoise.analysis.answer import Answer, LeftOut
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
@@ -109,14 +110,6 @@ class Identity:
         return self.deviation <= self.allowed
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LeftOut:
-    """Figures that a run cannot be compared in, and why."""
-
-    name: str
-    reason: str
-
-
 Finding = Agreement | Identity | LeftOut
 
 
@@ -138,23 +131,27 @@ class Findings:
         """What must hold to rounding."""
         return [each for each in self.found if isinstance(each, Identity)]
 
-    @property
-    def left_out(self) -> list[LeftOut]:
-        """What could not be compared."""
-        return [each for each in self.found if isinstance(each, LeftOut)]
 
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Comparison(Answer):
+    """A run compared with the theory of its scenario: every figure with its exact value, standard error and z.
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
-    """A run compared with the theory of its scenario, part by part.
+    ``passed`` is true where all figures keep ``bound`` and all identities hold; ``outside`` names those that do not,
+    ``left_out`` names what could not be compared, with the reason. ``bound`` is the largest |z| that a right run may
+    have; ``by_family`` says that it is the one which all figures keep together, and not one that was asked for.
 
-    ``bound`` is the largest |z| that a right run may have; ``by_family`` says that it is the one which all figures keep
-    together, and not one that was asked for.
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     answer = run.compare()
+    >>> answer.passed, answer.outside, answer.rows[0]["figure"]
+    (True, (), 'birth_count')
     """
 
+    names: ClassVar = ("part", "figure", "measured", "exact", "standard_error", "z", "within")
     parts: tuple[Findings, ...]
     bound: float
     by_family: bool
+    heading: str = ""
 
     @property
     def figures(self) -> list[Agreement]:
@@ -167,15 +164,36 @@ class Comparison:
         return [identity for part in self.parts for identity in part.identities]
 
     @property
-    def left_out(self) -> list[LeftOut]:
+    def omitted(self) -> list[LeftOut]:
         """Everything that could not be compared."""
-        return [each for part in self.parts for each in part.left_out]
+        return [each for part in self.parts for each in part.found if isinstance(each, LeftOut)]
 
     @property
-    def outside(self) -> list[str]:
-        """Names of what is outside: figures beyond the bound, and identities that do not hold."""
+    def outside(self) -> tuple[str, ...]:
+        """Names of the figures beyond the bound, and of the identities that do not hold."""
         broken = [identity.name for identity in self.identities if not identity.holds]
-        return [figure.name for figure in outside(self.figures, self.bound)] + broken
+        return (*(figure.name for figure in outside(self.figures, self.bound)), *broken)
+
+    @property
+    def failing(self) -> tuple[str, ...]:
+        """The same, as every answer calls it."""
+        return self.outside
+
+    @property
+    def rows(self) -> tuple[Mapping[str, Any], ...]:
+        """One row per figure; of an identity `measured` is how far it is off and `exact` is 0."""
+        beyond, rows = set(self.outside), []
+        for part in self.parts:
+            for figure in part.figures:
+                values = (figure.observed, figure.expected, figure.standard_error, figure.z)
+                rows.append((part.heading, figure.name, *values, figure.name not in beyond))
+            rows += [(part.heading, each.name, each.deviation, 0.0, None, None, each.holds) for each in part.identities]
+        return tuple(dict(zip(self.names, row, strict=True)) for row in rows)
+
+    @property
+    def _counts(self) -> str:
+        scored = sum(figure.z is not None for figure in self.figures)
+        return f"{scored} figures and {len(self.identities)} identities compared, |z| <= {self.bound:.3g}"
 
 
 def comparison(parts: Iterable[Findings], bound: float | None = None) -> Comparison:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut
+from rubnoise.analysis.answer import LeftOut
+from rubnoise.analysis.comparing.findings import Finding, Identity
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths

@@ -7,8 +7,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.balance import Balance, FrictionIntegral
-from rubnoise.analysis.comparing.findings import Finding, Identity, LeftOut, judged, judged_mean, tail_of, too_short
+from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
 from rubnoise.arrays import Doubles

@@ -4,12 +4,12 @@ from math import inf
 
 import numpy as np
 
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparing.contact import stationary_length
 from rubnoise.analysis.comparing.findings import (
     LARGEST_ERROR,
     LARGEST_TAIL_SKEWNESS,
     Finding,
-    LeftOut,
     Tail,
     judged,
     judged_mean,

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.analysis.agreement import Agreement
+from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.comparing.findings import (
     LARGEST_SKEWNESS,
     Drawn,
     Finding,
     Identity,
-    LeftOut,
     judged,
     poisson_figure,
     tail_of_squares,

@@ -138,9 +138,5 @@ def read_trace(model: Model, rows: Rows) -> TraceSums:
         spectrum=WelchSum(layout.segment, layout.stride * model.tick),
     )
     for columns in checked_chunks(rows, "trace", COLUMNS):
-        sums.add(columns, _constant_strength(model))
+        sums.add(columns, (model.strengths.mean if isinstance(model.strengths, Fixed) else None))
     return sums
-
-
-def _constant_strength(model: Model) -> float | None:
-    return model.strengths.mean if isinstance(model.strengths, Fixed) else None

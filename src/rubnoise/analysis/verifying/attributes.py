@@ -14,12 +14,13 @@ from functools import partial
 from shlex import join, split
 from typing import Any, Final
 
-from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
+from rubnoise.analysis.answer import LeftOut
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.record.reader import HashedReader
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.scenario import flattened
 from rubnoise.simulation.run import slider_constants
-from rubnoise.storage.inventory import DATASET, Inventory, expected_inventory, stored_texts
+from rubnoise.storage.inventory import DATASET, OF_HDF5, Inventory, expected_inventory, stored_texts
 from rubnoise.storage.layout import RunDescription, features_of
 from rubnoise.storage.provenance import TIME, Provenance, environment, software
 from rubnoise.storage.schema import HASH, Scalar
@@ -77,9 +78,6 @@ Rule = Callable[[str], str | None]
 
 Rules = Mapping[tuple[str, str], Rule]
 """Rules by the path of an object and the name of its attribute; other attributes are as they are expected."""
-
-OF_HDF5: Final = frozenset(("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"))
-"""Attributes that HDF5 writes itself, in types of its own choice."""
 
 LONGEST: Final = 160
 """Characters of a value that are shown."""
@@ -248,7 +246,8 @@ RULES: Final[Mapping[tuple[str, str], Asked]] = {
 
 def attribute_checks(scenario: Scenario, run: HashedReader, found: Inventory) -> list[Check]:
     """Return whether a file has the groups, columns and attributes that a run of its scenario has, and no others."""
-    expected = expected_inventory(_description(scenario, run))
+    compressed = scenario.output.compression == "gzip"
+    expected = expected_inventory(_description(scenario, run), compressed=compressed)
     structure, attributes = Notes("structure"), Notes("attributes")
     compare_structure(structure, found, expected)
     subject = Subject(scenario=scenario, provenance=run.provenance)

@@ -3,11 +3,14 @@
 Notes are taken while columns pass by: how many values were looked at, how many differ, and where first.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from rubnoise.analysis.answer import Answer, LeftOut
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,24 +47,25 @@ class Check:
         return self.different == 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LeftOut:
-    """A check that could not be made, or only in part, and why."""
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Verification(Answer):
+    """A result checked against its own hashes, rows and scenario, one row per check, in the order of ``checks``.
 
-    name: str
-    reason: str
+    ``passed`` is true where every value is what it should be; ``left_out`` names what could not be checked, with the
+    reason; ``remark`` says what may explain a difference.
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Verification:
-    """Everything that a file was asked, in the order in which it was asked, and what was left out.
-
-    ``remark`` says what may explain a difference; empty if there is nothing to say.
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     answer = run.verify()
+    >>> answer.passed, answer.rows[0]["check"], answer.rows[0]["different"]
+    (True, 'hashes', 0)
     """
 
+    names: ClassVar = ("check", "values", "different", "first_difference")
     checks: tuple[Check, ...]
-    left_out: tuple[LeftOut, ...] = ()
+    omitted: tuple[LeftOut, ...] = ()
     remark: str = ""
+    heading: str = ""
 
     @property
     def different(self) -> list[Check]:
@@ -69,9 +73,24 @@ class Verification:
         return [check for check in self.checks if not check.holds]
 
     @property
+    def failing(self) -> tuple[str, ...]:
+        """Names of the checks that do not hold."""
+        return tuple(check.name for check in self.different)
+
+    @property
     def values(self) -> int:
         """How many values checked in all checks together."""
         return sum(check.values for check in self.checks)
+
+    @property
+    def rows(self) -> tuple[Mapping[str, Any], ...]:
+        """One row per check: how many values it looked at, how many differ, and the first of these."""
+        rows = ((each.name, each.values, each.different, str(each.first or "")) for each in self.checks)
+        return tuple(dict(zip(self.names, row, strict=True)) for row in rows)
+
+    @property
+    def _counts(self) -> str:
+        return f"{len(self.checks)} checks of {self.values:,} values"
 
 
 Mask = NDArray[np.bool_]

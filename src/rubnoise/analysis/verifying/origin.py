@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from shlex import split
 from typing import Any, Final
 
-from rubnoise.analysis.verifying.findings import Check, LeftOut, Notes
+from rubnoise.analysis.answer import LeftOut
+from rubnoise.analysis.verifying.findings import Check, Notes
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.record.reader import HashedReader, Reader
