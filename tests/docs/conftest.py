@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rubnoise
-from rubnoise.claims import catalogue, ledger
+from rubnoise.claims import catalogue
 from tests.architecture.sources import ROOT
 from tests.cli.test_json_contract import A_CLAIM, A_ROW
 from tests.wishes import Wishes
@@ -42,5 +42,5 @@ def workplace(tmp_path: Path, figure_5: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(here)
     if not Wishes.everything:
         monkeypatch.setattr(catalogue, "evaluate_claims", lambda _: (A_CLAIM,))
-        monkeypatch.setattr(ledger, "evaluate_field", lambda _: (A_ROW,))
+        monkeypatch.setattr(catalogue, "evaluate_field", lambda _: (A_ROW,))
     return here
