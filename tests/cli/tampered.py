@@ -1,6 +1,8 @@
-"""Folders of sweeps, changed behind the back of their checksums: one change for each seed."""
+"""Sweeps for the tests of the command line: what is in their folders, and changes behind the back of checksums."""
 
 import json
+import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
@@ -12,8 +14,37 @@ import xxhash
 
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, TEXTS, seal_of_index
 from rubnoise.storage.schema import HASH
+from tests.cli.terminal import columns, command, start
 from tests.unit.tampering import put_text
 
+# Sweeps for the tests of the command line, and what is in their folders.
+TABLE = """
+[sweep]
+replicates = 3
+[sweep.grid]
+interface.mean_junction_count = [10, 40]
+"""
+SLOW = ("--set", "sliding.distance=15 mm", "--set", "output.tick=0.005 um", "--set", "sweep.replicates=4")
+"""Changes that make each run last the better part of a second."""
+
+
+def runs_of(folder: Path) -> dict[str, dict[str, bytes]]:
+    """Return the bytes of every column of every run in a folder, by name."""
+    return {path.stem: columns(path) for path in sorted((folder / "runs").glob("*.h5"))}
+
+
+def begin_sweep(folder: Path, *arguments: str | Path, cold: bool = False) -> "subprocess.Popen[str]":
+    """Start a sweep in a process of its own, and return it when a run is being written."""
+    begun = start(command(*arguments), cold=cold, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    for _ in range(12_000):
+        if any((folder / "runs").glob("*.part")) or begun.poll() is not None:
+            break
+        time.sleep(0.01)
+    assert begun.poll() is None, "the sweep ended before it began"
+    return begun
+
+
+# Folders of sweeps, changed behind the back of their checksums: one change for each seed.
 ODD: tuple[Any, ...] = (
     None, True, 0, 1, -1, 10**13, 2**63 - 1, 10**400, 1e300, float("nan"), float("inf"), "", "x", "../../x", "a/b",
     "\0", "\ud800", "run", [], [1], [[]], ["x"], ["x.y"], {}, {"x": 1}, {"x": {"y": None}}, [None], [{}], "[" * 5000,

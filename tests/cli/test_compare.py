@@ -1,7 +1,8 @@
-"""`rubnoise compare`: a result beside its theory, as a table and as JSON, and what becomes of one that is not right."""
+"""`rubnoise compare`, `verify` and `claims`: a result beside its theory and itself, and the paper beside both."""
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,15 @@ import h5py
 import numpy as np
 import pytest
 
+from rubnoise.claims import catalogue
+from rubnoise.claims.claim import Verdict
+from rubnoise.claims.field import FieldClaim
+from rubnoise.storage.schema import HASH
 from tests.cli.terminal import call, spawn
+from tests.cli.test_json_contract import A_CLAIM, A_ROW
+from tests.unit.tampering import flip, put, put_text, tell
 
+# `rubnoise compare`: a result beside its theory, as a table and as JSON, and what becomes of one that is not right.
 SLIDER = "../given/slider.toml"
 LONG = ("--set", "sliding.distance=1 mm")
 
@@ -191,3 +199,196 @@ def test_a_scenario_is_no_result(here: Path) -> None:
 def test_exit_codes_reach_the_shell(result: Path) -> None:
     assert spawn("compare", "x.h5", "-h").code in {0, 2}
     assert spawn("compare", "x.h5", "--bound", "0.01").code == 3
+
+
+# `rubnoise verify`: correct results pass, and it names what is wrong in others.
+@pytest.fixture
+def short_result(here: Path) -> Path:
+    assert call("run", SLIDER, "-q", "-o", "x.h5").code == 0
+    return here / "x.h5"
+
+
+def test_a_right_result_is_verified(short_result: Path) -> None:
+    answer = call("verify", "x.h5")
+    assert (answer.code, answer.err) == (0, "")
+    lines = answer.out.splitlines()
+    assert lines[0] == "x.h5: compared with its hashes and its run, played again"
+    assert [line.split()[-1] for line in lines[3:-2]] == ["0"] * 12
+    assert lines[-1].startswith("  12 of 12 checks hold; ")
+    assert lines[-1].endswith(" values checked")
+    assert "left out" not in answer.out
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("x.h5", "--regenerate"),
+        ("--regenerate", "x.h5"),
+        ("x.h5", "--regenerate", "3"),
+        ("--regenerate", "3", "x.h5"),
+        ("--regenerate=3", "x.h5"),
+        ("x.h5", "--regenerate", "--json"),
+    ],
+)
+def test_regenerate_is_a_word_that_changes_nothing(short_result: Path, words: tuple[str, ...]) -> None:
+    answer = call("verify", *words)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out == call("verify", "x.h5", *(["--json"] if "--json" in words else [])).out
+
+
+@pytest.mark.parametrize("count", ["0", "-1", "many"])
+def test_a_number_of_blocks_that_is_none_is_refused(short_result: Path, count: str) -> None:
+    answer = call("verify", "x.h5", f"--regenerate={count}")
+    assert (answer.code, answer.out) == (2, "")
+    assert "--regenerate" in answer.err
+
+
+def test_a_difference_has_its_own_exit_code_and_its_place(short_result: Path) -> None:
+    put(short_result, "trace/junction_count", 117, 99)
+    with h5py.File(short_result) as file:
+        count = round(float(file["trace/junction_count"][116]))
+    answer = call("verify", "x.h5")
+    assert answer.code == 3
+    assert answer.err.startswith("x.h5: differs: /trace/junction_count row 117 is 99, should be ")
+    place, _, machines = answer.err.strip().removeprefix("x.h5: differs: ").partition("; ")
+    assert abs(int(place.split()[-1]) - count) <= 3
+    assert machines.startswith("the areas agree with the rows, and the rows not with the play: the run was made on ")
+    assert answer.err.count("\n") == 1
+    assert place in answer.out
+    assert "summary: rows of the columns that it sums up differ" in answer.out
+    assert "10 of 11 checks hold" in answer.out
+
+
+def test_the_place_is_that_of_a_row_where_one_is_known(short_result: Path) -> None:
+    flip(short_result, "trace/friction_force", 117, seal=False)
+    answer = call("verify", "x.h5", "--json")
+    told = answer.json()
+    assert answer.code == 3
+    assert not told["verified"]
+    assert told["different"] == ["hashes", "trace"]
+    assert told["checks"]["hashes"]["place"] == "/trace/friction_force"
+    assert "row" not in told["checks"]["hashes"]
+    force = told["checks"]["trace"]
+    assert (force["place"], force["row"], force["different"]) == ("/trace/friction_force", 117, 1)
+    assert abs(float(force["found"]) / float(force["expected"]) - 1.0) < 1e-15
+    assert "/trace/friction_force row 117 is " in answer.err
+
+
+def test_a_hash_alone_is_told_too(short_result: Path) -> None:
+    with h5py.File(short_result, "r+") as file:
+        put_text(file["slider/velocity"], HASH, "0" * 32)
+    answer = call("verify", "x.h5")
+    assert answer.code == 3
+    assert answer.err == (
+        "x.h5: differs: /slider/velocity is not what its hash was taken of, should be as it was written\n"
+    )
+
+
+def test_what_a_file_says_cannot_steer_a_terminal(short_result: Path) -> None:
+    tell(short_result, "provenance", "seed", "\x1b[2Jclear")
+    answer = call("verify", "x.h5")
+    assert answer.code == 3
+    assert "\x1b" not in answer.out + answer.err
+    assert "clear" in answer.err
+
+
+def test_random_numbers_of_another_version_are_refused(short_result: Path) -> None:
+    tell(short_result, "provenance", "stream_version", 7)
+    answer = call("verify", "x.h5")
+    assert (answer.code, answer.err) == (3, "x.h5: differs: /provenance stream_version is 7, should be 1\n")
+    answer = call("verify", "x.h5", "--regenerate")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("x.h5: has random streams of version 7, which can't be drawn again: ")
+    assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("text", [b"", b"no HDF5"])
+def test_what_is_no_result_is_refused(here: Path, text: bytes) -> None:
+    (here / "x.h5").write_bytes(text)
+    answer = call("verify", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("x.h5: ")
+
+
+def test_an_unfinished_result_is_refused(short_result: Path) -> None:
+    with h5py.File(short_result, "r+") as file:
+        file["provenance"].attrs["finished"] = np.bytes_(b"\0\0")
+    answer = call("verify", "x.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert "unfinished" in answer.err
+
+
+def test_exit_codes_of_verify_reach_the_shell(short_result: Path) -> None:
+    assert spawn("verify", "x.h5", "--regenerate", "1").code == 0
+    flip(short_result, "trace/distance", 5)
+    assert spawn("verify", "x.h5").code == 3
+
+
+# `rubnoise claims`: what is printed, and the exit code.
+@pytest.fixture
+def evaluated(monkeypatch: pytest.MonkeyPatch) -> list[Verdict]:
+    """Settle one claim at once, with the verdict that stands in the list."""
+    verdicts = [Verdict.HOLDS]
+    monkeypatch.setattr(catalogue, "evaluate_claims", lambda tell: (replace(A_CLAIM, verdict=verdicts[0]),))
+    return verdicts
+
+
+def test_a_claim_is_told_with_its_numbers_and_verdict(evaluated: list[Verdict]) -> None:
+    done = call("claims")
+    assert done.out.splitlines()[0] == "Eq. (1): holds"
+    assert "mean (um)" in done.out
+    assert "1 +- 0.2" in done.out
+    assert max(map(len, done.out.splitlines())) <= 80
+    assert done.err == ""
+
+
+def test_simulation_and_theory_that_disagree_are_told_by_the_exit_code(evaluated: list[Verdict]) -> None:
+    evaluated[0] = Verdict.UNSETTLED
+    done = call("claims", "--json")
+    assert done.code == 3
+    assert json.loads(done.out)["claims"][0]["verdict"] == "unsettled"
+
+
+@pytest.fixture
+def rows(monkeypatch: pytest.MonkeyPatch) -> list[FieldClaim]:
+    """Settle the ledger at once, with the rows that stand in the list."""
+    found = [A_ROW]
+    monkeypatch.setattr(catalogue, "evaluate_field", lambda tell: tuple(found))
+    return found
+
+
+def test_the_ledger_is_told_with_source_numbers_and_verdict(rows: list[FieldClaim]) -> None:
+    done = call("claims", "--field")
+    assert done.out.splitlines()[0] == "someone1956: not yet (abstract alone)"
+    assert "Published: above 0.5; the numbers agree." in done.out
+    assert max(map(len, done.out.splitlines())) <= 80
+    assert (done.code, done.err) == (0, "")
+
+
+def test_the_ledger_is_written_as_a_page_and_as_json(rows: list[FieldClaim], tmp_path: Path) -> None:
+    done = call("claims", "--field", "-o", str(tmp_path))
+    assert done.out.split() == [str(tmp_path / name) for name in ("field.md", "field.json")]
+    kept = json.loads((tmp_path / "field.json").read_text(encoding="utf-8"))["claims"]
+    assert kept == json.loads(call("claims", "--field", "--json").out)["claims"]
+    assert kept[0]["published"] == [0.5, None]
+    assert "### someone1956" in (tmp_path / "field.md").read_text(encoding="utf-8")
+    again = call("claims", "--field", "-o", str(tmp_path))
+    assert again.code == 2
+    assert "--force replaces it" in again.err
+    assert call("claims", "--field", "-o", str(tmp_path), "--force").code == 0
+
+
+def test_no_ledger_is_written_where_simulation_and_theory_disagree(rows: list[FieldClaim], tmp_path: Path) -> None:
+    quantity = A_ROW.quantity
+    assert quantity is not None
+    rows[0] = replace(A_ROW, quantity=replace(quantity, exact=3.0))
+    done = call("claims", "--field", "-o", str(tmp_path))
+    assert done.code == 3
+    assert "simulation and theory disagree: someone1956" in done.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_paper_s_claims_go_to_no_folder(evaluated: list[Verdict], tmp_path: Path) -> None:
+    done = call("claims", "-o", str(tmp_path))
+    assert done.code == 2
+    assert "need --field" in done.err

@@ -1,15 +1,21 @@
-"""`rubnoise plot`: pictures of a run in files."""
+"""`rubnoise plot` and `rubnoise figures`: pictures of runs, of sweeps and of the paper in files."""
 
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import rubnoise
 from rubnoise.cli.plot import What
 from rubnoise.figures.catalogue import PICTURES
-from tests.cli.terminal import call, names
+from rubnoise.figures.study import quantities_of, study_of_sweep
+from tests.cli.terminal import call, names, spawn
+from tests.figures.papers import short_papers
 from tests.format.runs import describe, random_rows, write_run
+from tests.unit.sweeps import HEAD
 
+# `rubnoise plot`: pictures of a run in files.
 CONTACT = Path("../given/contact.toml")
 SLIDER = Path("../given/slider.toml")
 BEGINNINGS = {"png": b"\x89PNG\r\n\x1a\n", "pdf": b"%PDF-", "svg": b"<?xml"}
@@ -178,3 +184,186 @@ def test_without_matplotlib_nothing_is_written(result: Path, here: Path, monkeyp
     assert (answer.code, answer.out) == (2, "")
     assert "tools/dev.py sync" in answer.err.replace("'", "")
     assert names(here) == ["x.h5"]
+
+
+# `rubnoise plot DIR`: a quantity of a sweep against what is swept.
+SWEPT = """\
+[diameter]
+law = "normal"
+spread = "0.2 um"
+[output]
+tick = "0.2 um"
+[sweep]
+keep = "summary"
+replicates = 6
+[sweep.grid]
+interface.mean_junction_count = [10, 20, 40]
+interface.mean_real_contact_area = ["100 um^2", "200 um^2"]
+"""
+STD = "real_contact_area_std"
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a sweep of six points, six runs of each."""
+    folder = tmp_path_factory.mktemp("swept")
+    (folder / "s.toml").write_text(HEAD + SWEPT, encoding="utf-8")
+    rubnoise.run_sweep(folder / "s.toml", folder / "study", jobs=1).close()
+    return folder / "study"
+
+
+def test_a_study_is_what_the_index_says(swept: Path) -> None:
+    with rubnoise.open_sweep(swept) as sweep:
+        study = study_of_sweep(sweep, STD)
+        assert (study.title, study.key, study.unit) == ("study", "interface.mean_junction_count", "1")
+        assert [line.label for line in study.lines] == ["100 µm²", "200 µm²"]
+        figures, point = sweep.runs[STD][:], sweep.runs["point"][:]
+        exact = sweep.runs[f"{STD}_exact"][:]
+        for number, values in enumerate(sweep.values):
+            line = study.lines[int(values["interface.mean_real_contact_area"] == "200 um^2")]
+            [spot] = [spot for spot in line.spots if spot.place == values["interface.mean_junction_count"]]
+            assert spot.seen.runs == 6
+            assert spot.seen.value == pytest.approx(np.sqrt(np.square(figures[point == number]).mean()), rel=1e-12)
+            assert spot.exact == pytest.approx(exact[point == number][0], rel=1e-12)
+            assert abs(spot.seen.value - spot.exact) < 6.0 * spot.seen.standard_error
+        assert quantities_of(sweep)[-1] == "junction_count_std"
+
+
+def test_a_quantity_is_drawn(swept: Path, here: Path) -> None:
+    answer = call("plot", swept, "junction_count_mean", "-o", "n.png")
+    assert (answer.code, answer.out, answer.err) == (0, "n.png\n", "")
+    assert (here / "n.png").read_bytes().startswith(b"\x89PNG")
+    assert call("plot", swept).out == f"study_{STD}.png\n"
+    assert names(here) == ["n.png", f"study_{STD}.png"]
+    refused = call("plot", swept)
+    assert (refused.code, refused.out) == (2, "")
+    assert "exists already" in refused.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("displacement_std",), '"displacement_std": no quantity of this sweep; there are real_contact_area_mean, '),
+        (("trace",), '"trace": no quantity of this sweep; there are '),
+        ((STD, "--from", "5"), "--from, --to, --of and --with are for the pictures of one run"),
+        ((STD, "--with", "x.h5"), "--from, --to, --of and --with are for the pictures of one run"),
+        ((STD, "-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
+    ],
+)
+def test_what_cannot_be_drawn_of_a_sweep_is_refused(
+    swept: Path, here: Path, arguments: tuple[str, ...], said: str
+) -> None:
+    answer = call("plot", swept, *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in " ".join(answer.err.replace("│", " ").split())
+    assert names(here) == []
+
+
+def test_a_folder_of_something_else_is_refused(here: Path) -> None:
+    (here / "folder").mkdir()
+    answer = call("plot", "folder")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "folder: no folder of a sweep: it has no index.h5\n"
+
+
+def test_quantities_are_completed(here: Path) -> None:
+    from rubnoise.cli.plot import complete
+
+    assert complete("displ") == ["displacement_mean", "displacement_std"]
+    assert complete("ac") == ["acf"]
+
+
+# `rubnoise figures`: the paper's figures as files.
+@pytest.fixture
+def papers(here: Path) -> Path:
+    """Return a folder with short scenarios."""
+    (folder := here.parent / "papers").mkdir()
+    return short_papers(folder)
+
+
+def test_a_figure_is_written_in_every_format(here: Path, papers: Path) -> None:
+    answer = call("figures", "fig3", "-o", "out", "--scenarios", papers)
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out == "out/fig3.png\nout/fig3.pdf\nout/fig3.svg\n"
+    assert names(here / "out") == ["fig3.pdf", "fig3.png", "fig3.svg"]
+
+
+def test_the_bytes_are_the_same_in_another_process(here: Path, papers: Path) -> None:
+    assert call("figures", "fig2", "fig3", "-o", "one", "--scenarios", papers).code == 0
+    assert spawn("figures", "fig3", "fig2", "-o", "two", "--scenarios", papers, PYTHONHASHSEED="7").code == 0
+    assert names(here / "one") == names(here / "two")
+    for name in names(here / "one"):
+        assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
+
+
+def test_it_goes_into_a_folder_of_its_own_by_default(here: Path, papers: Path) -> None:
+    answer = call("figures", "fig2", "--format", "svg", "--scenarios", papers)
+    assert (answer.code, answer.out) == (0, "figures/fig2.svg\n")
+    assert names(here) == ["figures"]
+
+
+def test_the_shipped_scenarios_are_those_of_the_paper(here: Path) -> None:
+    assert call("figures", "fig4", "--format", "png", "-o", ".").code == 0
+    assert names(here) == ["fig4.png"]
+
+
+def test_quiet_is_silent(here: Path, papers: Path) -> None:
+    answer = spawn("figures", "fig3", "-q", "--format", "pdf", "-o", "a/b", "--scenarios", papers)
+    assert (answer.code, answer.out, answer.err) == (0, "", "")
+    assert names(here / "a" / "b") == ["fig3.pdf"]
+
+
+def test_an_existing_picture_is_replaced_only_by_force(here: Path, papers: Path) -> None:
+    (here / "out").mkdir()
+    (here / "out" / "fig3.pdf").write_text("precious", encoding="utf-8")
+    arguments = ("figures", "fig2", "fig3", "-o", "out", "--scenarios", papers)
+    answer = call(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.endswith("out/fig3.pdf: exists already (--force replaces it)\n")
+    assert names(here / "out") == ["fig3.pdf"]
+    assert call(*arguments, "--force").code == 0
+    assert (here / "out" / "fig3.pdf").read_bytes().startswith(b"%PDF")
+    assert len(names(here / "out")) == 6
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("fig1",), "fig1: no figure of the paper; there are fig2, fig3, fig4, fig5, fig6, fig7, fig8, fig9, and all"),
+        (("fig3", "--format", "jpg"), "there are png, pdf, svg"),
+        (("fig3", "-o", "file"), "file: is no folder"),
+        (("fig3", "-o", "file/below"), "file: is no folder"),
+        (("fig3", "--scenarios", "."), "fig3.toml: cannot be read: no such file or directory"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_is_made(here: Path, arguments: tuple[str, ...], said: str) -> None:
+    (here / "file").touch()
+    answer = call("figures", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert said in " ".join(answer.err.replace("│", " ").split())
+    assert names(here) == ["file"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which none can be made")
+def test_a_folder_that_cannot_be_made_is_refused(here: Path) -> None:
+    answer = call("figures", "fig3", "-o", "/proc/none")
+    assert (answer.code, answer.out) == (2, "")
+    # A user who is not root reads about the folder above.
+    assert answer.err.startswith("/proc")
+    assert "writable" in answer.err or "cannot be written" in answer.err
+
+
+def test_wrong_scenarios_are_refused_with_their_lines(here: Path, papers: Path) -> None:
+    (papers / "fig7.toml").write_text((papers / "fig7.toml").read_text().replace("[10, 30", "[-1, 30"))
+    answer = call("figures", "--scenarios", papers)
+    assert (answer.code, answer.out) == (2, "")
+    assert "fig7.toml:10: error: interface.mean_junction_count: must be above 0" in answer.err
+    assert names(here) == []
+
+
+def test_without_matplotlib_it_is_said_how_to_get_it(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    answer = call("figures", "fig3")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("a picture needs matplotlib: python3 ")
+    assert names(here) == []

@@ -1,19 +1,112 @@
-"""Files of other versions, and files that hold more than this version knows."""
+"""Files of format version 1 are read as ever, and files of other versions as far as they go."""
 
+import hashlib
 import shutil
+from collections import Counter
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
+import rubnoise
 from rubnoise.errors import RunFileRefused
 from rubnoise.storage.reader import TooNew, open_run
 from rubnoise.storage.schema import FORMAT_VERSION
 
+# Files of format version 1, kept as they were written: what is read out of them never changes.
 HERE = Path(__file__).parent
+WHOLE, BARE = HERE / "format_1.h5", HERE / "format_1_bare.h5"
+BYTES = {
+    WHOLE: "5d25870bad3b40505c622618ae88ff8dfc4dfe7098df688ec59db3060a0fe8cb",
+    BARE: "ff431e2f45dda8f1fd675095287cb0d00bea790670ead9d62825fd25fcdffb86",
+}
+JUNCTION_3 = {
+    WHOLE: {
+        "junction": 3,
+        "birth_distance": -3.402881436071391,
+        "death_distance": 15.584931883872647,
+        "life_distance": 18.98781331994404,
+        "diameter": 9.49390665997202,
+        "max_area": 70.7912851442336,
+        "shear_strength": 250.0,
+        "birth_time": -0.0034028814360713908,
+        "death_time": 0.015584931883872647,
+        "state": 1,
+    },
+    BARE: {
+        "junction": 3,
+        "birth_distance": 4.3815649432089145,
+        "death_distance": 15.336016093312237,
+        "life_distance": 10.954451150103322,
+        "diameter": 5.477225575051661,
+        "max_area": 23.56194490192345,
+        "state": 0,
+    },
+}
+TRACE = ("distance", "real_contact_area", "junction_count")
+SLIDER = ("time", "distance", "friction_force", "displacement", "velocity")
+COLUMNS = {
+    WHOLE: {"trace": (*TRACE, "friction_force"), "slider": SLIDER},
+    BARE: {"trace": TRACE},
+}
+STATES = {WHOLE: {0: 16, 1: 5, 2: 7}, BARE: {0: 47, 2: 3}}
+SCENARIOS = {WHOLE: HERE / "whole.toml", BARE: HERE / "bare.toml"}
+MEAN_AREA = {WHOLE: (176.19864791862858, 201.49999999999997), BARE: (86.32424005862853, 100.0)}
+TICKS = {WHOLE: 201, BARE: 1096}
+FILES = pytest.mark.parametrize("path", [WHOLE, BARE], ids=lambda path: path.stem)
 
 
+@FILES
+def test_the_kept_file_is_the_one_that_was_kept(path: Path) -> None:
+    assert hashlib.sha256(path.read_bytes()).hexdigest() == BYTES[path]
+
+
+@FILES
+def test_junction_3_is_what_it_was(path: Path) -> None:
+    with open_run(path) as run:
+        assert {name: run.column("junctions", name)[3] for name in run.columns["junctions"]} == JUNCTION_3[path]
+    with rubnoise.open(path) as opened:
+        junction = opened.junction(3)
+        assert {name: getattr(junction, name) for name in JUNCTION_3[path] if name != "junction"} == {
+            name: value for name, value in JUNCTION_3[path].items() if name != "junction"
+        }
+
+
+@FILES
+def test_every_column_is_there_and_has_its_hash(path: Path) -> None:
+    with open_run(path) as run:
+        assert {name: run.columns[name] for name in COLUMNS[path]} == COLUMNS[path]
+        assert run.columns.keys() == {"junctions", "life_curve", *COLUMNS[path]}
+        assert Counter(run.column("junctions", "state").tolist()) == STATES[path]
+        assert run.extent.ticks == TICKS[path]
+        assert run.extent.blocks == 0
+        assert run.damaged() == ()
+
+
+@FILES
+def test_a_changed_byte_is_noticed_in_any_column(path: Path, tmp_path: Path) -> None:
+    shutil.copy(path, tmp_path / "run.h5")
+    for group, names in COLUMNS[path].items():
+        with h5py.File(tmp_path / "run.h5", "r+") as file:
+            for name in names:
+                file[group][name][7] += 1
+        with open_run(tmp_path / "run.h5") as run:
+            assert {f"/{group}/{name}" for name in names} <= set(run.damaged())
+
+
+@FILES
+def test_scenario_summary_and_origin_are_read(path: Path) -> None:
+    scenario = rubnoise.load(SCENARIOS[path])
+    with rubnoise.open(path) as run:
+        assert run.provenance["scenario_toml"] == SCENARIOS[path].read_text(encoding="utf-8")
+        assert run.scenario.resolved() == scenario.resolved()
+        assert run.provenance["calibrated_diameter"] == scenario.model().calibrated_diameter
+        mean = next(figure for figure in run.summary if figure.name == "real_contact_area_mean")
+    assert (mean.observed, mean.expected) == MEAN_AREA[path]
+
+
+# Files of other versions, and files that hold more than this version knows.
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """Return a copy of the kept file that may be changed."""

@@ -15,8 +15,6 @@ from tests.architecture.sources import ROOT
 from tests.cli.test_json_contract import A_CLAIM, A_ROW
 from tests.wishes import Wishes
 
-sys.path.append(str(ROOT / "tools"))  # tools import each other by name
-
 
 @pytest.fixture(scope="session")
 def figure_5(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -1,23 +1,35 @@
-"""Every example in the README, the docs and the docstrings does what it says, those of all pages in one folder."""
+"""Every example on a page runs, and links, pictures and the first hour lead where they say."""
 
 import doctest
 import pkgutil
 import re
 import subprocess
+from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from shlex import shlex, split
 from textwrap import dedent
-from typing import Any
+from typing import Any, get_args
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import rubnoise
+from rubnoise.cli.app import COMMANDS
+from rubnoise.figures.catalogue import PICTURES
+from rubnoise.figures.motion_spectrum import Heard
+from rubnoise.figures.paper import FIGURES
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call
 from tests.docs.pages import ELSEWHERE, Example, examples, pages
+from tools import generate_gallery as tool
+from tools.small_png import COLOURS, small
 
+# Every example in the README, the docs and the docstrings does what it says, those of all pages in one folder.
 PAGES = {name: list(examples((ROOT / name).read_text(encoding="utf-8"))) for name in pages()}
 MODULES = [module.name for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise.")]
 DOCTESTS = [
@@ -139,3 +151,163 @@ def test_a_wrong_docstring_is_noticed() -> None:
     wrong = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, 0)
     doctest.DocTestRunner().run(wrong, out=told.append)
     assert "Expected:\n    3" in "".join(told)
+
+
+# The gallery shows every picture with its command, and is what its tool writes.
+SHOWN = [shown for room in tool.ROOMS for shown in room.pictures]
+COMMAND_LINES = [
+    *(shown.command for shown in SHOWN),
+    *(command for room in tool.ROOMS for command in (*room.before, *room.elsewhere)),
+]
+
+
+def test_the_page_is_what_the_tool_writes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert tool.main(["--check"]) == 0
+    changed = tmp_path / "gallery.md"
+    changed.write_text(tool.PAGE.read_text(encoding="utf-8").replace("psd", "spectrum", 1), encoding="utf-8")
+    monkeypatch.setattr(tool, "PAGE", changed)
+    assert tool.main(["--check"]) == 1
+    assert "docs/gallery.md is out of date" in capsys.readouterr().out
+
+
+def test_it_shows_every_picture_that_can_be_drawn() -> None:
+    drawn = [split(shown.command)[3:] for shown in SHOWN if shown.command.startswith("rubnoise plot")]
+    assert {words[0] for words in drawn} >= set(PICTURES)
+    assert {words[2] for words in drawn if "--of" in words} == set(get_args(Heard))
+    assert {words[2] for words in map(split, COMMAND_LINES) if words[1] == "figures"} == set(FIGURES)
+    assert {"junction", "theory", "animate"} <= {split(command)[1] for command in COMMAND_LINES}
+
+
+def test_its_commands_are_there() -> None:
+    for command in COMMAND_LINES:
+        program, first, *_ = split(command)
+        assert first in COMMANDS if program == "rubnoise" else (ROOT / first).exists(), command
+        for word in split(command):
+            assert not word.startswith("scenarios/") or (ROOT / word).is_file(), command
+
+
+def test_its_pictures_are_there_and_small() -> None:
+    files = {shown.kept: (tool.PICTURES / shown.kept).read_bytes() for shown in SHOWN}
+    assert all(content.startswith(b"\x89PNG") for content in files.values())
+    assert {path.name for path in (tool.PICTURES / "gallery").iterdir()} == {
+        Path(name).name for name in files if name.startswith("gallery/")
+    }
+    assert sum(len(content) for name, content in files.items() if name.startswith("gallery/")) < 1_000_000
+
+
+def test_a_small_picture_looks_like_the_large_one() -> None:
+    across, down = np.meshgrid(np.linspace(0.0, 255.0, 200), np.linspace(0.0, 255.0, 150))
+    many = np.stack([across, down, 0.5 * (across + down)], axis=-1).astype(np.uint8)
+    stream = BytesIO()
+    Image.fromarray(many).save(stream, format="PNG")
+    with Image.open(BytesIO(small(stream.getvalue()))) as less:
+        seen = np.asarray(less.convert("RGB"))
+    assert seen.shape == many.shape
+    assert len(np.unique(seen.reshape(-1, 3), axis=0)) <= COLOURS
+    assert np.abs(seen.astype(int) - many).mean() < 20.0
+    assert np.abs(seen.astype(int) - many[::-1]).mean() > 40.0, "another picture is noticed"
+
+
+def test_its_pictures_are_what_its_commands_draw(tmp_path: Path) -> None:
+    tool.draw(tmp_path, tmp_path / "pictures")
+    for path in (tmp_path / "pictures" / "gallery").iterdir():
+        with Image.open(path) as new, Image.open(tool.PICTURES / "gallery" / path.name) as old:
+            assert new.size == old.size, path.name
+            away = np.abs(np.asarray(new.convert("L"), dtype=int) - np.asarray(old.convert("L")))
+        assert away.mean() < 1.0, path.name
+
+
+# Every link between pages leads somewhere: to a file of the repository, to a heading, to a picture with a text.
+FOLDERS = (".", "docs", "notebooks", "paper", "tools/site", "packaging", ".github")
+SITE_ONLY = {"install.md", "lesson.md", "viewer.md", "outputs.md", "README.md", "docs", "commands.md", "python.md"}
+"""What the start page of the site links to: pages beside it there."""
+FENCED = re.compile(r"^```.*?^```$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
+HEADING = re.compile(r"^#{1,6} (.+)$", re.MULTILINE)
+LINKED_PAGES = sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.md"))
+
+
+@cache
+def anchors(path: Path) -> frozenset[str]:
+    """Return the anchors of a page's headings, as GitHub makes them."""
+    text = re.sub(r"^```.*?^```$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    plain = [re.sub(r"\]\([^)]*\)|[^\w\- ]", "", heading.strip().lower()) for heading in HEADING.findall(text)]
+    return frozenset(each.replace(" ", "-") for each in plain)
+
+
+def broken(path: Path, text: str) -> Iterator[str]:
+    """Yield the links of a page that lead nowhere, and pictures without a text."""
+    site = path.parent == ROOT / "tools" / "site"
+    for picture, shown, target in LINK.findall(FENCED.sub("", text)):
+        if picture and not shown:
+            yield f"{target}: a picture without a text"
+        if target.startswith(("https://", "http://", "mailto:")):
+            continue
+        name, _, anchor = target.partition("#")
+        folder = ROOT if site else path.parent
+        if site and name.partition("/")[0] in SITE_ONLY and not (ROOT / name).exists():
+            name = f"tools/site/{name}" if (path.parent / name).exists() else ""
+        found = (folder / name).resolve() if name else path
+        if not found.exists() or ROOT not in (found, *found.parents):
+            yield f"{target}: no such file"
+        elif anchor and found.suffix == ".md" and anchor not in anchors(found):
+            yield f"{target}: no such heading"
+
+
+@pytest.mark.parametrize("page", LINKED_PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page: Path) -> None:
+    assert list(broken(page, page.read_text(encoding="utf-8"))) == []
+
+
+def test_every_picture_is_shown() -> None:
+    pages = " ".join(page.read_text(encoding="utf-8") for page in LINKED_PAGES)
+    pictures = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs" / "pictures").rglob("*.png")]
+    assert [each for each in pictures if each not in pages] == []
+
+
+def test_every_page_is_on_the_site() -> None:
+    start = (ROOT / "tools" / "site" / "index.md").read_text(encoding="utf-8")
+    names = [
+        path.relative_to(ROOT).with_suffix("").as_posix()
+        for path in LINKED_PAGES
+        if path.parent in (ROOT, ROOT / "docs")
+    ]
+    assert [name for name in names if f"\n{name}\n" not in start] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[a](nowhere.md)", "nowhere.md: no such file"),
+        ("[a](model.md#nothing-here)", "model.md#nothing-here: no such heading"),
+        ("[a](#nothing-here)", "#nothing-here: no such heading"),
+        ("![](pictures/fig5.png)", "pictures/fig5.png: a picture without a text"),
+        ("[a](../../etc)", "../../etc: no such file"),
+    ],
+)
+def test_a_broken_link_is_found(text: str, said: str) -> None:
+    assert list(broken(ROOT / "docs" / "theory.md", text)) == [said]
+    assert list(broken(ROOT / "docs" / "theory.md", f"`{text}`\n```\n{text}\n```\n")) == []
+
+
+# The page of the first hour: twenty things in Python, each in six lines or fewer (test_examples runs them).
+PAGE = (ROOT / "docs" / "first-hour.md").read_text(encoding="utf-8")
+MOST_LINES = 6
+
+
+def _lines(block: str) -> int:
+    return sum(bool(line.strip()) for line in block.splitlines())
+
+
+def test_there_are_twenty_things_of_six_lines() -> None:
+    blocks = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+    numbers = [int(number) for number in re.findall(r"^\*\*(\d+)\. ", PAGE, re.MULTILINE)]
+    assert numbers == list(range(1, 21))
+    assert len(blocks) == 20
+    assert max(map(_lines, blocks)) <= MOST_LINES
+
+
+def test_nothing_on_it_needs_a_checkout() -> None:
+    assert "scenarios/" not in PAGE

@@ -1,4 +1,4 @@
-"""Pages, messages and help are in plain words: no private idioms, and on pages no long sentence."""
+"""Pages are in plain words, and say what the code says."""
 
 import ast
 import re
@@ -11,8 +11,12 @@ import pytest
 from typer.main import get_command
 
 from rubnoise.cli.app import program
+from rubnoise.scenario.reading import loads
+from rubnoise.storage.schema import GROUPS
 from tests.architecture.sources import ROOT
+from tools import generate_docs
 
+# Pages, messages and help are in plain words: no private idioms, and on pages no long sentence.
 AVOID = {
     r"whoever": "a user who, the process that",
     r"nobody": "no one, no user; or the passive",
@@ -170,3 +174,99 @@ def test_messages_are_found_in_pieces(tmp_path: Path) -> None:
     source = tmp_path / "module.py"
     source.write_text('"""A docstring of nobody."""\nx = 1\nprint(f"is {x} " "goes on")\nprint("torn")\n')
     assert [text for _, text in messages(source)] == ["is {} goes on"]
+
+
+# What the pages point to is there: other pages, files of the project, the layers of the package.
+PROJECT = Path(__file__).parents[2]
+LINKED_PAGES = sorted([*PROJECT.glob("*.md"), *(PROJECT / "docs").glob("*.md")])
+LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)#\s]+)")
+PATH = re.compile(r"`((?:src|tests|tools|docs|scenarios)/[\w./-]*\w/?)`")
+
+
+def missing(page: Path, text: str) -> list[str]:
+    """Return the links and paths in the text of a page that lead nowhere."""
+    links = [link for link in LINK.findall(text) if not (page.parent / link).exists()]
+    return links + [path for path in PATH.findall(text) if not (PROJECT / path).exists()]
+
+
+@pytest.mark.parametrize("page", LINKED_PAGES, ids=lambda page: page.name)
+def test_links_and_paths_lead_somewhere(page: Path) -> None:
+    assert missing(page, page.read_text(encoding="utf-8")) == []
+
+
+def test_a_dead_link_is_found() -> None:
+    text = "[a](nowhere.md) [b](model.md) [c](https://example.org) `src/rubnoise/nowhere.py` `src/rubnoise/model.py`"
+    assert missing(PROJECT / "docs" / "model.md", text) == ["nowhere.md", "src/rubnoise/nowhere.py"]
+
+
+def test_every_place_of_the_design_page_exists() -> None:
+    text = (PROJECT / "docs" / "design.md").read_text(encoding="utf-8")
+    table = text.partition("\n## ")[2].partition("\n## ")[0]
+    places = re.findall(r"`([a-z_]+(?:/[a-z_]+\.py|/|\.py))`", table)
+    assert len(places) > 15
+    assert [place for place in places if not (PROJECT / "src" / "rubnoise" / place).exists()] == []
+
+
+def test_the_design_page_shows_the_layers_of_the_contract() -> None:
+    text = (PROJECT / "docs" / "design.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"^    (cli > .*)$", text, re.MULTILINE)
+    contract = (PROJECT / "pyproject.toml").read_text(encoding="utf-8").partition("layers = [")[2].partition("]")[0]
+    layers = [set(re.findall(r"\w+", line)) for line in contract.splitlines() if line.strip()]
+    told = [set(layer.split(", ")) for layer in shown.split(" > ")]
+    assert set().union(*told) >= {name for layer in layers for name in layer if exists(name)}
+    assert told == [kept for layer in layers if (kept := layer & set().union(*told))]
+
+
+def exists(name: str) -> bool:
+    """Return whether a layer has a module or package."""
+    package = PROJECT / "src" / "rubnoise"
+    return (package / name).is_dir() or (package / f"{name}.py").is_file()
+
+
+# The reference pages say what the code says.
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("page", generate_docs.PAGES)
+def test_generated_parts_are_those_of_the_code(page: str) -> None:
+    text = generate_docs.read(page)
+    assert "<!-- generated: " in text
+    assert generate_docs.generated(text) == text, "python tools/generate_docs.py"
+
+
+def test_a_part_that_is_out_of_date_is_named_and_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for page in generate_docs.PAGES:
+        kind = "float64" if page == "data-format.md" else "float63"
+        (tmp_path / page).write_text((DOCS / page).read_text(encoding="utf-8").replace(kind, "float32"), "utf-8")
+    monkeypatch.setattr(generate_docs, "DOCS", tmp_path)
+    assert generate_docs.main(["--check"]) == 1
+    assert generate_docs.main([]) == 0
+    assert generate_docs.main(["--check"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "docs/data-format.md is out of date",
+        "docs/data-format.md written",
+    ]
+
+
+def test_every_column_is_listed_under_its_group() -> None:
+    text = generate_docs.read("data-format.md")
+    for group in GROUPS:
+        section = text.partition(f"### /{group.name}\n")[2].partition("\n##")[0]
+        assert re.findall(r"^\| `(\w+)`", section, re.MULTILINE) == [column.name for column in group.columns]
+
+
+def listed(title: str) -> set[str]:
+    """Return the names in the first column of a section's table."""
+    section = generate_docs.read("data-format.md").partition(f"\n## {title}\n")[2].partition("\n## ")[0]
+    cells = re.findall(r"^\| (`[^|]+`) \|", section, re.MULTILINE)
+    return {name for cell in cells for name in re.findall(r"`(\w+)`", cell)}
+
+
+def test_the_smallest_scenario_is_one() -> None:
+    text, sweep = re.findall(r"^```toml\n(.*?)^```$", generate_docs.read("scenarios.md"), re.MULTILINE | re.DOTALL)
+    assert "[sweep]" in sweep
+    assert loads(text).resolved()["sliding"]["distance"] == "2000 um"
+    for key in ("mean_real_contact_area", "mean_junction_count", "distance"):
+        assert key in text

@@ -9,8 +9,7 @@ from rubnoise.lesson.page import page
 from rubnoise.lesson.settings import settings_of
 from rubnoise.scenario import load
 from tests.architecture.sources import ROOT
-from tests.lesson.opened import UNHURRIED
-from tests.lesson.walk import Walk
+from tests.lesson.walk import UNHURRIED, Walk
 
 
 @pytest.fixture(scope="session")

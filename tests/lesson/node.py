@@ -1,4 +1,4 @@
-"""The model of the page, run by node without a page around it."""
+"""The model of the page, run by node without a page around it, and the contacts that it is compared in."""
 
 import json
 import shutil
@@ -8,8 +8,10 @@ from typing import Any
 import pytest
 
 from rubnoise.lesson.page import script_parts
+from rubnoise.scenario import Scenario, build
 from tests.architecture.sources import PACKAGE
 
+# The model of the page, run by node without a page around it.
 PARTS = PACKAGE / "lesson" / "parts"
 WITHOUT_A_PAGE = script_parts()[: script_parts().index("plot.js")]
 FIGURE_5: dict[str, Any] = {
@@ -49,3 +51,66 @@ def answer(body: str, **given: Any) -> Any:
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+# Settings of the page as scenarios of the Python package, so that both can be asked the same.
+def scenario_of(world: dict[str, Any], distance: float = 1000.0, tick: float = 0.1) -> Scenario:
+    """Return the scenario of a world of the page; distance and tick in um."""
+    spread = {"law": "normal", "spread": f"{world['spread']!r} um"} if world["spread"] else {"law": "fixed"}
+    return build(
+        {
+            "format": 1,
+            "interface": {
+                "mean_real_contact_area": f"{world['meanArea']!r} um^2",
+                "mean_junction_count": world["meanCount"],
+                "calibration": world["calibration"],
+            },
+            "diameter": spread,
+            "birth": {"law": world["births"]},
+            "pulse": {"shape": world["pulse"], "offset": world.get("offset", "none")},
+            "strength": {"mean": f"{world['strength']!r} MPa"},
+            "sliding": {"speed": f"{world['speed']!r} um/s", "distance": f"{distance!r} um"},
+            "slider": {
+                "mass": f"{world['mass']!r} kg",
+                "stiffness": f"{world['stiffness']!r} N/m",
+                "damping": f"{world['damping']!r} N*s/m",
+            },
+            "output": {"tick": f"{tick!r} um"},
+            "run": {"seed": world["seed"]},
+        }
+    )
+
+
+def world_with(**changes: Any) -> dict[str, Any]:
+    """Return the settings of Figure 5 with changes."""
+    return FIGURE_5 | changes
+
+
+WORLDS = [
+    world_with(**changes)
+    for changes in (
+        {},
+        {"spread": 0.0},
+        {"spread": 0.0, "meanCount": 3.0},
+        {"spread": 1.5, "meanCount": 5.0, "calibration": "matched"},
+        {"spread": 0.3, "meanCount": 150.0, "calibration": "exact"},
+        {"spread": 3.0, "meanCount": 30.0, "calibration": "exact"},
+        {"pulse": "triangle", "calibration": "exact"},
+        {"pulse": "triangle", "calibration": "matched", "spread": 0.8, "meanCount": 7.0},
+        {"births": "regular"},
+        {"births": "regular", "spread": 0.0},
+        {"births": "regular", "spread": 0.0, "meanCount": 2.5},
+        {"births": "regular", "spread": 0.01, "meanCount": 7.0},
+        {"births": "regular", "spread": 1.5, "meanCount": 5.0, "calibration": "matched"},
+        {"births": "regular", "pulse": "triangle", "calibration": "exact"},
+        {"speed": 10.0},
+        {"speed": 1e5, "damping": 5.0},
+        {"stiffness": 1e4, "mass": 1e-4, "speed": 50.0, "damping": 0.001},
+        {"births": "regular", "spread": 0.0, "stiffness": 1e4, "mass": 1e-4, "speed": 50.0},
+        {"offset": "uniform", "calibration": "exact"},
+        {"offset": "uniform", "calibration": "exact", "spread": 0.0, "speed": 10.0},
+        {"offset": "uniform", "calibration": "matched", "spread": 1.5, "meanCount": 5.0},
+    )
+]
+"""Small and large spreads, both pulses, passes off the centre line, both laws of birth, light and heavy damping, slow
+and fast sliding."""

@@ -1,6 +1,6 @@
-"""Contacts beside each other on equal axes, the trace over itself, thirty swings, and a picture without stripes."""
+"""Contacts beside each other, sections, and a stage that stays in sight."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -8,10 +8,11 @@ import pytest
 
 import rubnoise
 from rubnoise.contact.overlap import junction_area
-from tests.lesson.opened import CALM, UNHURRIED, opened, until
-from tests.lesson.walk import Walk
-from tests.lesson.worlds import scenario_of
+from tests.lesson.node import scenario_of
+from tests.lesson.teaching import lessons
+from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until
 
+# Contacts beside each other on equal axes, the trace over itself, thirty swings, and a picture without stripes.
 COLUMNS = 480
 PAIRS = {"2. Births": (0, 1), "5. The sum": (0, 2), "8. Many small": (0, 1)}
 SIDES = """(() => {
@@ -175,3 +176,132 @@ def test_a_jump_leaves_no_stripe(walk: Walk, count: int) -> None:
     walk.page.evaluate("rub.stack.until = () => {}")
     walk.page.evaluate(EMPTY)
     assert walk.page.evaluate(BARE) > 100, "layers that are missing would be noticed"
+
+
+# The stage stays in sight while a lesson is played, on projectors, desks and phones.
+SCREENS = {1024: 768, 1366: 768, 1440: 900, 1920: 1080, 390: 844}
+LEAST = 0.6  # of the stage
+TITLES = tuple(lesson.title for lesson in lessons())
+IN_SIGHT = """(() => {
+  const stage = document.getElementById('stage');
+  const box = stage.getBoundingClientRect();
+  const rows = Array.from({ length: 20 }, (_, i) => box.top + ((i + 0.5) / 20) * box.height);
+  const columns = Array.from({ length: 5 }, (_, i) => box.left + ((i + 0.5) / 5) * box.width);
+  const seen = rows.flatMap((y) => columns.map((x) => document.elementFromPoint(x, y) === stage));
+  return seen.filter(Boolean).length / seen.length;
+})()"""
+"""Share of the stage that the window shows and that nothing else covers."""
+
+
+def play(page: Any, titles: tuple[str, ...] = TITLES) -> dict[str, float]:
+    """Play every lesson to its checks; return the share of the stage in sight after each press."""
+    walk = Walk(page)
+    found = {}
+    for opened_title in titles:
+
+        def press(name: str, act: Callable[[], object], title: str = opened_title) -> None:
+            act()
+            found[f"{title}: {name}"] = page.evaluate(IN_SIGHT)
+
+        press("open", lambda title=opened_title: walk.open(title))
+        press("predict", walk.predict)
+        for run in range(walk.article.locator("[data-run]").count()):
+            press(f"run {run}", lambda run=run: walk.run(run))
+            press(f"ahead {run}", walk.slide_on)
+        press("look", walk.say)
+        press("law", walk.article.locator("#lesson-why summary").click)
+        for question in range(walk.forms.count()):
+            press(f"check {question}", walk.forms.nth(question).get_by_role("button", name="Check").click)
+    return found
+
+
+@pytest.mark.parametrize("width", SCREENS)
+def test_the_stage_is_in_sight_after_every_press(browser: Any, lesson_file: str, width: int) -> None:
+    screen = {"width": width, "height": SCREENS[width]}
+    with opened(browser, lesson_file, init=UNHURRIED, viewport=screen, **CALM) as page:
+        shares = play(page)
+        assert len(shares) > 7 * len(TITLES)
+        assert {run: share for run, share in shares.items() if share < LEAST} == {}
+
+
+def test_a_stage_that_is_scrolled_away_would_be_noticed(browser: Any, lesson_file: str) -> None:
+    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
+        page.evaluate("document.getElementById('pictures').style.position = 'static'")
+        page.evaluate("Element.prototype.scrollIntoView = () => {}")
+        assert min(play(page, TITLES[1:3]).values()) < LEAST
+
+
+def test_all_traces_unfold_under_the_stage(browser: Any, lesson_file: str) -> None:
+    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 1366, "height": 768}, **CALM) as page:
+        walk = Walk(page)
+        walk.to_the_checks()
+        assert page.locator("#force").is_hidden()
+        page.locator("#unfold").click()
+        for name in ("area", "count", "force", "slider", "panel-canvas"):
+            page.locator(f"#{name}").scroll_into_view_if_needed()
+            assert page.evaluate(IN_SIGHT) >= LEAST, name
+        ends = "['area', 'count', 'force'].map((id) => document.getElementById(id).getBoundingClientRect().right)"
+        assert len({round(end) for end in page.evaluate(ends)}) == 1, "a bump in area stands over its bump in force"
+
+
+def test_a_phone_has_the_lesson_on_its_first_screen(browser: Any, lesson_file: str) -> None:
+    with opened(browser, lesson_file, init=UNHURRIED, viewport={"width": 390, "height": 844}, **CALM) as page:
+        top = page.locator(".lesson-question").bounding_box()["y"]
+        assert top < 0.6 * 844
+        assert page.locator("#knobs").bounding_box()["y"] > top
+
+
+# The surfaces from the side: hills of the circles that the dotted line cuts, which meet where the circles overlap.
+SIDE = """(() => {
+  const { stage, run } = rub;
+  const along = (row) => run.distance - 0.5 * (row.birth + row.death);
+  const rows = run.living.map((row) => [...stage.placeOf(row), row.diameter, along(row), row.offset]);
+  return { rows, cut: stage.cut(), scale: stage.scale, hills: rub.section.hills() };
+})()"""
+
+
+def touching(hill: dict[str, float]) -> float:
+    """Return the length along which the tops of a pair of hills meet, in pixels."""
+    if not (hill["halfBelow"] and hill["halfAbove"]):
+        return 0.0
+    left = max(hill["below"] - hill["halfBelow"], hill["above"] - hill["halfAbove"])
+    return max(0.0, min(hill["below"] + hill["halfBelow"], hill["above"] + hill["halfAbove"]) - left)
+
+
+@pytest.mark.parametrize("knobs", ["meanCount=1", "meanCount=20", "meanCount=60", "meanCount=60&offset=uniform"])
+def test_hills_touch_along_the_chords_that_two_circles_share(browser: Any, lesson_file: str, knobs: str) -> None:
+    met = 0
+    with opened(browser, f"{lesson_file}#{knobs}", init=UNHURRIED, **CALM) as page:
+        assert page.locator("#section").is_visible()
+        for place in (50.0, 77.7, 300.3):
+            page.evaluate(f"rub.run.goTo({place})")
+            side = page.evaluate(SIDE)
+            x, y, diameter, along, across = np.array(side["rows"]).reshape(-1, 5).T
+            # The lower circle lies half of both distances back and up, the upper one as far on and down.
+            ends = []
+            for way in (-0.5, 0.5):
+                half = 0.5 * np.sqrt(np.maximum(0.0, diameter**2 - 4.0 * (y + way * across - side["cut"]) ** 2))
+                ends.append((x + way * along - half, x + way * along + half, half))
+            (left, right, below), (from_left, to_right, above) = ends
+            length = np.minimum(right, to_right) - np.maximum(left, from_left)
+            met_here = (length > 0) & (below > 0) & (above > 0)
+            shared = np.sort(length[met_here]) * side["scale"]
+            found = sorted(part for part in map(touching, side["hills"]) if part > 0)
+            np.testing.assert_allclose(found, shared, rtol=1e-9)
+            middles = {round(0.5 * (hill["above"] + hill["below"]), 6) for hill in side["hills"]}
+            assert {round(each, 6) for each in (x * side["scale"])[(below > 0) | (above > 0)]} <= middles
+            met += shared.size
+    assert met > 0
+
+
+def test_the_cut_goes_through_the_junction_that_is_chosen(browser: Any, lesson_file: str) -> None:
+    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
+        page.evaluate("rub.run.goTo(60)")
+        middle = page.evaluate("rub.stage.cut()")
+        page.evaluate("rub.select(rub.run.living[2].id)")
+        assert page.evaluate("rub.stage.cut()") == page.evaluate("rub.stage.placeOf(rub.run.living[2])[1]") != middle
+        Walk(page).predict()
+        Walk(page).open("2. Births")
+        Walk(page).predict()
+        Walk(page).run()
+        assert page.locator("#section").is_hidden(), "a lesson's own picture takes its place"

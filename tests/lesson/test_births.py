@@ -1,16 +1,24 @@
-"""What the page draws: junctions of a stationary contact, from a seed, as theory says that they are."""
+"""Junctions that the page draws, their life-lines and histogram, and runs that it plays again."""
 
+from collections import Counter
+from collections.abc import Iterator
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import rubnoise
-from tests.lesson.node import answer
-from tests.lesson.worlds import scenario_of, world_with
-from tests.verification.seeds import seed_of
+from rubnoise.lesson.page import page as page_text
+from rubnoise.lesson.replay import record_of
+from rubnoise.lesson.settings import settings_of
+from tests.lesson.node import answer, scenario_of, world_with
+from tests.lesson.walk import CALM, UNHURRIED, opened
+from tests.verification.scores import seed_of
 
+# What the page draws: junctions of a stationary contact, from a seed, as theory says that they are.
 LARGEST_Z = 4.0
 STARTS = 4000
 MISSES = """
@@ -115,3 +123,106 @@ def test_uniform_numbers_are_uniform() -> None:
     squares = float(((counts - 1000.0) ** 2 / 1000.0).sum())
     assert abs(squares - 99.0) / sqrt(2.0 * 99.0) < LARGEST_Z
     assert 0.0 < values.min() < values.max() < 1.0
+
+
+# Life-lines and the histogram of the count: the lanes, the line of now, and Poisson's bars.
+ROWS = "rub.run.rows.map((row, i) => [row.birth, row.death, rub.lives.lanes[i]])"
+COUNTS = "Array.from(rub.lives.counts.seen, (count) => count ?? 0)"
+DRAWN = "rub.lives.draw(), rub.lives.drawCounts()"
+
+
+@pytest.fixture
+def page(browser: Any, lesson_file: str) -> Any:
+    """Return the page with all traces, 1000 um on."""
+    with opened(browser, f"{lesson_file}#spread=1.5", init=UNHURRIED, **CALM) as found:
+        found.locator("#unfold").click()
+        found.evaluate("rub.run.goTo(1000)")
+        found.evaluate(DRAWN)
+        yield found
+
+
+def test_no_two_lives_of_a_lane_overlap_and_each_has_one(page: Any) -> None:
+    rows = page.evaluate(ROWS)
+    ends: dict[int, float] = {}
+    for birth, death, lane in rows:
+        assert ends.get(lane, birth) <= birth
+        ends[lane] = death
+    assert len(rows) > 500
+    assert len(ends) < 50, "a lane is used again"
+
+
+def test_the_line_of_now_crosses_as_many_lives_as_are_alive(page: Any) -> None:
+    rows = page.evaluate(ROWS)
+    for place in (1000.0, 700.5, 33.3):
+        page.evaluate(f"rub.run.goTo({place})")
+        page.evaluate(DRAWN)
+        crossed = [lane for birth, death, lane in rows if birth <= place < death]
+        assert len(crossed) == page.evaluate("rub.run.living.length")
+        assert len(set(crossed)) == len(crossed)
+
+
+def test_the_histogram_counts_every_tick_once(page: Any) -> None:
+    for place in (1000.0, 400.0, 1200.0):
+        page.evaluate(f"rub.run.goTo({place})")
+        page.evaluate(DRAWN)
+        counts = page.evaluate("Array.from(rub.run.trace.count.subarray(0, rub.run.ticksSeen + 1))")
+        expected = Counter(int(count) for count in counts)
+        seen = {count: number for count, number in enumerate(page.evaluate(COUNTS)) if number}
+        assert seen == expected
+
+
+@pytest.mark.parametrize("mean", [0.5, 2.0, 20.0, 400.0])
+def test_the_bars_are_those_of_poisson(page: Any, mean: float) -> None:
+    found = np.array(page.evaluate(f"rub.lives.poisson({mean}, 600)"))
+    np.testing.assert_allclose(found, stats.poisson.pmf(np.arange(601), mean), rtol=1e-10, atol=1e-15)
+    assert np.abs(found - stats.norm.pdf(np.arange(601), mean, mean**0.5)).max() > 1e-4
+
+
+# A run on the page: its own rows, its own slider, until a knob of the contact leaves it.
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[rubnoise.api.Run]:
+    """Return a short run with a slider."""
+    path = tmp_path_factory.mktemp("run") / "short <i>run.h5"
+    with rubnoise.run(scenario_of(world_with(seed=11), distance=300.0), path) as found:
+        yield found
+
+
+@pytest.fixture
+def replaying(browser: Any, run: rubnoise.api.Run, tmp_path: Path) -> Iterator[Any]:
+    """Return the page that replays the run, standing still."""
+    file = tmp_path / "replay.html"
+    file.write_text(page_text("a run", settings_of(run.scenario), record_of(run)), encoding="utf-8")
+    with opened(browser, file.as_uri(), **CALM) as found:
+        yield found
+
+
+def test_it_is_the_run(replaying: Any, run: rubnoise.api.Run) -> None:
+    replaying.evaluate("rub.run.goTo(rub.run.end)")
+    assert replaying.evaluate("rub.run.end") == 300.0
+    assert replaying.evaluate("rub.run.rows.map((row) => row.birth)") == run.junctions["birth_distance"][:].tolist()
+    area = replaying.evaluate("[...rub.run.trace.area.subarray(0, rub.run.trace.ready)]")
+    assert max(abs(run.trace["real_contact_area"][:] - area)) < 1e-9
+    told = replaying.locator("#replaying").inner_text()
+    assert told.startswith("This is short <i>run.h5, seed 11: its junctions, row by row.")
+
+
+def test_the_slider_may_change_and_the_run_stays(replaying: Any) -> None:
+    replaying.evaluate("rub.run.goTo(100)")
+    rows = replaying.evaluate("rub.run.rows[40]")
+    replaying.evaluate("rub.set({ damping: 1, strength: 500 }, { restart: false })")
+    assert replaying.evaluate("rub.replaying") is True
+    assert replaying.evaluate("rub.run.distance") == 100
+    assert replaying.evaluate("rub.run.rows[40]") == rows | {"strength": 500}
+    replaying.evaluate("rub.run.goTo(300)")
+    assert set(replaying.evaluate("rub.run.rows.map((row) => row.strength)")) == {500}
+
+
+def test_a_knob_of_the_contact_leaves_the_run_and_reset_returns(replaying: Any, run: rubnoise.api.Run) -> None:
+    first = run.junctions["birth_distance"][0]
+    replaying.evaluate("rub.set({ meanCount: 30 })")
+    assert replaying.evaluate("rub.replaying") is False
+    assert replaying.locator("#replaying").is_hidden()
+    assert replaying.evaluate("rub.run.rows[0].birth") != first
+    replaying.locator("#reset").click()
+    assert replaying.locator("#replaying").is_visible()
+    assert replaying.evaluate("rub.run.rows[0].birth") == first

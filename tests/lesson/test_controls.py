@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.lesson.opened import CALM, opened, until
+from tests.lesson.walk import CALM, opened, until
 
 PREDICTIONS = """(() => {
   const e = rub.exact();

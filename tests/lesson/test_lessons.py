@@ -1,11 +1,13 @@
-"""The lessons in a real browser: what opens when, which answers are right, and what is kept."""
+"""The lessons in a real browser: what opens when, with the keyboard alone, and no answer early."""
+
+from typing import Any
 
 import pytest
 
-from tests.lesson.opened import UNHURRIED
 from tests.lesson.teaching import lessons
-from tests.lesson.walk import Walk
+from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 
+# The lessons in a real browser: what opens when, which answers are right, and what is kept.
 LESSONS = lessons()
 PHONE = {"viewport": {"width": 360, "height": 740}, "is_mobile": True, "has_touch": True}
 NO_STORAGE = """
@@ -187,3 +189,144 @@ def test_controls_have_names_and_verdicts_are_announced(walk):
         assert walk.page.evaluate(NAMELESS) == 0, lesson.title
         for form in walk.forms.all():
             assert form.get_by_role("status").count() == 1, lesson.title
+
+
+# A lesson with the keyboard alone, from the first control of the page to the last answer.
+MOST_STOPS = 80
+
+
+def go_to(page, selector):
+    """Press Tab until an element has the focus."""
+    for _ in range(MOST_STOPS):
+        if page.evaluate("selector => document.activeElement.matches(selector)", selector):
+            return
+        page.keyboard.press("Tab")
+    pytest.fail(f"Tab does not lead to {selector}")
+
+
+def press(page, *keys):
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def focused(page):
+    return page.evaluate("document.activeElement.id || document.activeElement.textContent")
+
+
+def test_a_lesson_from_the_list_to_the_last_answer(walk):
+    page = walk.page
+    go_to(page, '[data-open="1"]')
+    press(page, "Enter")
+    assert focused(page) == "lesson-title"
+    go_to(page, 'input[name="prediction"]')
+    press(page, "Space", "ArrowDown", "Enter")
+    assert focused(page) == "▶ Births at random"
+    press(page, "Enter")
+    assert page.evaluate("rub.run.playing")
+    assert focused(page) == "▶ Births at random"
+    go_to(page, '[data-act="ahead"]')
+    press(page, "Enter")
+    assert "200 lives" in page.locator("#lesson-running").inner_text()
+    go_to(page, 'input[name="observation"]')
+    press(page, "Space", "ArrowDown", "Enter")
+    assert focused(page) == "Show the law"
+    press(page, "Enter")
+    assert page.locator("#lesson-law-text").is_visible()
+    go_to(page, "#check-longer")
+    page.keyboard.type("1/e")
+    press(page, "Enter")
+    go_to(page, "#check-swing")
+    page.keyboard.type("10")
+    press(page, "Enter")
+    assert walk.end == "Lesson done."
+    go_to(page, '.lesson [data-open="2"]')
+    press(page, "Space")
+    assert page.locator("#lesson-title").inner_text() == "3. The live count"
+
+
+def test_a_choice_is_made_with_the_arrows(walk):
+    page = walk.page
+    walk.open("5. The sum")
+    walk.to_the_checks()
+    go_to(page, 'input[name="check-bell"]')
+    press(page, "Space", "Enter")
+    assert "all diameters are equal" in page.locator("#check-bell-verdict").inner_text()
+    press(page, "ArrowDown", "Enter")
+    assert page.locator("#check-bell-verdict").inner_text() == "Right."
+
+
+def test_typing_an_answer_moves_nothing_else(walk):
+    """Letters that are keys of the stage are letters in an answer."""
+    page = walk.page
+    walk.open("1. One life")
+    walk.to_the_checks()
+    before = page.evaluate("[rub.run.playing, rub.run.pace, rub.run.selected]")
+    go_to(page, "#check-fraction")
+    page.keyboard.type("ken0+-p")
+    assert page.evaluate("[rub.run.playing, rub.run.pace, rub.run.selected]") == before
+    assert page.locator("#check-fraction").input_value() == "ken0+-p"
+
+
+# No answer of a lesson is on the page before its prediction: neither in its text nor in the lines of its pictures.
+EXACT = """(() => {
+  const e = rub.exact();
+  const mean = e.areaStd / e.areaMean;
+  const met = e.contact.sizes.std > 0 ? e.lengthBiasedMean : NaN;
+  const values = [e.countStd, e.areaStd, mean, 100 * mean, e.skewness, met, e.displacementStd, e.oneWay,
+    e.naturalFrequency, e.forceStd * 1e-3, e.lifeAreaMean];
+  return [4, 6].flatMap((digits) => values.map((value) => rub.plot.said(value, digits)));
+})()"""
+"""What the lessons ask for, of the contact on the stage, as the page would write it."""
+CELLS = "[...document.querySelectorAll('#numbers td:not(:last-child)')].map((cell) => cell.textContent).join('')"
+VERDICTS = ("What is right", "So it is", "of its mean, that", "chips!")
+
+
+def leaked(page: Any) -> list[str]:
+    """Return the answers that stand in the text of the page."""
+    text = page.inner_text("body")
+    numbers = [value for value in page.evaluate(EXACT) if len(value) > 3]
+    return [each for each in (*numbers, *VERDICTS) if each in text]
+
+
+def test_no_answer_is_in_the_text_before_its_prediction(browser: Any, lesson_file: str) -> None:
+    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
+        walk = Walk(page)
+        for lesson in LESSONS:
+            walk.open(lesson.title)
+            page.evaluate("rub.run.goTo(500)")
+            page.evaluate("rub.select(rub.run.living[0].id)")
+            assert leaked(page) == [], lesson.title
+            assert page.evaluate(CELLS) == "", lesson.title
+            assert page.evaluate("rub.readout.veiled()"), lesson.title
+            walk.predict()
+            walk.run()
+            page.evaluate("rub.run.pause()")
+            assert [each for each in VERDICTS if each in page.inner_text("body")] == [], lesson.title
+            assert page.evaluate(CELLS) != "", lesson.title
+            walk.look()
+            assert page.inner_text("#number-count td") != "", lesson.title
+
+
+def test_an_answer_that_leaks_would_be_noticed(browser: Any, lesson_file: str) -> None:
+    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
+        page.locator("#reveal").click()
+        assert len(leaked(page)) > 5
+        assert page.locator("#numbers-hint").is_hidden()
+        Walk(page).open("3. The live count")
+        assert leaked(page) == []
+
+
+@pytest.mark.parametrize("lesson", ["3. The live count", "5. The sum"])
+def test_the_lines_of_the_law_wait_for_the_prediction(browser: Any, lesson_file: str, lesson: str) -> None:
+    inked = "document.getElementById('count').toDataURL()"
+    with opened(browser, lesson_file, init=UNHURRIED, **CALM) as page:
+        Walk(page).open(lesson)
+        page.locator("#unfold").click()
+        page.wait_for_timeout(300)
+        before = page.evaluate(inked)
+        page.evaluate("rub.emit('veil')")
+        page.wait_for_timeout(300)
+        assert page.evaluate(inked) == before
+        page.locator("#reveal").click()
+        page.wait_for_timeout(300)
+        assert page.evaluate(inked) != before

@@ -12,9 +12,8 @@ from rubnoise.contact.overlap import junction_area
 from rubnoise.lesson.readings import half_lag
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
-from tests.lesson.node import FIGURE_5
-from tests.lesson.worlds import scenario_of
-from tests.verification.seeds import seed_of
+from tests.lesson.node import FIGURE_5, scenario_of
+from tests.verification.scores import seed_of
 
 LOOKS = 40
 LIVES = 60

@@ -12,9 +12,8 @@ import rubnoise
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.state import LiveRows
 from tests.coupled_runs import CoupledRun, coupled
-from tests.lesson.node import answer
-from tests.lesson.worlds import scenario_of, world_with
-from tests.verification.seeds import seed_of
+from tests.lesson.node import answer, scenario_of, world_with
+from tests.verification.scores import seed_of
 
 Doubles = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ import pytest
 
 import rubnoise
 from tests.cli.terminal import call
-from tests.lesson import opened as lesson
-from tests.lesson.opened import until
-from tests.pages.test_run_view import page_of
+from tests.lesson import walk as lesson
+from tests.lesson.walk import until
+from tests.pages.test_reports import page_of
 
 TICK = 0.1
 

@@ -1,14 +1,11 @@
 """The file that the page is about, made by the program as it is."""
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
 import rubnoise
-
-sys.path.append(str(Path(__file__).parents[2] / "tools"))  # tools import each other by name
 
 FIG5 = Path(__file__).parents[2] / "scenarios" / "paper" / "fig5.toml"
 

@@ -34,7 +34,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import variance_of_time_mean
 from tests.models import bare, recorded
 from tests.unit.theory_models import Doubles, memory, white
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 # Moments of a record: their errors from theory and from batches, and when they are refused.
 CONTACT = bare(tick=0.25, distance=5000.0)

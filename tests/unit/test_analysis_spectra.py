@@ -18,7 +18,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.estimated_spectrum import expected_periodogram
 from tests.models import bare, recorded
 from tests.unit.theory_models import memory, white
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 # Welch's spectrum: scipy's numbers in the house's convention, however the record comes in, and its errors.
 VALUES = memory(65_536, seed_of("spectra"))

@@ -33,7 +33,7 @@ from rubnoise.simulation.draws import (
 )
 from rubnoise.streams import SEED_LIMIT, Stream, generator, uniforms
 from tests.models import UNEQUAL, bare, model
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 # Named streams: the same numbers for the same purpose, and others for another.
 COUNT = 20_000

@@ -24,7 +24,7 @@ from rubnoise.contact.laws import (
 )
 from tests.frozen import frozen
 from tests.unit.law_oracles import KS_BOUND, ks, textbook
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 COUNT = 100_000
 CASES = [

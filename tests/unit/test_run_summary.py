@@ -28,7 +28,7 @@ from rubnoise.record.tally import Moments, Slips, Tally
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.campbell import area_cumulants
 from tests.models import bare, model, recorded
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 # A run summed up while it passes: what is left of it is what its whole trace would have told.
 RUN = bare(distance=3000.0)

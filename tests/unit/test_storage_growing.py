@@ -31,7 +31,7 @@ from rubnoise.storage.resume import look, publish_complete
 from rubnoise.storage.sync_many import clear_unsynced
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import Compression, Rows, describe, names, random_rows
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 from tools.survival.recording import Recording
 
 BLOCKS = 6

@@ -24,7 +24,7 @@ from rubnoise.storage.reader import open_run
 from rubnoise.storage.resume import look
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import names
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 from tools.survival.recording import Recording
 
 SLIDER = {

@@ -19,7 +19,7 @@ from rubnoise.sweep.execution import Measure, measured
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.models import model
 from tests.unit.sweeps import GRID, HEAD, sweep_of, sweep_refusal
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.
 PRECISE = Precision(relative=0.01, quantity="real_contact_area_std", most_replicates=1000)

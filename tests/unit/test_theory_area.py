@@ -34,7 +34,7 @@ from rubnoise.theory.occupancy import (
 )
 from rubnoise.theory.spectrum import spectral_density
 from tests.unit.theory_models import excess, model_of, one_size, paper_model
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 
 @pytest.mark.parametrize("mean_count", [0.01, 1.0, 20.0, 5000.0])

@@ -22,7 +22,7 @@ from rubnoise.theory.spectrum import density_at_zero
 from tests.models import model as scenario_model
 from tests.models import recorded
 from tests.unit.theory_models import FIG5_SLIDER, model_of, one_size, paper_model, regular
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 # The strength of coupling and its law against measured motions, a simulation of the law's own picture, and limits.
 MEASURED = [

@@ -25,7 +25,7 @@ from rubnoise.theory.response import response
 from rubnoise.theory.sampling import mean_area_error, standard_errors, variance_of_time_mean
 from rubnoise.theory.spectrum import density_at_zero, force_spectral_density, spectral_density
 from tests.unit.theory_models import FIG5_SLIDER, Gamma, LogNormal, drawn, regular
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 Doubles = NDArray[np.float64]
 

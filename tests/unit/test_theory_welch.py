@@ -26,7 +26,7 @@ from rubnoise.theory.estimated_spectrum import (
 from rubnoise.theory.quadrature import size_range
 from rubnoise.theory.spectrum import density_at_zero, spectral_density, visible_lines
 from tests.unit.theory_models import Doubles, drawn_trace, model_of, one_size, periodograms
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 TICK = 0.69125  # 16 ticks a life of 11.06 um
 TICKS = 128

@@ -1,5 +1,7 @@
-"""How far a run is from what theory says, in standard errors that theory gives it."""
+"""How far a run is from theory, in standard errors that theory gives it, and seeds that are not chosen."""
 
+import hashlib
+import os
 from fractions import Fraction
 from math import ceil, sqrt
 from typing import Any
@@ -13,6 +15,16 @@ from rubnoise.theory.occupancy import mean_count, mean_count_error
 from rubnoise.theory.sampling import StandardErrors, standard_errors
 from tests.models import bare
 
+# Seeds that are not chosen: the hash of what is tested, so that a lucky seed cannot be picked by hand.
+SALT = os.environ.get("RUBNOISE_TEST_SALT", "")
+
+
+def seed_of(name: str) -> int:
+    """Return the seed that belongs to a name."""
+    return int.from_bytes(hashlib.sha256(f"{name}/{SALT}".encode()).digest()[:6], "big")
+
+
+# How far a run is from what theory says, in standard errors that theory gives it.
 PRECISION = 0.005
 """Standard error of mean and std that a reference run is made long enough for, relative to their values."""
 

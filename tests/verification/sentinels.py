@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 import rubnoise
 from rubnoise.api.record import Record
 from rubnoise.scenario import Scenario
-from tests.verification.scores import BOUND, Figures, outside
-from tests.verification.seeds import seed_of
+from tests.verification.scores import BOUND, Figures, outside, seed_of
 
 Doubles = NDArray[np.float64]
 

@@ -1,8 +1,4 @@
-"""Who is born, how large, and who is found alive: samples of runs against the laws they are drawn from.
-
-The Kolmogorov-Smirnov distance D of n independent values from their own distribution has
-P(D sqrt(n) > x) = 2 sum (-1)^(k-1) exp(-2 k^2 x^2); KS_BOUND makes that the probability of 4 standard deviations.
-"""
+"""Who is born and found alive, in contacts of every width, and counts of whole runs."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,14 +11,17 @@ from scipy.special import ndtr
 
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Normal, Spread
+from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
+from rubnoise.record.rows import JunctionState
 from rubnoise.simulation import draws
 from rubnoise.simulation.draws import birth_distances, draw_blocks, first_birth, start
+from rubnoise.simulation.observer import Observer
 from rubnoise.theory.occupancy import length_biased_mean_diameter, mean_count, mean_count_error
-from tests.models import bare, recorded
-from tests.verification.scores import BOUND, REJECTED
-from tests.verification.seeds import seed_of
+from tests.models import bare, model, recorded, run_to_end
+from tests.verification.scores import BOUND, REJECTED, seed_of
 
+# Who is born, how large, and who is found alive: samples of runs against the laws they are drawn from.
 Doubles = NDArray[np.float64]
 Distribution = Callable[[Doubles], Doubles]
 
@@ -231,3 +230,116 @@ def test_another_rate_would_be_seen() -> None:
     slower = replace(LONG, births=PoissonBirths(mean_spacing=1.06 * LONG.births.mean))
     gaps = np.diff(rows("slower", slower)["birth_distance"])
     assert ks(gaps[gaps > 0.0], exponential(LONG.mean_birth_spacing)) > KS_BOUND
+
+
+# Contacts that are thin, dense, short, empty or of the widest sizes.
+NONE = Spread()
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        bare(count=0.01, distance=200_000.0, tick=100.0),
+        bare(count=0.01, distance=50.0, tick=1.0),
+        bare(count=5000.0, distance=3.0, tick=0.01),
+        bare(distance=0.5, tick=0.1),
+        bare(spread=NONE, distance=100.0),
+        bare(count=1.0, area=3.0, spread=Spread(absolute=8.0), distance=500.0),
+        bare(count=0.01, distance=5.0, tick=0.1, start="empty"),
+    ],
+    ids=["thin", "thin and short", "dense", "shorter than a life", "one size", "spread above the mean", "no birth"],
+)
+def test_every_row_and_tick_is_sound(run):
+    record = recorded(run)
+    rows, trace = record["junctions"], record["trace"]
+    assert np.all(np.diff(rows["birth_distance"]) >= 0)
+    assert np.all(rows["diameter"] > 0)
+    assert np.array_equal(rows["death_distance"], rows["birth_distance"] + 2 * rows["diameter"])
+    assert np.array_equal(rows["junction"], np.arange(rows["junction"].size))
+    s = trace["distance"]
+    assert np.array_equal(s, np.arange(run.tick_count + 1) * run.tick)
+    alive = [(rows["birth_distance"] <= x) & (x < rows["death_distance"]) for x in s]
+    assert [int(row.sum()) for row in alive] == trace["junction_count"].tolist()
+    assert np.array_equal(trace["real_contact_area"] > 0, trace["junction_count"] > 0)
+
+
+def test_no_birth_at_all_is_a_run():
+    record = recorded(bare(count=0.01, distance=5.0, tick=0.1, start="empty"))
+    assert record.extent.junctions == 0
+    assert not record["trace"]["real_contact_area"].any()
+
+
+def test_an_empty_start_begins_with_nothing():
+    record = recorded(bare(start="empty", distance=100.0))
+    assert record["trace"]["junction_count"][0] == 0
+    assert not np.any(record["junctions"]["state"] & JunctionState.ALIVE_AT_START)
+
+
+def test_states_tell_who_was_alive_at_the_ends():
+    run = bare(distance=100.0)
+    rows = recorded(run)["junctions"]
+    state = rows["state"]
+    assert np.array_equal((state & JunctionState.ALIVE_AT_START) > 0, rows["birth_distance"] < 0)
+    assert np.array_equal((state & JunctionState.ALIVE_AT_END) > 0, rows["death_distance"] > run.distance)
+    assert np.any(state == JunctionState.COMPLETE)
+
+
+def test_a_life_longer_than_the_run_is_alive_at_both_ends():
+    state = recorded(bare(distance=0.5))["junctions"]["state"]
+    assert np.any(state == JunctionState.ALIVE_AT_START | JunctionState.ALIVE_AT_END)
+
+
+def test_without_speed_no_times_and_without_strength_no_force():
+    record = recorded(bare())
+    assert "slider" not in record.groups
+    assert not {"birth_time", "death_time", "shear_strength"} & set(record["junctions"])
+    assert "friction_force" not in record["trace"]
+
+
+def test_times_are_distances_over_the_speed():
+    run = model(distance=50.0)
+    record = recorded(run)
+    for name in ("birth", "death"):
+        assert np.array_equal(record["junctions"][f"{name}_time"], record["junctions"][f"{name}_distance"] / 1000.0)
+    assert np.array_equal(record["slider"]["time"], record["trace"]["distance"] / 1000.0)
+
+
+# Event counts of whole runs: a golden that needs no tolerance.
+GOLDEN = {
+    "figure 5, 20 mm": (model(distance=20_000.0, tick=0.1), (37, 36542, 74008, 110536)),
+    "no slider": (bare(distance=2000.0, tick=0.5), (4, 3717, 7490, 11196)),
+    "dense": (bare(count=5000.0, distance=20.0, tick=0.1), (3, 148320, 301840, 444900)),
+    "thin": (bare(count=0.01, distance=100_000.0, tick=50.0), (1, 4, 13, 17)),
+    "triangles born regularly": (
+        model(births="regular", pulse=TRIANGLE, distance=2000.0, tick=0.5),
+        (4, 3983, 8024, 11987),
+    ),
+    "one size, from empty": (bare(spread=Spread(), start="empty", distance=2000.0, tick=0.5), (4, 3700, 7473, 11168)),
+}
+
+
+@pytest.fixture
+def each_block_alone(monkeypatch):
+    """Blocks that are played together take some events less."""
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+
+
+@pytest.mark.usefixtures("each_block_alone")
+@pytest.mark.parametrize("name", GOLDEN)
+def test_event_count(name):
+    run, expected = GOLDEN[name]
+    _, state = run_to_end(run)
+    assert (state.block, state.junctions, state.events) == expected[:3]
+
+
+@pytest.mark.usefixtures("each_block_alone")
+@pytest.mark.parametrize("name", GOLDEN)
+def test_event_count_with_an_observer(name):
+    """Births and deaths are observed without another event, mid-lives with one each."""
+    run, expected = GOLDEN[name]
+    told = []
+    _, state = run_to_end(run, observe=Observer(birth=lambda *_: None, death=lambda *_: None))
+    assert state.events == expected[2]
+    _, state = run_to_end(run, observe=Observer(mid_life=lambda *what: told.append(what)))
+    assert state.events == expected[3]
+    assert abs(state.events - expected[2] - len(told)) <= state.block

@@ -1,7 +1,8 @@
-"""Long runs against exact theory: every contact of the paper's figures, the slider of Fig. 5, and faults that show."""
+"""Long runs against exact theory: the paper's figures, and passes off the centre line."""
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +11,30 @@ import pytest
 from simpy import Environment
 from simpy.events import ProcessGenerator
 
+import rubnoise
+from rubnoise.analysis.comparing.findings import Comparison
+from rubnoise.analysis.comparison import compare
+from rubnoise.analysis.life import life_of
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Normal, Spread
-from rubnoise.model import Model
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of
+from rubnoise.contact.pulses import LENS
+from rubnoise.errors import RunStopped
+from rubnoise.model import Model, Slider
+from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
-from rubnoise.scenario import load
-from rubnoise.simulation import junctions
+from rubnoise.scenario import build, load
+from rubnoise.simulation import draws, junctions
 from rubnoise.simulation.run import simulate
+from rubnoise.storage import writer
+from rubnoise.storage.reader import open_run
+from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.motion_errors import mean_force_error, motion_errors
+from rubnoise.theory.response import response
 from rubnoise.theory.sampling import standard_errors
-from tests.models import bare, recorded
+from tests.models import bare, model, recorded
+from tests.unit.tampering import change, run_of
+from tests.verification.fabricated import held
 from tests.verification.scores import (
     BOUND,
     PRECISION,
@@ -32,9 +47,10 @@ from tests.verification.scores import (
     reference_model,
     relative_errors,
     scores,
+    seed_of,
 )
-from tests.verification.seeds import seed_of
 
+# Long runs against exact theory: every contact of the paper's figures, the slider of Fig. 5, and faults that show.
 ROOT = Path(__file__).parents[2]
 TABLE = json.loads((ROOT / "tests" / "reference" / "moments.json").read_text(encoding="utf-8"))["rows"]
 ROWS = [row for row in TABLE if row["calibration"] == "paper"]
@@ -146,3 +162,188 @@ def test_a_start_with_sizes_as_they_are_born_is_not_stationary() -> None:
     wrong = replace(WIDE, sizes=PlainStart(centre=law.centre, std=law.std))
     z = mean_score(short_means(wrong, "unbiased"), expected(WIDE)["area_mean"], standard_errors(WIDE).mean)
     assert z < -REJECTED
+
+
+# Runs off the centre line: their theory accepts them, and rejects what is wrong in one way.
+ORDINARY = bare(pulse=OFF_CENTRE_LENS, distance=60_000.0, tick=0.5)
+MOVING = model(
+    pulse=OFF_CENTRE_LENS, distance=30_000.0, tick=0.5, slider=Slider(mass=0.005, stiffness=300.0, damping=0.5)
+)
+"""Damped well enough for many of its decays."""
+
+
+@cache
+def played(run: Model) -> MemoryRecord:
+    return recorded(run, seed_of("off centre"), engine="batch")
+
+
+@cache
+def compared(run: Model, with_theory_of: Model | None = None) -> Comparison:
+    return compare(with_theory_of or run, held(played(run)))
+
+
+def scores_off_centre(found: Comparison) -> dict[str, float]:
+    return {figure.name: figure.z for figure in found.figures if figure.z is not None}
+
+
+@pytest.mark.parametrize("run", [ORDINARY, MOVING], ids=["contact", "slider"])
+def test_a_run_is_accepted_by_its_theory(run: Model) -> None:
+    found = compared(run)
+    assert found.outside == ()
+    assert {
+        "offset_kolmogorov", "real_contact_area_mean", "real_contact_area_std", "real_contact_area_kolmogorov",
+        "life_mean_area", "life_over_diameter", "start_count",
+    } <= scores_off_centre(found).keys()  # fmt: skip
+    if run is MOVING:
+        assert {"displacement_mean", "displacement_std", "velocity_std"} <= scores_off_centre(found).keys()
+    else:
+        assert sum(name.startswith("spectrum") for name in scores_off_centre(found)) == 8
+
+
+def test_the_theory_of_centred_passes_rejects_it() -> None:
+    """The control: centred passes of the same mean life and births, as many and as large."""
+    found = compared(ORDINARY, replace(ORDINARY, pulse=LENS))
+    assert scores_off_centre(found)["real_contact_area_mean"] < -REJECTED
+    assert {identity.name for identity in found.identities if not identity.holds} >= {"asked_mean_count"}
+    bands = [z for name, z in scores_off_centre(found).items() if name.startswith("spectrum")]
+    assert bands[-1] < -REJECTED
+
+
+def test_the_spread_is_that_of_the_reference_and_not_of_centred_passes() -> None:
+    """1.3559/sqrt(N) against 1.2298/sqrt(N), for equal sizes."""
+    one_size = bare(pulse=OFF_CENTRE_LENS, spread=Spread(absolute=0.0), distance=60_000.0, tick=0.5)
+    found, count = compared(one_size), one_size.mean_junction_count
+    spread = area_cumulants(one_size).std / area_cumulants(one_size).mean * count**0.5
+    assert spread == pytest.approx(1.3559061234577148, rel=1e-9)
+    (std,) = (figure for figure in found.figures if figure.name == "real_contact_area_std")
+    assert abs(std.z or 0.0) <= 4.0
+    centred = std.expected * 1.2298 / 1.3559
+    assert (std.observed - centred) / std.standard_error > REJECTED
+
+
+def test_other_offsets_are_rejected(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One per cent of the passes on the other side of the line, lives right all the same: the offsets know."""
+    right = draws._both_ways
+    monkeypatch.setattr(draws, "_both_ways", lambda uniform: right(np.where(uniform < 0.01, 1.0 - uniform, uniform)))
+    draws._drawn_at_once.cache_clear()
+    run = bare(pulse=OFF_CENTRE_LENS, distance=60_000.0, tick=5.0)
+    found = compare(run, held(recorded(run, seed_of("off centre, other side"), engine="batch")))
+    draws._drawn_at_once.cache_clear()
+    assert scores_off_centre(found)["offset_kolmogorov"] > REJECTED
+
+
+def test_the_start_has_more_of_long_lives() -> None:
+    """Of those alive b/d has the variance of a semicircle, 1/4; of those born that of a uniform number, 1/3."""
+    run = bare(pulse=OFF_CENTRE_LENS, count=20_000.0, distance=1.0, tick=0.1)
+    rows = played(run)["junctions"]
+    there = np.signbit(rows["birth_distance"])
+    square = np.square(rows["lateral_offset"] / rows["diameter"])[there]
+    error = (1.0 / 8.0 - 1.0 / 16.0) ** 0.5 / square.size**0.5
+    assert abs(square.mean() - 0.25) / error <= 4.0
+    assert abs(square.mean() - 1.0 / 3.0) / error > REJECTED
+    share = -rows["birth_distance"][there] / rows["life_distance"][there]
+    assert abs(share.mean() - 0.5) * (12.0 * share.size) ** 0.5 <= 4.0
+
+
+def test_rows_are_what_the_offset_says() -> None:
+    rows = played(ORDINARY)["junctions"]
+    d, b = rows["diameter"], rows["lateral_offset"]
+    assert np.all(np.abs(b) < d)
+    assert rows["life_distance"] == pytest.approx(2.0 * np.sqrt(d * d - b * b), rel=1e-9)
+    assert np.array_equal(rows["death_distance"], rows["birth_distance"] + rows["life_distance"])
+    r = np.abs(b) / d
+    assert rows["max_area"] == pytest.approx(d * d * 0.5 * (np.arccos(r) - r * np.sqrt(1.0 - r * r)), abs=1e-9)
+
+
+def test_the_motion_is_as_right_at_coarse_ticks_as_at_fine_ones() -> None:
+    """The births are the same whatever the ticks: so is the displacement, to 1e-9 of the largest."""
+    coarse = model(pulse=OFF_CENTRE_LENS, distance=2_000.0, tick=2.0, speed=10_000.0)
+    fine = replace(coarse, tick=0.125, tick_count=16_000)
+    one, other = (recorded(run, 7, engine="batch")["slider"]["displacement"] for run in (coarse, fine))
+    largest = np.abs(other).max()
+    assert np.abs(one - other[::16]).max() < 1e-9 * largest
+    shifted = recorded(replace(coarse, sliding_speed=10_000.001), 7, engine="batch")["slider"]["displacement"]
+    assert np.abs(shifted - other[::16]).max() > 1e-9 * largest
+    assert np.abs(one).max() < 100.0 * response(coarse).displacement_std
+
+
+TABLES = {
+    "pulse": {"offset": "uniform"},
+    "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+}
+
+
+def test_a_file_is_whole_and_a_changed_offset_is_found(tmp_path: Path) -> None:
+    path = run_of(tmp_path / "off.h5", **TABLES)
+    with rubnoise.open(path) as run:
+        assert run.verify(regenerate=2).passed
+        names = list(run.junctions)
+        assert names[names.index("diameter") + 1] == "lateral_offset"
+        junction = run.junction(40)
+        middle = junction.birth_distance + 0.5 * junction.life_distance
+        assert float(junction.area(middle)) == pytest.approx(junction.max_area, rel=1e-12)
+        assert "r = sqrt(x^2 + b^2)" in str(run.attributes["junction_area_formula"])
+    change(path, "/junctions/lateral_offset", lambda values: np.where(np.arange(values.size) == 40, -0.5, values))
+    with rubnoise.open(path) as run:
+        found = run.verify()
+        assert not found.passed
+        assert "junctions" in {row["check"] for row in found.rows if row["different"]}
+
+
+def test_the_table_gives_any_area_by_interpolation(tmp_path: Path) -> None:
+    from scipy.interpolate import RegularGridInterpolator
+
+    with rubnoise.open(run_of(tmp_path / "off.h5", **TABLES)) as run:
+        assert "life_curve" not in run.groups()
+        u, aside, area = (run.groups()["life_table"][name][:] for name in ("u", "offset_fraction", "area_fraction"))
+        size = int(np.count_nonzero(u == u[0]))
+        look = RegularGridInterpolator((u[::size], aside[:size]), area.reshape(-1, size))
+        rows = {name: run.junctions[name][:200] for name in run.junctions}
+    d, b = rows["diameter"], rows["lateral_offset"]
+    for share in (0.05, 0.5, 1.0, 1.7):
+        age = 0.5 * share * rows["life_distance"]
+        off = look((np.full(d.size, share), np.abs(b) / d)) - area_of(OFF_CENTRE_LENS, age, d, b) / (d * d)
+        assert np.abs(off).max() < 1e-3
+    assert area.max() == pytest.approx(np.pi / 4.0)
+
+
+def test_a_life_tells_its_offset_and_its_own_mid_life(tmp_path: Path) -> None:
+    with open_run(run_of(tmp_path / "off.h5", **TABLES)) as file:
+        life = life_of(file, 50)
+    assert life.lateral_offset is not None
+    assert life.half_life == pytest.approx(0.5 * life.life_distance, rel=1e-12)
+    assert life.mid_life_distance == pytest.approx(life.birth_distance + life.half_life)
+    assert life.peak_area == pytest.approx(life.max_area, rel=1e-12)
+    curve = life.curve()
+    assert curve["distance"][-1] == pytest.approx(life.death_distance)
+    assert curve["area"][0] == pytest.approx(0.0, abs=1e-9)
+    assert curve["area"].max() == pytest.approx(life.max_area, rel=1e-12)
+
+
+def test_a_stopped_run_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
+    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
+    scenario = build(
+        {
+            "format": 1,
+            "strength": {"mean": "250 MPa"},
+            "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
+            "sliding": {"distance": "1600 um", "speed": "1 mm/s"},
+            "output": {"tick": "0.4 um"},
+            **TABLES,
+        }
+    )
+    rubnoise.run(scenario, tmp_path / "whole.h5").close()
+
+    def stop(distance: float, _junctions: int, _live: int) -> None:
+        if distance > 900.0:
+            raise RunStopped(15)
+
+    with pytest.raises(RunStopped):
+        rubnoise.run(scenario, tmp_path / "cut.h5", watch=stop).close()
+    rubnoise.resume(tmp_path / "cut.h5.part").close()
+    with rubnoise.open(tmp_path / "whole.h5") as whole, rubnoise.open(tmp_path / "cut.h5") as cut:
+        assert list(whole.groups()) == list(cut.groups())
+        for group, columns in whole.groups().items():
+            for name in columns:
+                assert columns[name][:].tobytes() == cut.groups()[group][name][:].tobytes(), (group, name)

@@ -27,7 +27,7 @@ from rubnoise.theory.response import response
 from tests.coupled_runs import coupled
 from tests.models import UNEQUAL, model, recorded
 from tests.verification.fabricated import Held, held
-from tests.verification.seeds import seed_of
+from tests.verification.scores import seed_of
 
 
 def two_way(run: Model, **changes: Any) -> Model:

@@ -57,7 +57,7 @@ What is easily got wrong
 - Numba's cache looks at a function's own file alone. What is compiled into other files, functions and constants alike,
   has to be under `rubnoise.compiling.SOURCES`, or the old machine code goes on being used; a test finds a missing one.
 - A kernel that is called with another kind of array (a slice with steps, an array that can't be written) is compiled
-  again, for seconds, in the middle of a run. tests/verification/test_compilation.py counts.
+  again, for seconds, in the middle of a run. tests/verification/test_engines.py counts.
 - `compiling.compiled_bare` counts no references: such a function makes no arrays. Slices are fine.
 - What is in `lanes` works inside compiled functions only; ``kernel.py_func`` of what uses it does not.
 - The compiler cannot know that two arrays are apart. What a loop needs of one is read before it writes to another.

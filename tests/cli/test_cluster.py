@@ -1,0 +1,390 @@
+"""Sweeps on a cluster: the bits that a pool gives, and what docs/cluster.md says of trust."""
+
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
+from pathlib import Path
+from shlex import split
+
+import pytest
+
+import rubnoise
+from rubnoise.errors import Refused
+from rubnoise.sweep import cluster
+from tests.architecture.sources import ROOT
+from tests.cli.tampered import SLOW, TABLE, begin_sweep, runs_of
+from tests.cli.terminal import CONTACT, Answer, call, spawn
+
+# A real scheduler with two worker processes on this machine gives the bits that a pool gives.
+pytest.importorskip("distributed", reason="the extra cluster is not installed")
+
+Processes = list["subprocess.Popen[bytes]"]
+
+
+def _started(module: str, *options: str) -> "subprocess.Popen[bytes]":
+    program = [sys.executable, "-m", "distributed.cli." + module, *options]
+    return subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture
+def scheduler(here: Path) -> Iterator[tuple[Path, Processes]]:
+    """Start a scheduler and two workers of one thread; yield the scheduler's file, and the three processes."""
+    file = here / "scheduler.json"
+    plain = ("--no-dashboard",)
+    with ExitStack() as ending:
+        processes: Processes = []
+
+        def start(module: str, *options: str) -> None:
+            process = _started(module, *options)
+            processes.append(process)
+            ending.callback(process.wait)
+            ending.callback(process.kill)
+
+        start("dask_scheduler", "--scheduler-file", str(file), "--host", "127.0.0.1", "--port", "0", *plain)
+        _wait_for(file)
+        for _ in range(2):
+            start("dask_worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", *plain)
+        yield file, processes
+
+
+def _wait_for(path: Path) -> None:
+    last = time.monotonic() + 120.0
+    while not path.exists():
+        assert time.monotonic() < last, f"{path} never came to be"
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    (path := here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
+    return path
+
+
+def test_a_cluster_gives_the_bits_of_a_pool(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    answer = spawn("sweep", file, "-o", "afar", "--cluster", scheduler[0])
+    assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
+    assert call("sweep", file, "-o", "near", "--jobs", "1", "-q").code == 0
+    assert runs_of(Path("afar")) == runs_of(Path("near"))
+
+
+def test_a_worker_of_a_cluster_that_is_killed_changes_nothing(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    address, (_, worker, _) = scheduler
+    begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
+    worker.kill()
+    out, err = begun.communicate(timeout=300)
+    assert (begun.returncode, out) == (0, "afar: 2 points, 8 runs: 8 done\n"), err
+    assert call("sweep", file, "-o", "near", "--jobs", "1", "-q", *SLOW).code == 0
+    assert runs_of(Path("afar")) == runs_of(Path("near"))
+
+
+def test_a_sweep_whose_scheduler_is_killed_is_gone_on_with(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    address, (boss, *workers) = scheduler
+    begun = begin_sweep(Path("afar"), "sweep", file, "-o", "afar", "--cluster", address, *SLOW)
+    boss.kill()
+    out, err = begun.communicate(timeout=300)
+    assert (begun.returncode, out) == (1, "")
+    assert "the same command resumes the sweep" in err
+    for worker in workers:  # one that is still at a run keeps its file to itself, as long as the run takes
+        worker.kill()
+        worker.wait()
+    answer = call("sweep", file, "-o", "afar", "--jobs", "2", *SLOW)
+    assert (answer.out, answer.err) == ("afar: 2 points, 8 runs: 8 done\n", "")
+
+
+LATER = (
+    "import sys; from rubnoise import streams; streams.STREAM_VERSION += 1; "
+    "from distributed.cli.dask_worker import main; main()"
+)
+
+
+def test_workers_of_another_version_get_no_work(file: Path, scheduler: tuple[Path, Processes]) -> None:
+    address, _ = scheduler
+    options = ("--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard")
+    with subprocess.Popen([sys.executable, "-c", LATER, *options], stderr=subprocess.PIPE, text=True) as later:
+        while "Registered to" not in later.stderr.readline():
+            assert later.poll() is None
+        answer = spawn("sweep", file, "-o", "afar", "--cluster", address)
+        later.kill()
+    assert (answer.code, answer.out) == (2, "")
+    assert "this worker has rubnoise" in answer.err
+    assert "stream 2, format 1, and this process" in answer.err
+    assert runs_of(Path("afar")) == {}
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://there", "other://10.0.0.1:8786", "10.0.0.1:99999", "none.json"])
+def test_what_is_no_address_is_refused_at_once(file: Path, address: str) -> None:
+    answer = call("sweep", file, "-o", "afar", "--cluster", address)
+    said = f"{address}: is neither the file of a scheduler nor an address such as tcp://10.0.0.1:8786\n"
+    assert (answer.code, answer.out, answer.err) == (2, "", said)
+
+
+class Client:
+    """A client of a scheduler one of whose workers is of another version."""
+
+    closed = False
+
+    def __init__(self, *_where: object, **_how: object) -> None:
+        Client.closed = False
+
+    def run(self, function: Callable[[], object], **_how: object) -> dict[str, object]:
+        return {"tcp://10.0.0.2:1": function(), "tcp://10.0.0.3:1": ModuleNotFoundError("No module named 'rubnoise'")}
+
+    def close(self) -> None:
+        Client.closed = True
+
+
+def test_a_worker_without_the_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    import distributed
+
+    from rubnoise.sweep.cluster import Cluster
+
+    monkeypatch.setattr(distributed, "Client", Client)
+    with pytest.raises(
+        Refused, match=r"tcp://10\.0\.0\.3:1: this worker has no version that it says, and this process"
+    ):
+        Cluster("tcp://10.0.0.1:8786")
+    assert Client.closed
+
+
+def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rubnoise.sweep import cluster
+
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    answer = call("sweep", file, "-o", "afar", "--cluster", "tcp://127.0.0.1:9")
+    assert answer.code == 2
+    assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
+
+
+# What docs/cluster.md says of trust: where Dask listens after its commands, and that TLS keeps others out.
+pytest.importorskip("distributed", reason="the extra cluster is not installed")
+
+PAGE = (ROOT / "docs" / "cluster.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```text\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+LINES = [line for block in BLOCKS for line in block.splitlines()]
+PROC = Path("/proc/self/net/tcp")
+OPTIONS = ("--tls-ca-file", "cert.pem", "--tls-cert", "cert.pem", "--tls-key", "key.pem")
+
+
+def _command(beginning: str, *, tls: bool) -> list[str]:
+    """Return the words of a command of the page, for this machine and one worker."""
+    line = next(line for line in LINES if line.startswith(beginning) and ("--tls-cert" in line) is tls)
+    line = re.sub(r"\b10\.0\.0\.\d+", "127.0.0.1", line.removesuffix(" &"))
+    return split(line.replace("--nworkers 16", "--nworkers 1").replace("--port 8786", "--port 0"))
+
+
+@pytest.fixture
+def started(here: Path) -> Iterator["Dask"]:
+    (here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
+    with ExitStack() as ending:
+        yield Dask(ending)
+
+
+class Dask:
+    """Processes of Dask that end with a test."""
+
+    def __init__(self, ending: ExitStack) -> None:
+        self._ending = ending
+
+    def start(self, *words: str) -> int:
+        """Start `dask scheduler ...` or `dask worker ...`, and return its process number."""
+        program = [sys.executable, "-m", f"distributed.cli.dask_{words[1]}", *words[2:]]
+        process = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self._ending.callback(process.wait)
+        self._ending.callback(process.terminate)  # so that a worker ends its own processes too
+        return process.pid
+
+    def cluster(self, *, tls: bool, file: str = "scheduler.json") -> tuple[str, list[int]]:
+        """Start scheduler and workers by the page's commands; return the address, and the numbers of all processes."""
+        words = _command("dask scheduler", tls=tls)
+        boss = self.start(*words, *(() if "--scheduler-file" in words else ("--scheduler-file", file)))
+        _until(Path(file).exists)
+        address = str(json.loads(Path(file).read_text(encoding="utf-8"))["address"])
+        words = [address if word.startswith("tls://") else word for word in _command("dask worker", tls=tls)]
+        worker = self.start(*words)
+        _until(lambda: sum(bool(_listening([process])) for process in _family(worker)) >= 2)  # and its nanny
+        return address, [boss, *_family(worker)]
+
+
+def _until(reached: Callable[[], bool]) -> None:
+    last = time.monotonic() + 120.0
+    while not reached():
+        assert time.monotonic() < last
+        time.sleep(0.5)
+
+
+def _family(process: int) -> list[int]:
+    """Return a process and all that it has started, as Linux lists them."""
+    own: list[str] = []
+    with suppress(OSError):  # a thread that ends meanwhile
+        for task in Path(f"/proc/{process}/task").iterdir():
+            own += (task / "children").read_text(encoding="ascii").split()
+    return [process, *(number for child in own for number in _family(int(child)))]
+
+
+def _listening(processes: list[int]) -> set[str]:
+    """Return the addresses on which processes listen, as hexadecimal numbers of the system."""
+    entries = [entry for process in processes for entry in _entries(process)]
+    sockets = {link[8:-1] for entry in entries if (link := _target(entry)).startswith("socket:[")}
+    found = set()
+    for table in ("tcp", "tcp6"):
+        for line in Path(f"/proc/self/net/{table}").read_text(encoding="ascii").splitlines()[1:]:
+            words = line.split()
+            if words[3] == "0A" and words[9] in sockets:
+                found.add(words[1].partition(":")[0])
+    return found
+
+
+def _entries(process: int) -> list[Path]:
+    try:
+        return list(Path(f"/proc/{process}/fd").iterdir())
+    except OSError:  # it has ended
+        return []
+
+
+def _target(entry: Path) -> str:
+    try:
+        return str(entry.readlink())
+    except OSError:
+        return ""
+
+
+LOOPBACK, EVERYWHERE = "0100007F", {"00000000", "0" * 32}
+
+
+@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
+def test_the_scheduler_of_the_page_listens_on_one_address(started: Dask) -> None:
+    boss = started.start(*_command("dask scheduler", tls=False))
+    _until(Path("scheduler.json").exists)
+    assert _listening([boss]) == {LOOPBACK}
+
+
+@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
+def test_the_commands_of_the_page_bind_everything_to_one_address(started: Dask) -> None:
+    _, processes = started.cluster(tls=False)
+    answer = spawn(*_swept(_command("rubnoise sweep", tls=False)))
+    assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
+    assert len(processes) >= 3
+    assert _listening(processes) == {LOOPBACK}
+
+
+@pytest.mark.skipif(not PROC.exists(), reason="only Linux lists its sockets in files")
+def test_without_the_option_for_http_the_same_scheduler_is_open_to_all(started: Dask) -> None:
+    port = ("--port", "0", "--scheduler-file", "open.json")
+    boss = started.start("dask", "scheduler", "--host", "127.0.0.1", "--no-dashboard", *port)
+    _until(Path("open.json").exists)
+    found = _listening([boss])
+    assert LOOPBACK in found
+    assert found & EVERYWHERE
+
+
+def _swept(words: list[str], address: str = "") -> list[str]:
+    """Return the arguments of the page's sweep for the file and folder of these tests."""
+    names = {"fig7.toml": "s.toml", "/shared/fig7": "afar"}
+    return [names.get(word, address if word.startswith("tls://") else word) for word in words[1:]]
+
+
+def _certificate(name: str) -> None:
+    line = next(line for line in LINES if line.startswith("openssl"))
+    words = split(line.replace("key.pem", f"{name}key.pem").replace("cert.pem", f"{name}cert.pem"))
+    subprocess.run(words, check=True, capture_output=True)
+
+
+needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the keys, is missing")
+
+
+@needs_openssl
+def test_a_sweep_over_tls_gives_the_same_bits_and_lets_nobody_else_in(
+    started: Dask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _certificate("")
+    _certificate("other_")
+    assert Path("key.pem").stat().st_mode & 0o077 == 0
+    address, processes = started.cluster(tls=True)
+    assert address.startswith("tls://127.0.0.1:")
+    answer = spawn(*_swept(_command("rubnoise sweep", tls=True), address))
+    assert (answer.code, answer.out) == (0, "afar: 2 points, 6 runs: 6 done\n"), answer.err
+    assert call("sweep", "s.toml", "-o", "near", "--jobs", "1", "-q").code == 0
+    assert runs_of(Path("afar")) == runs_of(Path("near"))
+    if PROC.exists():
+        assert _listening(processes) == {LOOPBACK}
+
+    from distributed import Security
+
+    security = Security(
+        require_encryption=True, tls_ca_file="cert.pem", tls_client_cert="cert.pem", tls_client_key="key.pem"
+    )
+    with rubnoise.run_sweep("s.toml", "python", cluster=address, security=security) as sweep:
+        assert sweep.count("done") == 6
+    assert runs_of(Path("python")) == runs_of(Path("near"))
+
+    monkeypatch.setattr(cluster, "PATIENCE", 3.0)
+    strangers = [word.replace("cert.pem", "other_cert.pem").replace("key.pem", "other_key.pem") for word in OPTIONS]
+    for words, said in (
+        ((), "uses TLS; --tls-ca-file, --tls-cert and --tls-key name the files for it"),
+        (strangers, "TLS certificate does not match"),
+    ):
+        _is_refused(call("sweep", "s.toml", "-o", "no", "--cluster", address, *words), said)
+    plain = address.replace("tls:", "tcp:")
+    _is_refused(call("sweep", "s.toml", "-o", "no", "--cluster", plain), "no scheduler answers")
+    _hangs_up(address)
+
+
+def _is_refused(answer: Answer, said: str) -> None:
+    assert (answer.code, answer.out) == (2, "")
+    assert said in answer.err
+    assert not Path("no").exists() or not runs_of(Path("no"))
+
+
+def _hangs_up(address: str) -> None:
+    """Assert that a connection which speaks no TLS is not answered."""
+    host, _, port = address.removeprefix("tls://").partition(":")
+    with socket.create_connection((host, int(port)), timeout=10.0) as line:
+        try:
+            line.sendall(bytes(1000))
+            answered = line.recv(1000)
+        except ConnectionError:
+            answered = b""
+    assert len(answered) <= 16  # an alert of TLS at most
+
+
+@needs_openssl
+def test_what_cannot_be_spoken_over_tls_is_refused_before_anything_is_sent(
+    started: Dask, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    _certificate("")
+    _certificate("other_")
+    Path("plain.json").write_text('{"address": "tcp://127.0.0.1:9"}', encoding="utf-8")
+    Path("odd.json").write_text("[]", encoding="utf-8")
+    mixed = (*OPTIONS[:-1], "other_key.pem")
+    for words, said in (
+        (("--cluster", "tcp://127.0.0.1:9", *OPTIONS), "does not use TLS: its address is tcp://127.0.0.1:9"),
+        (("--cluster", "plain.json", *OPTIONS), "plain.json: does not use TLS: its address is tcp://127.0.0.1:9"),
+        (("--cluster", "127.0.0.1:9", *OPTIONS), "127.0.0.1:9: no scheduler answers there"),
+        (("--cluster", "odd.json"), "odd.json: is no file of a scheduler"),
+        (("--cluster", "tls://127.0.0.1:9"), "uses TLS; --tls-ca-file, --tls-cert and --tls-key name the files"),
+        (OPTIONS, "--tls-ca-file, --tls-cert and --tls-key are for --cluster"),
+        (("--cluster", "tls://127.0.0.1:9", *OPTIONS[:2]), "--tls-ca-file and --tls-cert go together"),
+        (("--cluster", "tls://127.0.0.1:9", *mixed), "of no use together: key values mismatch"),
+        (
+            ("--cluster", "tls://127.0.0.1:9", *OPTIONS[:-1], "none.pem"),
+            "--tls-key: none.pem: no such file or directory",
+        ),
+    ):
+        answer = call("sweep", "s.toml", "-o", "no", *words)
+        assert (answer.code, answer.out) == (2, ""), words
+        assert said in " ".join(re.sub("[│\\s]+", " ", answer.err).split()), words
+        assert not Path("no", "runs").exists() or not runs_of(Path("no"))
+
+
+def test_security_without_a_cluster_is_refused(here: Path) -> None:
+    (here / "s.toml").write_text(CONTACT + TABLE, encoding="utf-8")
+    with pytest.raises(rubnoise.Refused, match="security=: is for a cluster"):
+        rubnoise.run_sweep("s.toml", "no", security=object())
+    assert not Path("no").exists()

@@ -1,0 +1,324 @@
+"""Pages that show what was measured: two-way motion, detection, reproducibility."""
+
+import re
+import sys
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+
+import h5py
+import pytest
+
+import rubnoise
+from rubnoise.analysis.moments import needed_for_mean
+from rubnoise.scenario import Scenario
+from rubnoise.storage.reader import open_run
+from rubnoise.storage.schema import GROUPS
+from rubnoise.streams import STREAM_VERSION, Stream
+from rubnoise.theory.coupling import coupling
+from rubnoise.theory.response import response
+from tests.architecture.sources import ROOT
+from tools.studies import detection
+from tools.studies import two_way as tool
+
+# What docs/two-way.md shows as measured is what the tool measures, and its pictures are there.
+TEXT = tool.PAGE.read_text(encoding="utf-8")
+LINKED = re.findall(r"\]\((pictures/two-way/[\w-]+\.png)\)", TEXT)
+
+
+def part(name: str) -> list[str]:
+    """Return the lines of a measured part of the page."""
+    found = re.search(rf"<!-- measured: {name} -->\n(.*?)<!-- end -->", TEXT, re.DOTALL)
+    assert found is not None
+    return found[1].removesuffix("\n").split("\n")
+
+
+def rows(name: str) -> list[list[str]]:
+    """Return the cells of the rows of the first table in a part."""
+    table = [line for line in part(name) if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]]
+
+
+def _number(cell: str) -> float:
+    return float(cell.partition(" ± ")[0])
+
+
+def test_every_picture_is_shown_and_every_one_shown_is_there() -> None:
+    there = {f"pictures/two-way/{path.name}" for path in tool.PICTURES.iterdir()}
+    assert set(LINKED) == there
+    assert len(there) == 6
+    assert all((ROOT / "docs" / path).read_bytes().startswith(b"\x89PNG") for path in there)
+
+
+def test_the_tool_finds_its_parts_on_the_page() -> None:
+    assert {name for _, name in tool.PART.findall(TEXT)} == {"figures", "surprise", "chaos", "reference"}
+    assert tool.filled(TEXT, {"reference": tool.reference()}) == TEXT
+    assert tool.filled(TEXT, {"reference": ["changed"]}) != TEXT
+
+
+def test_what_is_exact_in_the_table_of_speeds_is_what_theory_says() -> None:
+    points = [point for point in rubnoise.expand(rubnoise.load_sweep(tool.STUDY)) if point.replicate == 0]
+    models = [point.scenario.model() for point in points]
+    models = [model for model in models if model.is_two_way]
+    assert len(models) == len(rows("surprise")) > 5
+    for model, (speed, validity, strength, one_way, two_way, change, law, *_) in zip(
+        models, rows("surprise"), strict=True
+    ):
+        exact, told = response(model), coupling(model)
+        assert float(speed) == pytest.approx(1e-3 * exact.sliding_speed)
+        assert float(validity) == pytest.approx(exact.one_way_validity, rel=6e-3)
+        assert float(strength) == pytest.approx(told.strength, rel=6e-3)
+        assert float(one_way) == pytest.approx(exact.displacement_std, rel=6e-4)
+        assert _number(change) == pytest.approx(_number(two_way) / exact.displacement_std, rel=0.1)
+        assert bool(law) == (told.unknown is None)
+        assert not law or float(law) == pytest.approx(told.expected_change, abs=6e-4)
+
+
+def test_the_vibration_first_rises_and_then_is_clipped() -> None:
+    """The page says so in words: it must show in the intervals."""
+    bounds = {
+        float(speed): tuple(_number(change) + side * float(change.split(" ± ")[1]) for side in (-1, 1))
+        for speed, _, _, _, _, change, *_ in rows("surprise")
+    }
+    assert bounds[1.0][1] < 0.35
+    assert bounds[30.0][0] > 1.4
+    assert bounds[30.0][1] < 1.8
+    assert bounds[20.0][0] > 1.0
+    assert bounds[100.0][0] < 1.01
+    assert bounds[100.0][1] > 1.0
+
+
+@pytest.fixture(scope="module")
+def two_way(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("page") / "two_way.h5"
+    rubnoise.run(rubnoise.load(tool.TWO_WAY, ["run.engine=batch"]), path).close()
+    return path
+
+
+def test_figure_5_is_told_as_it_is(figure_5: Path, two_way: Path) -> None:
+    with open_run(figure_5) as one, open_run(two_way) as two:
+        assert "\n".join(part("figures")) == "\n".join(tool.figures(one, two)), "python tools/studies two_way"
+
+
+def test_runs_part_when_the_page_says() -> None:
+    speeds = {row[0]: row for row in rows("chaos")}
+    assert list(map(int, speeds)) == list(tool.CHAOS)
+    times = {speed: re.findall(r"never|[\d.]+", row[1]) for speed, row in speeds.items()}
+    time, _ = tool.parted(10, tool.CHAOS[10], tool.SEEDS[2])
+    assert f"{time:.3g}" == times["10"][2]
+    assert set(times["50"]) == {"never"}
+    # What the page advises: a second at 1 mm/s, a tenth at 10 mm/s.
+    assert min(map(float, times["1"])) > 1.0
+    assert min(map(float, times["10"])) > 0.1
+
+
+def test_a_sweep_becomes_a_table(tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(
+        f'format = 1\nextends = "{tool.FIG5}"\n[output]\ntick = "2 um"\n[run]\nengine = "batch"\n'
+        '[sliding]\ndistance = "1 mm"\n[sweep]\nkeep = "summary"\nreplicates = 2\n[sweep.grid]\n'
+        'slider.coupling = ["one-way", "two-way"]\nsliding.speed = ["1 mm/s", "100 mm/s"]\n',
+        encoding="utf-8",
+    )
+    with rubnoise.run_sweep(tmp_path / "s.toml", tmp_path / "s", jobs=1) as sweep:
+        points, lines = tool.points_of(sweep), list(tool.surprise(sweep))
+        stuck = sweep.runs["stick_fraction"][:]
+    assert [point.model.sliding_speed for point in points] == [1e3, 1e5]
+    assert points[0].stick_fraction.value == pytest.approx(stuck[stuck > 0.0].mean())
+    assert lines[2].startswith("| 1 | 47.2 |")
+    assert lines[3].endswith("| 0 | 0 |")
+    assert "2 runs of each" in "\n".join(lines)
+
+
+def test_only_measured_parts_are_replaced() -> None:
+    parts = {name: ["new", name] for name in ("figures", "surprise", "chaos")}
+    page = tool.filled(TEXT, parts)
+    assert page.count("\nnew\n") == 3
+    assert [line for line in page.split("\n") if line.startswith("## ")] == [
+        line for line in TEXT.split("\n") if line.startswith("## ")
+    ]
+    kept = {name: part(name) for name in parts}
+    assert tool.filled(page, kept) == TEXT
+
+
+def test_a_part_that_the_page_has_not_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "two-way.md"
+    page.write_text(TEXT, encoding="utf-8")
+    monkeypatch.setattr(tool, "PAGE", page)
+    monkeypatch.setattr(tool, "PICTURES", tmp_path)
+    monkeypatch.setattr(tool, "made", lambda *_: {"figures": [], "extra": []})
+    monkeypatch.setattr(sys, "argv", ["two_way"])
+    assert tool.main() == 1
+    assert capsys.readouterr().err == "two_way: chaos, extra, reference, surprise: on the page or here alone\n"
+    assert page.read_text(encoding="utf-8") == TEXT
+
+
+def test_speeds_are_in_order() -> None:
+    speeds = [float(row[0]) for row in rows("surprise")]
+    assert all(slower < faster for slower, faster in pairwise(speeds))
+
+
+# The table of what sliding distance shows what follows from the theory, and is written if wrong runs bear it out.
+COMPARING = ROOT / "docs" / "comparing.md"
+BY_NAME = {fault.name: fault for fault in detection.FAULTS}
+TRIED = re.compile(r"(\d+) of 20|-")
+
+
+def cells(page: str) -> dict[str, list[str]]:
+    """Return the cells of each row of the table by its fault."""
+    found = detection.PART.search(page)
+    assert found is not None
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in found[0].split("\n") if "|" in line]
+    return {row[0]: row[1:] for row in rows[2:]}
+
+
+ROWS = cells(detection.PAGE.read_text(encoding="utf-8"))
+
+
+def test_every_fault_has_a_row() -> None:
+    assert list(ROWS) == list(BY_NAME)
+    assert len({shown for shown, *_ in ROWS.values()}) > 8
+
+
+@pytest.mark.parametrize("name", BY_NAME)
+def test_a_row_is_what_theory_says(name: str) -> None:
+    assert tuple(ROWS[name][:2]) == detection.predicted(BY_NAME[name])[1:], "python tools/studies detection"
+
+
+@pytest.mark.parametrize("name", BY_NAME)
+def test_a_row_says_how_it_was_tried(name: str) -> None:
+    _, length = detection.first_shown(BY_NAME[name])
+    whole, quarter = (TRIED.fullmatch(cell) for cell in ROWS[name][2:])
+    assert whole is not None
+    assert quarter is not None
+    assert bool(whole[1]) == (length <= 700_000.0)
+    assert int(whole[1] or 20) >= detection.FEWEST_FOUND
+    assert int(quarter[1] or 0) <= detection.MOST_FOUND_EARLY
+
+
+def test_the_shortest_run_is_named_on_the_page() -> None:
+    page = " ".join(detection.PAGE.read_text(encoding="utf-8").split())
+    assert f"{detection.distance(detection.shortest())} is the shortest run that is compared" in page
+    assert detection.shortest() >= needed_for_mean(detection.figure_5(1000.0))
+
+
+def test_a_fault_half_as_large_needs_four_times_the_distance() -> None:
+    _, one = detection.first_shown(detection.Fault(name="x", wrong=detection.more_births(1.01)))
+    _, half = detection.first_shown(detection.Fault(name="x", wrong=detection.more_births(1.005)))
+    assert half == pytest.approx(4.0 * one, rel=0.05)
+
+
+def test_wrong_runs_are_outside_and_right_ones_are_not() -> None:
+    name = "diameters 1 % larger"
+    assert "diameter_mean" in detection.outside(BY_NAME[name], 3000.0, 1)
+    assert detection.outside(detection.Fault(name="none"), 3000.0, 1) == []
+    assert "life_mean_area" in detection.outside(detection.Fault(name="small", area=0.981), 3000.0, 1)
+
+
+@pytest.mark.parametrize(
+    ("fault", "found", "said"),
+    [
+        ("stiffness 2 % larger", (["x"] * 12, []), "stiffness 2 % larger: 12 of 20 runs of 50 mm are outside, too few"),
+        ("stiffness 2 % larger", (["x"] * 20, ["x"] * 13), "13 of 20 runs of 12 mm are outside, too many"),
+        ("an empty start", (["x"] * 20, []), "an empty start: start_count does not show it"),
+    ],
+)
+def test_a_table_that_runs_do_not_bear_out_is_not_written(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    fault: str,
+    found: tuple[list[str], list[str]],
+    said: str,
+) -> None:
+    page = tmp_path / "comparing.md"
+    page.write_bytes(COMPARING.read_bytes())
+    answers = iter([[name] for name in found[0]] + [[]] * (20 - len(found[0])) + [[name] for name in found[1]])
+    monkeypatch.setattr(detection, "PAGE", page)
+    monkeypatch.setattr(detection, "FAULTS", (BY_NAME[fault],))
+    monkeypatch.setattr(detection, "outside", lambda *_: next(answers, []))
+    monkeypatch.setattr(sys, "argv", ["detection"])
+    with pytest.raises(SystemExit, match=re.escape(said)):
+        detection.main()
+    assert page.read_bytes() == COMPARING.read_bytes()
+
+
+def test_a_table_that_runs_bear_out_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = tmp_path / "comparing.md"
+    page.write_bytes(COMPARING.read_bytes())
+    monkeypatch.setattr(detection, "PAGE", page)
+    monkeypatch.setattr(detection, "FAULTS", (BY_NAME["an empty start"],))
+    monkeypatch.setattr(detection, "outside", lambda *_: ["start_count"])
+    monkeypatch.setattr(sys, "argv", ["detection"])
+    assert detection.main() == 0
+    assert cells(page.read_text(encoding="utf-8")) == {"an empty start": ["`start_count`", "0.56 mm", "20 of 20", "-"]}
+
+
+# docs/reproducibility.md promises what the program does, and lists all of it.
+PAGE = (ROOT / "docs" / "reproducibility.md").read_text(encoding="utf-8")
+PROMISED = re.findall(r"^\| `/(\w+)` \| every column", PAGE, re.MULTILINE)
+
+
+def test_every_group_of_columns_is_promised() -> None:
+    assert sorted(PROMISED) == sorted(group.name for group in GROUPS)
+
+
+def test_streams_and_their_version_are_those_of_the_program() -> None:
+    listed = re.findall(r"^\| `(\w+)` \| (\d+) \|", PAGE, re.MULTILINE)
+    assert [(name, int(key)) for name, key in listed] == [(stream.name, stream.value) for stream in Stream]
+    assert f"and is **{STREAM_VERSION}** now" in " ".join(PAGE.split())
+
+
+def test_the_oldest_libraries_that_were_measured_are_the_oldest_allowed() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    (bound,) = re.findall(r"numpy>=(\S+)'", str(project["dependencies"]))
+    measured = re.findall(r"^\| (3\.\d+) \| oldest allowed \| (\S+) \|", PAGE, re.MULTILINE)
+    assert {python for python, _ in measured} == {"3.11", "3.12", "3.13"}
+    assert all(version.startswith(f"{bound}.") for _, version in measured)
+
+
+def scenario(engine: str, compression: str, seed: int = 7) -> Scenario:
+    return rubnoise.build(
+        {
+            "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
+            "diameter": {"law": "normal", "spread": "0.2 um"},
+            "strength": {"mean": "250 MPa"},
+            "sliding": {"distance": "1 mm", "speed": "1 mm/s"},
+            "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
+            "output": {"tick": "0.5 um", "compression": compression},
+            "run": {"seed": seed, "engine": engine},
+        }
+    )
+
+
+def hashes(path: Path) -> dict[str, str]:
+    with h5py.File(path) as file:
+        return {
+            column.name: column.attrs["xxh3_128"] for name in PROMISED if name in file for column in file[name].values()
+        }
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("kept") / "kept.h5"
+    rubnoise.run(scenario("events", "none"), path).close()
+    return path
+
+
+@pytest.mark.parametrize(("engine", "compression"), [("events", "none"), ("events", "gzip"), ("batch", "none")])
+def test_what_is_promised_is_the_same_and_the_file_is_not(
+    kept: Path, tmp_path: Path, engine: str, compression: str
+) -> None:
+    again = tmp_path / "again.h5"
+    rubnoise.run(scenario(engine, compression), again).close()
+    assert hashes(again) == hashes(kept)
+    assert len(hashes(kept)) > 20
+    assert again.read_bytes() != kept.read_bytes()
+
+
+def test_another_seed_has_other_columns(kept: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.h5"
+    rubnoise.run(scenario("batch", "none", seed=8), other).close()
+    differ = {name for name, value in hashes(kept).items() if hashes(other).get(name) != value}
+    assert differ >= {"/junctions/birth_distance", "/trace/real_contact_area", "/slider/velocity"}
+    assert "/life_curve/area_fraction" not in differ

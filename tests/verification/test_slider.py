@@ -1,0 +1,305 @@
+"""The slider of whole runs against references that share no line with it."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from rubnoise.contact.laws import Spread
+from rubnoise.contact.pulses import LENS, TRIANGLE
+from rubnoise.model import Model, Slider
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.simulation.cells import cells_per_tick, narrow
+from rubnoise.simulation.kernels import choice, coarse, triangle
+from tests.models import FIG5_SLIDER, UNEQUAL, model, recorded
+from tests.models import model as figure_5
+from tests.oracle import dop853_slider, straight_slider, theta_slider
+from tests.oracle.oscillator import Motion, Oscillator
+from tests.oracle.slow_contact import Rows
+from tests.verification.scores import seed_of
+from tests.verification.test_observer import ends
+
+# The slider of whole runs against two references that share no line with it: theta substitution and DOP853.
+MASS, STIFFNESS = FIG5_SLIDER.mass, FIG5_SLIDER.stiffness
+CRITICAL = 2.0 * math.sqrt(MASS * STIFFNESS)
+DAMPING_RATIOS = {"figure 5": 0.05 / CRITICAL, "nearly undamped": 1e-3, "critical": 1.0, "over-damped": 20.0}
+
+SPEEDS = {
+    "0.01 mm/s": 10.0,
+    "0.1 mm/s": 1e2,
+    "1 mm/s": 1e3,
+    "10 mm/s": 1e4,
+    "0.1 m/s": 1e5,
+    "1 m/s": 1e6,
+    "10 m/s": 1e7,
+}
+PROMISED = 1e-9
+
+
+def sliding(ratio: float, start: Any = "equilibrium", **changes: Any) -> Model:
+    """Return Fig. 5 with a damping ratio, a start of the slider and other changes."""
+    slider = Slider(mass=MASS, stiffness=STIFFNESS, damping=ratio * CRITICAL, start=start)
+    return model(slider=slider, **changes)
+
+
+def rows_of(record: MemoryRecord) -> Rows:
+    columns = record["junctions"]
+    return Rows(
+        birth=columns["birth_distance"],
+        diameter=columns["diameter"],
+        strength=columns["shear_strength"],
+        death=columns["death_distance"],
+    )
+
+
+def reference(run: Model, record: MemoryRecord, oracle: Any = theta_slider, every: int = 1) -> Motion:
+    """Return the reference's motion at every n-th tick of a record."""
+    assert run.slider is not None
+    slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
+    ticks = record["slider"]["distance"][::every]
+    start = (run.equilibrium_displacement, 0.0)
+    motion: Motion = oracle.motion(slider, run.sliding_speed, ticks, rows_of(record), start)
+    return motion
+
+
+def difference(record: MemoryRecord, motion: Motion, every: int = 1) -> float:
+    """Return the largest difference of displacement or velocity, each relative to its largest value."""
+    place, speed = (record["slider"][name][::every] for name in ("displacement", "velocity"))
+    return max(relative(place, motion.displacement), relative(speed, motion.velocity))
+
+
+def relative(found: NDArray[np.float64], true: NDArray[np.float64]) -> float:
+    return float(np.abs(found - true).max() / np.abs(true).max())
+
+
+@pytest.mark.parametrize(("tick", "bound"), [(0.05, 1e-10), (0.1, 2e-10)])
+@pytest.mark.parametrize("start", ["equilibrium", "rest"])
+def test_figure_5(tick: float, bound: float, start: str) -> None:
+    run = sliding(DAMPING_RATIOS["figure 5"], start, distance=100.0, tick=tick)
+    record = recorded(run, seed_of(f"oracle/{start}"))
+    assert record["slider"]["displacement"][0] == (0.0 if start == "rest" else pytest.approx(170.561, rel=1e-5))
+    assert difference(record, reference(run, record)) < bound
+
+
+@pytest.mark.parametrize("name", DAMPING_RATIOS)
+def test_an_adaptive_integrator_agrees(name: str) -> None:
+    run = sliding(DAMPING_RATIOS[name], distance=40.0, tick=0.05)
+    record = recorded(run, seed_of("dop853"))
+    bound = 1e-10 if name == "figure 5" else PROMISED
+    assert difference(record, reference(run, record, dop853_slider, every=40), every=40) < bound
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize("name", DAMPING_RATIOS)
+def test_the_promise_holds_for_every_speed_and_damping(name: str, speed: str) -> None:
+    run = sliding(DAMPING_RATIOS[name], speed=SPEEDS[speed], distance=16.0, tick=0.05)
+    record = recorded(run, seed_of("speeds"))
+    assert difference(record, reference(run, record)) < PROMISED
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        sliding(0.02, count=0.5, distance=300.0, tick=0.5, speed=100.0),
+        sliding(0.02, count=200.0, distance=4.0, tick=0.02, speed=100.0),
+        sliding(0.02, count=5.0, distance=30.0, tick=1.0, speed=300.0),
+        sliding(200.0, distance=12.0, tick=0.05, speed=300.0),
+        sliding(1.0, distance=12.0, tick=0.2, speed=10.0),
+    ],
+    ids=["few", "many", "long ticks", "far over-damped", "follows the force"],
+)
+def test_the_promise_holds_for_other_counts_ticks_and_sliders(run: Model) -> None:
+    record = recorded(run, seed_of("counts"))
+    assert difference(record, reference(run, record)) < PROMISED
+
+
+def test_junctions_that_end_early_act_until_then() -> None:
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=60.0, tick=0.1)
+    seed = seed_of("ends early")
+    rows = rows_of(recorded(run, seed))
+    places = {5: 1.93, 30: 0.31, 40: 1.4, 41: 0.02, 42: 1.0}
+    when = {number: rows.birth[number] + share * rows.diameter[number] for number, share in places.items()}
+    when = {number: float(place) for number, place in when.items() if place > 0.0}
+    record = recorded(run, seed, intervene=ends(when))
+    assert difference(record, reference(run, record)) < 1e-10
+    assert difference(record, reference(run, recorded(run, seed))) > 1e-3
+
+
+@pytest.mark.parametrize("speed", [1000.0, 20.0])  # at the second, cells are too narrow for differences of integrals
+@pytest.mark.parametrize("seed", range(6))
+def test_a_junction_may_end_at_mid_life_itself(seed: int, speed: float) -> None:
+    """Which half it ends in is a matter of rounding there, and must not matter."""
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.25, speed=speed)
+    assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)
+    rows = rows_of(recorded(run, seed))
+    middle = rows.birth + rows.diameter
+    when = {number: float(middle[number]) for number in np.flatnonzero((middle > 0.0) & (middle < 25.0))}
+    record = recorded(run, seed, intervene=ends(when))
+    # Every force here ends in a jump, steeper than the kinks that cells are made for: some 1e-9 in the velocity.
+    assert difference(record, reference(run, record)) < 1e-8
+
+
+def test_a_first_order_hold_would_be_worse_than_1e_6() -> None:
+    """What scipy's lsim does: the force taken as straight between ticks, carried by the exact transition."""
+    from scipy.signal import lsim
+
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=100.0, tick=0.05)
+    record = recorded(run, seed_of("hold"))
+    system = ([[0.0, 1.0], [-STIFFNESS / MASS, -0.05 / MASS]], [[0.0], [1.0 / MASS]], np.eye(2), np.zeros((2, 1)))
+    slider = record["slider"]
+    start = [slider["displacement"][0], slider["velocity"][0]]
+    held = lsim(system, slider["friction_force"], slider["time"], X0=start)[1]
+    true = reference(run, record)
+    assert relative(held[:, 0], true.displacement) > 1e-6
+    assert difference(record, true) < 1e-10
+
+
+def test_a_missing_kink_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The reference without mid-life in its list of breaks: the smallest form of the fault."""
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.1)
+    record = recorded(run, seed_of("kink"))
+    cut = theta_slider.pieces
+
+    def without_mid_life(rows: Rows, row: int, ticks: NDArray[np.float64]) -> NDArray[np.float64]:
+        cuts = cut(rows, row, ticks)
+        return cuts[cuts != rows.birth[row] + rows.diameter[row]]
+
+    monkeypatch.setattr(theta_slider, "pieces", without_mid_life)
+    assert difference(record, reference(run, record)) > 1e-7
+
+
+def test_a_kernel_that_passes_over_mid_life_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = sliding(DAMPING_RATIOS["figure 5"], distance=30.0, tick=0.5, count=5.0)
+    seed = seed_of("kernel kink")
+    record = recorded(run, seed)
+    assert difference(record, reference(run, record)) < PROMISED
+    whole = coarse.deposit_coarse_lives
+
+    def without_mid_lives(position, unit, begin, end, birth, diameter, departure, weight, *room):  # type: ignore[no-untyped-def]
+        """Sum lives up, and take off what their mid-lives add to cells."""
+        whole(position, unit, begin, end, birth, diameter, departure, weight, *room)
+        gathered, _, moments, _ = room
+        for born, size, left, share in zip(birth, diameter, departure, weight, strict=True):
+            if moments.size:
+                place = begin, end, begin, 0, born, size, 1.0 / size, left, share * size
+                coarse._pass_mid_life(position, *place, gathered)
+        moments -= gathered[moments.size :] / unit if moments.size else 0.0
+        gathered[:] = 0.0
+
+    monkeypatch.setattr(choice, "deposit_coarse_lives", without_mid_lives)
+    assert difference(recorded(run, seed), reference(run, record)) > 1e-3
+
+
+# The slider under triangles, regular births and unequal strengths, against references that share no line with it.
+CRITICAL_OF_FIG5 = 2.0 * math.sqrt(FIG5_SLIDER.mass * FIG5_SLIDER.stiffness)
+FEW_RATIOS = {"figure 5": 0.05 / CRITICAL_OF_FIG5, "critical": 1.0, "over-damped": 20.0}
+ONE_SIZE = Spread()
+
+
+def slider_run(ratio: float = 0.05 / CRITICAL_OF_FIG5, **changes: Any) -> Model:
+    """Return Fig. 5 with triangles, a damping ratio and other changes."""
+    slider = Slider(mass=FIG5_SLIDER.mass, stiffness=FIG5_SLIDER.stiffness, damping=ratio * CRITICAL_OF_FIG5)
+    return figure_5(**{"pulse": TRIANGLE, "slider": slider} | changes)
+
+
+def straight_reference(run: Model, record: MemoryRecord) -> Motion:
+    """Return the reference's motion at every tick of a record."""
+    assert run.slider is not None
+    slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
+    oracle: Any = straight_slider if run.pulse is TRIANGLE else theta_slider
+    start = (run.equilibrium_displacement, 0.0)
+    motion: Motion = oracle.motion(slider, run.sliding_speed, record["slider"]["distance"], rows_of(record), start)
+    return motion
+
+
+@pytest.mark.parametrize("speed", [1e2, 1e3, 1e5, 1e7])
+@pytest.mark.parametrize("name", FEW_RATIOS)
+def test_the_promise_holds_for_triangles_at_every_speed_and_damping(name: str, speed: float) -> None:
+    run = slider_run(FEW_RATIOS[name], speed=speed, distance=12.0, tick=0.05)
+    record = recorded(run, seed_of("triangle speeds"))
+    assert difference(record, straight_reference(run, record)) < PROMISED
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        slider_run(count=0.5, distance=200.0, tick=0.5, speed=100.0),
+        slider_run(count=200.0, distance=3.0, tick=0.02, speed=100.0),
+        slider_run(count=5.0, distance=30.0, tick=1.0, speed=300.0),
+        slider_run(1.0, distance=6.0, tick=0.2, speed=10.0),
+        slider_run(births="regular", count=3.0, spread=ONE_SIZE, distance=30.0, tick=0.05),
+        slider_run(births="regular", count=2.5, spread=ONE_SIZE, distance=30.0, tick=0.25),
+        slider_run(1.0, births="regular", count=21.0, spread=ONE_SIZE, distance=6.0, tick=0.05),
+        slider_run(20.0, births="regular", count=21.0, spread=ONE_SIZE, distance=6.0, tick=0.05, speed=1e4),
+        slider_run(1.0, births="regular", count=20.0, distance=6.0, tick=0.05, speed=100.0),
+        slider_run(1.0, births="regular", count=20.0, spread=ONE_SIZE, distance=6.0, tick=0.05, pulse=LENS),
+        slider_run(0.02, births="regular", count=9.0, spread=ONE_SIZE, distance=6.0, tick=0.1, pulse=LENS, speed=100.0),
+        slider_run(strength=UNEQUAL, distance=20.0, tick=0.1),
+        slider_run(strength=UNEQUAL, distance=20.0, tick=0.1, pulse=LENS),
+        slider_run(strength=UNEQUAL, births="regular", spread=ONE_SIZE, distance=20.0, tick=0.1),
+    ],
+    ids=[
+        "few", "many", "long ticks", "follows the force", "three regular", "two and a half regular",
+        "odd regular, critical", "odd regular, over-damped", "regular of some sizes", "regular lenses",
+        "nine regular lenses", "unequal", "unequal lenses", "Rabinowicz with his fluctuation",
+    ],
+)  # fmt: skip
+def test_the_promise_holds_for_other_laws(run: Model) -> None:
+    record = recorded(run, seed_of("laws"))
+    assert difference(record, straight_reference(run, record)) < PROMISED
+
+
+def test_an_adaptive_integrator_agrees_with_triangles() -> None:
+    run = slider_run(births="regular", strength=UNEQUAL, distance=20.0, tick=0.25)
+    record = recorded(run, seed_of("dop853 triangles"))
+    assert run.slider is not None
+    slider = Oscillator(mass=run.slider.mass, stiffness=run.slider.stiffness, damping=run.slider.damping)
+    start = (run.equilibrium_displacement, 0.0)
+    ticks, rows = record["slider"]["distance"], rows_of(record)
+    stepped = dop853_slider.motion(slider, 1000.0, ticks, rows, start, dop853_slider.triangle_areas)
+    assert difference(record, stepped) < PROMISED
+
+
+@pytest.mark.parametrize("speed", [1000.0, 20.0])
+def test_triangles_that_end_early_act_until_then(speed: float) -> None:
+    run = slider_run(distance=30.0, tick=0.1, speed=speed)
+    assert narrow(run, cells_per_tick(run)) == (speed < 1000.0)
+    seed = seed_of("triangles end early")
+    rows = rows_of(recorded(run, seed))
+    places = {12: 1.93, 30: 0.31, 40: 1.4, 41: 0.02, 42: 1.0}
+    when = {n: float(rows.birth[n] + share * rows.diameter[n]) for n, share in places.items()}
+    when = {n: place for n, place in when.items() if place > 0.0}
+    record = recorded(run, seed, intervene=ends(when))
+    assert np.sum(record["junctions"]["state"] & 4 > 0) >= 3
+    assert difference(record, straight_reference(run, record)) < PROMISED
+    assert difference(record, straight_reference(run, recorded(run, seed))) > 1e-3
+
+
+def test_a_kernel_that_passes_over_the_kinks_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = slider_run(distance=20.0, tick=0.5, count=5.0)
+    seed = seed_of("triangle kinks")
+    for name in ("deposit_moments", "_add_kinks"):
+        monkeypatch.setattr(triangle, name, getattr(triangle, name).py_func)
+    record = recorded(run, seed)
+    assert difference(record, straight_reference(run, record)) < PROMISED
+    monkeypatch.setattr(triangle, "add_kink", lambda *_: None)
+    assert difference(recorded(run, seed), straight_reference(run, record)) > 1e-4
+
+
+def test_lenses_in_place_of_triangles_are_seen() -> None:
+    run = slider_run(distance=20.0, tick=0.1)
+    record = recorded(run, seed_of("which pulse"))
+    start, slider = (run.equilibrium_displacement, 0.0), Oscillator(mass=0.005, stiffness=300.0, damping=0.05)
+    lenses = theta_slider.motion(slider, 1000.0, record["slider"]["distance"], rows_of(record), start)
+    assert difference(record, lenses) > 1e-3
+
+
+def test_ticks_are_divided_finer_where_the_force_hardly_varies() -> None:
+    """The velocity's error counts beside the largest velocity, which regular births of one size make small."""
+    laws: list[dict[str, Any]] = [{}, {"births": "regular"}, {"births": "regular", "spread": ONE_SIZE}]
+    cells = [cells_per_tick(slider_run(1.0, distance=6.0, tick=0.1, speed=100.0, count=51.0, **law)) for law in laws]
+    assert cells[0] <= cells[1] < cells[2]
+    lone = [cells_per_tick(slider_run(1.0, distance=6.0, tick=0.1, speed=100.0, count=0.5, **law)) for law in laws]
+    assert lone[0] == lone[2]

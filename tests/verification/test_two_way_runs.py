@@ -1,0 +1,321 @@
+"""Two-way sliders in whole runs: equal bits of both engines, and statistics against another program."""
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.special import stdtrit
+
+from rubnoise.analysis.replicates import Estimate, pooled, ratio_of_pairs
+from rubnoise.analysis.summary import summarise
+from rubnoise.errors import Refused, RubnoiseError
+from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.tally import Tally
+from rubnoise.scenario import load
+from rubnoise.scenario.points import Case, points_of
+from rubnoise.simulation import block_starts, draws, ticks
+from rubnoise.simulation.coupled import fold, motion
+from rubnoise.simulation.extent import Engine, extent
+from rubnoise.simulation.run import simulate
+from rubnoise.simulation.state import State
+from tests.architecture.sources import ROOT
+from tests.models import UNEQUAL, contents, model, recorded, run_to_end
+from tools.studies import two_way_reference as reference
+
+# A two-way slider in whole runs: the contact of the one-way run, equal bits from both engines and after every cut.
+TIMES = {("junctions", "birth_time"), ("junctions", "death_time")}
+RUNS: dict[str, dict[str, Any]] = {
+    "fig5": {"distance": 2000.0},
+    "thin": {"distance": 1500.0, "count": 0.2},
+    "empty": {"distance": 600.0, "start": "empty"},
+    "regular": {"distance": 800.0, "births": "regular"},
+    "unequal": {"distance": 1500.0, "strength": UNEQUAL, "speed": 10_000.0},
+    "wide": {"distance": 800.0, "tick": 3.0},
+}
+
+
+def two_way(run: Model, **changes: Any) -> Model:
+    assert run.slider is not None
+    return replace(run, slider=replace(run.slider, coupling="two-way", **changes))
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+@pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
+def test_the_contact_is_that_of_the_one_way_run(changes: dict[str, Any], engine: Engine) -> None:
+    run = model(**changes)
+    there, here = contents(recorded(run, 3)), contents(recorded(two_way(run), 3, engine=engine))
+    shared = [name for name in there if name[0] in {"junctions", "trace", "life_curve"} and name not in TIMES]
+    assert len(shared) > 8
+    assert all(here[name] == there[name] for name in shared)
+    assert {name for group, name in here if group == "blocks"} == {
+        "block", "birth_distance", "first_junction", "first_tick",
+        "time", "distance", "phase", "displacement", "velocity",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", RUNS.values(), ids=RUNS)
+def test_engines_give_equal_bits(changes: dict[str, Any]) -> None:
+    run = two_way(model(**changes))
+    told, last = run_to_end(run, 3, engine="events")
+    filled, end = run_to_end(run, 3, engine="batch")
+    assert contents(told) == contents(filled)
+    assert last.two_way == end.two_way
+
+
+def test_first_passages_are_those_of_the_rows() -> None:
+    """A birth or death lies between the rows of /slider in which the farthest distance so far passes it."""
+    record = recorded(two_way(model(distance=1500.0, count=3.0)), 4)
+    junctions, slider = record["junctions"], record["slider"]
+    farthest = np.maximum.accumulate(slider["distance"])
+    assert (np.diff(slider["distance"]) < 0.0).any()
+    for event in ("birth", "death"):
+        place, time = junctions[f"{event}_distance"], junctions[f"{event}_time"]
+        assert np.array_equal(np.isnan(time), np.signbit(place) | (place > 1500.0))
+        known = np.flatnonzero(~np.isnan(time) & (place < farthest[-1]))
+        row = np.searchsorted(farthest, place[known])
+        assert known.size > 100
+        assert np.all(time[known] <= slider["time"][row] + 1e-9)
+        assert np.all(time[known] >= slider["time"][np.maximum(row - 1, 0)] - 1e-9)
+    assert (junctions["birth_time"][1:] >= junctions["birth_time"][:-1])[~np.isnan(junctions["birth_time"][:-1])].all()
+
+
+def test_rows_are_uniform_in_time_and_landmarks_take_turns() -> None:
+    record = recorded(two_way(model(distance=1000.0)), 5)
+    slider, landmarks = record["slider"], record["landmarks"]
+    assert slider["time"] == pytest.approx(np.arange(slider["time"].size) * 1e-4, rel=1e-14)
+    assert slider["phase"].dtype == landmarks["kind"].dtype == np.uint8
+    assert slider["distance"].size != record["trace"]["distance"].size
+    assert 0.3 < (slider["phase"] == 1).mean() < 1.0
+    assert landmarks["landmark"].tolist() == list(range(landmarks["kind"].size))
+    kind = landmarks["kind"][np.isin(landmarks["kind"], (0, 1))]
+    assert kind.size > 20
+    assert (kind[1:] != kind[:-1]).all()
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+@pytest.mark.parametrize("changes", [RUNS["fig5"], RUNS["fig5"] | {"count": 2.0, "distance": 3000.0}])
+def test_resumed_after_any_block_it_has_equal_bits(
+    monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], engine: Engine
+) -> None:
+    for each in (draws, block_starts):
+        monkeypatch.setattr(each, "births_per_block", lambda _model: 60)
+    monkeypatch.setattr(ticks, "LARGEST_TICK_RANGE", 700)
+    run = two_way(model(**changes))
+    states: list[State] = []
+    whole = MemoryRecord(extent(run, 3))
+    simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
+    assert len(states) > 1
+    cuts = states[:: max(len(states) // 6, 1)]
+    for cut in cuts:
+        again = MemoryRecord(extent(run, 3))
+        with suppress(_Left):
+            simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(cut.block))
+        state = State.unpack(cut.pack())
+        assert state.pack() == cut.pack()
+        simulate(run, 3, again, engine="batch" if engine == "events" else "events", state=state)
+        assert contents(again) == contents(whole)
+
+
+def test_rows_wait_until_their_death_has_been_passed() -> None:
+    """The rows written at a cut are those of junctions that all were passed; no row waits without a reason."""
+    run = two_way(model(distance=2000.0))
+    written: list[int] = []
+    record = MemoryRecord(extent(run, 3))
+
+    class Counting:
+        def write(self, group: str, first_row: int, columns: Any) -> None:
+            if group == "junctions":
+                written.append(first_row + next(iter(columns.values())).size)
+            record.write(group, first_row, columns)
+
+    states: list[State] = []
+    ends: list[int] = []
+
+    def note(state: State) -> None:
+        states.append(state)
+        ends.append(written[-1])
+
+    simulate(run, 3, Counting(), engine="batch", alone=True, commit=note)
+    assert ends[-1] == states[-1].junctions
+    assert all(0 < state.junctions - end < 100 for state, end in zip(states[:-1], ends[:-1], strict=True))
+
+
+def test_the_tolerance_is_used() -> None:
+    run = model(distance=100.0)
+    fine, coarse = (recorded(two_way(run, tolerance=tolerance), 3)["slider"] for tolerance in (1e-11, 1e-5))
+    count = min(fine["time"].size, coarse["time"].size, 100)
+    away = np.abs(fine["displacement"][:count] - coarse["displacement"][:count]).max()
+    assert 0.0 < away < 1e-3 * np.abs(fine["displacement"]).max()
+
+
+def test_an_intervention_is_refused() -> None:
+    def process(env: Any, live: Any) -> Any:
+        yield env.timeout(1.0)
+
+    with pytest.raises(Refused, match=r'slider\.coupling = "one-way" takes interventions'):
+        recorded(two_way(model(distance=20.0)), intervene=process)
+
+
+def test_a_motion_without_a_step_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def lost(*_arguments: Any) -> int:
+        return motion.LOST
+
+    monkeypatch.setattr(fold, "advance", lost)
+    with pytest.raises(RubnoiseError, match=r"no step of the slider .* a larger slider.tolerance may do"):
+        recorded(two_way(model(distance=20.0)))
+
+
+@pytest.mark.parametrize("engine", ["events", "batch"])
+def test_a_block_that_leaves_no_junction_waiting_is_gone_on_from(
+    monkeypatch: pytest.MonkeyPatch, engine: Engine
+) -> None:
+    """Of a contact that is empty now and then every row is known and written at the end of some blocks."""
+    run = two_way(model(distance=6000.0, count=0.2, tick=1.0))
+    for each in (draws, block_starts):
+        monkeypatch.setattr(each, "births_per_block", lambda _model: 3)
+    states: list[State] = []
+    whole = MemoryRecord(extent(run, 3))
+    simulate(run, 3, whole, engine=engine, alone=True, commit=states.append)
+    # Behind the numbers of landmarks and of rows written stands that of rows that wait.
+    assert [int.from_bytes(state.two_way[16:24], "little") for state in states[:2]] == [0, 1]
+    again = MemoryRecord(extent(run, 3))
+    with suppress(_Left):
+        simulate(run, 3, again, engine=engine, alone=True, commit=_leave_after(states[0].block))
+    simulate(run, 3, again, engine=engine, state=State.unpack(states[0].pack()))
+    assert contents(again) == contents(whole)
+
+
+def _leave_after(block: int) -> Any:
+    def commit(state: State) -> None:
+        if state.block == block:
+            raise _Left
+
+    return commit
+
+
+class _Left(Exception):  # noqa: N818  (nothing is wrong)
+    pass
+
+
+# Statistics of two-way runs on fields of their own, against reference values and those of another program.
+POINTS = reference.kept()
+NAMES = [f"{1e-3 * point['speed']:g} mm/s, {point['junctions']:g}" for point in POINTS]
+FOUR_SIGMA = 1.0 - 3.1671241833119857e-05
+"""Chance that a normal number lies no more than four standard deviations above its mean."""
+
+BRIEF = {(300.0, 20): 6e3, (1000.0, 20): 12e3, (10_000.0, 20): 20e3, (1000.0, 5): 20e3, (1000.0, 2): 40e3}
+"""Points for every day, by speed (um/s) and junctions, and how far (um) they run on each of so many fields."""
+FIELDS = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """A figure of some fields beside the reference, and by how much they may differ."""
+
+    name: str
+    difference: float
+    bound: float
+
+    @property
+    def agrees(self) -> bool:
+        return abs(self.difference) <= self.bound
+
+
+def case_of(point: dict[str, Any], distance: float, coupling: str = "two-way", *changes: str) -> Case:
+    """Return a point over a distance (um) on fields that the reference has not seen."""
+    values = {
+        "sliding.speed": f"{point['speed']} um/s",
+        "sliding.distance": f"{distance} um",
+        "interface.mean_junction_count": point["junctions"],
+        "slider.coupling": coupling,
+        "output.tick": "2 um",
+        "run.seed": 21,
+    }
+    changes = (*(f"{key}={value}" for key, value in values.items()), *changes)
+    return Case(values=values, scenario=load(ROOT / "scenarios" / "paper" / "fig5.toml", changes))
+
+
+def figures_of(case: Case, fields: int) -> dict[str, list[float]]:
+    """Return every figure of so many runs."""
+    found: dict[str, list[float]] = {}
+    for point in points_of([case], fields):
+        model = point.scenario.model()
+        for figure in summarise(model, _tally(model, point.seed)):
+            found.setdefault(figure.name, []).append(figure.observed)
+    return found
+
+
+def _tally(model: Model, seed: int) -> Tally:
+    tally = Tally.of(model)
+    simulate(model, seed, tally, engine="batch")
+    return tally
+
+
+def scores(point: dict[str, Any], found: dict[str, list[float]]) -> list[Score]:
+    return [_score(name, point[name], pooled(name, found[name])) for name in reference.FIGURES]
+
+
+def _score(name: str, known: list[float], seen: Estimate) -> Score:
+    """Return a score: four joint standard errors, ours by Student's law of few fields."""
+    student = float(stdtrit(seen.runs - 1, FOUR_SIGMA))
+    return Score(name, seen.value - known[0], hypot(student * seen.standard_error, 4.0 * known[1]))
+
+
+def test_two_programs_agree() -> None:
+    assert list(reference.disagreements(POINTS)) == []
+    seconds = {(point["speed"], point["junctions"]): point["seconds"] for point in POINTS}
+    assert seconds[1000.0, 20] >= 1000.0
+    # A drive that is 1 % too fast is told by the displacement, which friction and spring alone decide, to 0.1 %.
+    wrong = [{**point, "displacement_mean": [1.01 * point["displacement_mean"][0], 0.0]} for point in POINTS]
+    assert list(reference.disagreements(wrong))
+
+
+def test_values_that_disagree_are_not_taken() -> None:
+    wrong = [{**point, "velocity_std": [1.05 * point["velocity_std"][0], 1.0]} for point in POINTS]
+    before = reference.KEPT.read_bytes()
+    with pytest.raises(ValueError, match=r"velocity_std at \(1000.0, 20\)"):
+        reference.keep(wrong)
+    assert reference.KEPT.read_bytes() == before
+
+
+def test_the_page_has_the_table_of_the_reference() -> None:
+    page = (ROOT / "docs" / "two-way.md").read_text(encoding="utf-8")
+    assert "\n".join(["<!-- generated: reference -->", "", *reference.table(POINTS), ""]) in page
+
+
+@pytest.mark.parametrize("value", [(0.741322, 0.00152, "0.7413(15)"), (4057.83, 24.6, "4058(25)"), (2.0, 0.0, "2")])
+def test_errors_stand_in_the_last_digits(value: tuple[float, float, str]) -> None:
+    assert reference.in_digits(*value[:2]) == value[2]
+
+
+def of_figure_5() -> dict[str, Any]:
+    return next(each for each in POINTS if (each["speed"], each["junctions"]) == (1000.0, 20))
+
+
+@pytest.mark.parametrize("place", BRIEF, ids=lambda place: f"{1e-3 * place[0]:g} mm/s, {place[1]}")
+def test_a_few_fields_agree_with_the_reference(place: tuple[float, int]) -> None:
+    point = next(each for each in POINTS if (each["speed"], each["junctions"]) == place)
+    found = figures_of(case_of(point, BRIEF[place]), FIELDS)
+    assert [score for score in scores(point, found) if not score.agrees] == []
+
+
+def test_another_slider_is_told_from_that_of_the_reference() -> None:
+    """With a spring 5 % stiffer, or one-way, figures lie beyond the bound."""
+    point = of_figure_5()
+    stiffer = figures_of(case_of(point, 12e3, "two-way", "slider.stiffness=315 N/m"), FIELDS)
+    assert "displacement_mean" in {score.name for score in scores(point, stiffer) if not score.agrees}
+    one_way = figures_of(case_of(point, 12e3, "one-way"), FIELDS)["displacement_std"]
+    assert not _score("displacement_std", point["displacement_std"], pooled("displacement_std", one_way)).agrees
+
+
+@pytest.mark.parametrize("point", POINTS, ids=NAMES)
+def test_fields_as_long_agree_with_the_reference(point: dict[str, Any]) -> None:
+    distance = point["seconds"] * point["speed"] / point["runs"]
+    found, one_way = (figures_of(case_of(point, distance, coupling), 6) for coupling in ("two-way", "one-way"))
+    ratio = ratio_of_pairs("displacement_std", found["displacement_std"], one_way["displacement_std"])
+    told = [*scores(point, found), _score(reference.RATIO, point[reference.RATIO], ratio)]
+    assert [score for score in told if not score.agrees] == []
