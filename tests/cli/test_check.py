@@ -200,13 +200,6 @@ def test_of_many_points_the_first_are_listed(here: Path) -> None:
     assert call("check", "s.toml").out.endswith("  and 50 more; --json has all\n")
 
 
-def test_a_sweep_with_a_wrong_value_is_refused(here: Path) -> None:
-    (here / "s.toml").write_text(SHORT.read_text(encoding="utf-8") + SWEEP.replace("20]", "-20]"), encoding="utf-8")
-    answer = call("check", "s.toml")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("s.toml:13: error: interface.mean_junction_count: must be above 0\n")
-
-
 def test_memory_and_time_are_foreseen(here: Path) -> None:
     answer = call("check", SLIDER)
     assert _value(answer.out, "memory").endswith(" beside the program's own")
@@ -300,32 +293,6 @@ def test_the_sweep_may_be_switched_on(here: Path) -> None:
     (here / "s.toml").write_text(text, encoding="utf-8")
     assert load_sweep("s.toml").keys == ("interface.mean_junction_count",)
     assert call("check", "s.toml").code == 0
-
-
-def test_an_existing_file_is_left_alone(here: Path) -> None:
-    (here / "mine.toml").write_text("precious", encoding="utf-8")
-    answer = call("new", "mine.toml")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "mine.toml: exists already; choose another name\n"
-    assert (here / "mine.toml").read_text(encoding="utf-8") == "precious"
-
-
-def test_a_dangling_link_is_left_alone(here: Path) -> None:
-    (here / "link.toml").symlink_to("elsewhere.toml")
-    assert call("new", "link.toml").code == 2
-    assert names(here) == ["link.toml"]
-
-
-def test_a_missing_folder_is_named(here: Path) -> None:
-    answer = call("new", "nowhere/mine.toml")
-    assert (answer.code, answer.err) == (2, f"{here / 'nowhere'}: no such folder\n")
-    assert names(here) == []
-
-
-def test_a_place_that_cannot_be_written_is_named(here: Path) -> None:
-    (here / "file").touch()
-    answer = call("new", "file/mine.toml")
-    assert (answer.code, answer.err) == (2, f"{here / 'file'}: no such folder\n")
 
 
 def test_a_newcomers_first_run_can_be_heard(here: Path) -> None:

@@ -190,12 +190,6 @@ def test_rows_that_are_damaged_are_refused(result: Path, column: str, value: flo
     assert answer.err == f"x.h5: /{group} is damaged: row 17 has the {name} {value:g}\n"
 
 
-def test_a_scenario_is_no_result(here: Path) -> None:
-    answer = call("compare", SLIDER)
-    assert answer.code == 2
-    assert "is a scenario, not a result" in answer.err
-
-
 def test_exit_codes_reach_the_shell(result: Path) -> None:
     assert spawn("compare", "x.h5", "-h").code in {0, 2}
     assert spawn("compare", "x.h5", "--bound", "0.01").code == 3
@@ -284,14 +278,6 @@ def test_a_hash_alone_is_told_too(short_result: Path) -> None:
     )
 
 
-def test_what_a_file_says_cannot_steer_a_terminal(short_result: Path) -> None:
-    tell(short_result, "provenance", "seed", "\x1b[2Jclear")
-    answer = call("verify", "x.h5")
-    assert answer.code == 3
-    assert "\x1b" not in answer.out + answer.err
-    assert "clear" in answer.err
-
-
 def test_random_numbers_of_another_version_are_refused(short_result: Path) -> None:
     tell(short_result, "provenance", "stream_version", 7)
     answer = call("verify", "x.h5")
@@ -300,28 +286,6 @@ def test_random_numbers_of_another_version_are_refused(short_result: Path) -> No
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith("x.h5: has random streams of version 7, which can't be drawn again: ")
     assert answer.err.count("\n") == 1
-
-
-@pytest.mark.parametrize("text", [b"", b"no HDF5"])
-def test_what_is_no_result_is_refused(here: Path, text: bytes) -> None:
-    (here / "x.h5").write_bytes(text)
-    answer = call("verify", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("x.h5: ")
-
-
-def test_an_unfinished_result_is_refused(short_result: Path) -> None:
-    with h5py.File(short_result, "r+") as file:
-        file["provenance"].attrs["finished"] = np.bytes_(b"\0\0")
-    answer = call("verify", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert "unfinished" in answer.err
-
-
-def test_exit_codes_of_verify_reach_the_shell(short_result: Path) -> None:
-    assert spawn("verify", "x.h5", "--regenerate", "1").code == 0
-    flip(short_result, "trace/distance", 5)
-    assert spawn("verify", "x.h5").code == 3
 
 
 # `rubnoise claims`: what is printed, and the exit code.

@@ -9,7 +9,6 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
@@ -201,14 +200,6 @@ def test_what_standard_output_does_not_take_is_refused(
     assert names(here) == ["run.h5"]
 
 
-def test_an_unfinished_run_is_not_printed(here: Path, rows: Any) -> None:
-    with h5py.File(here / "run.h5", "r+") as file:
-        file["provenance"].attrs["finished"] = np.bytes_(b"\0")
-    answer = call("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-")
-    assert (answer.code, answer.out) == (2, "")
-    assert "unfinished" in answer.err
-
-
 def test_who_reads_standard_output_may_leave_and_a_full_one_is_told(here: Path, rows: Any) -> None:
     words = command("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-")
     with start(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as printed:
@@ -244,15 +235,6 @@ def test_one_name_for_several_files_is_refused(here: Path, rows: Any) -> None:
     answer = call("export", "run.h5", "--to", "csv", "-o", "all.csv")
     assert answer.code == 2
     assert answer.err == "all.csv: one csv file holds one group; say which with --group junctions|trace|slider\n"
-    assert names(here) == ["run.h5"]
-
-
-def test_an_unfinished_run_is_refused(here: Path, rows: Any) -> None:
-    with h5py.File(here / "run.h5", "r+") as file:
-        file["provenance"].attrs["finished"] = np.bytes_(b"\0")
-    answer = call("export", "run.h5", "--to", "csv")
-    assert answer.code == 2
-    assert "unfinished" in answer.err
     assert names(here) == ["run.h5"]
 
 

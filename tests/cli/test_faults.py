@@ -26,11 +26,13 @@ READERS = {
     "plot": (),
     "animate": (),
     "listen": (),
+    "view": (),
+    "report": (),
     "export": ("--to", "csv"),
 }
 """Commands that read a result and nothing else, with the words behind its path."""
 
-OF_SWEEPS = ("info", "plot")
+OF_SWEEPS = ("info", "plot", "view", "report")
 """Those that take the folder of a sweep, too."""
 
 WRITERS = {
@@ -39,12 +41,21 @@ WRITERS = {
     "plot": ("good.h5", "-o", "{}"),
     "animate": ("good.h5", "-o", "{}", "--seconds", "0.5", "--fps", "4"),
     "listen": ("good.h5", "-o", "{}"),
+    "view": ("good.h5", "-o", "{}"),
     "export": ("good.h5", "--to", "csv", "--group", "trace", "-o", "{}"),
     "teach": ("scenario.toml", "-o", "{}"),
     "theory": ("scenario.toml", "--plot", "{}"),
     "junction": ("good.h5", "0", "--plot", "{}"),
 }
-ENDINGS = {"run": "h5", "new": "toml", "animate": "gif", "listen": "wav", "export": "csv", "teach": "html"}
+ENDINGS = {
+    "run": "h5",
+    "new": "toml",
+    "animate": "gif",
+    "listen": "wav",
+    "export": "csv",
+    "teach": "html",
+    "view": "html",
+}
 
 
 @pytest.fixture(scope="module")
@@ -255,12 +266,58 @@ def test_a_second_writer_is_refused(place: Path, command: str) -> None:
 
 
 @pytest.mark.parametrize("command", WRITERS)
-def test_the_same_words_write_where_nothing_is_in_the_way(place: Path, command: str) -> None:
-    """The control of the tests above."""
+def test_what_is_there_is_replaced_only_by_force(place: Path, command: str) -> None:
+    """The control of the tests above, too: the same words write where nothing is in the way."""
     (place / "there").mkdir()
     words = _words(command)
+    path = place / next(word for word in words if word.startswith("there/"))
     assert call(*words).code == 0
-    assert names(place / "there") == [Path(next(word for word in words if word.startswith("there/"))).name]
+    assert names(place / "there") == [path.name]
+    path.write_bytes(b"precious")
+    assert call(*words).code == 2
+    assert path.read_bytes() == b"precious"
+    if command != "new":
+        assert call(*words, "--force").code == 0
+        assert path.stat().st_size > 100
+
+
+DRAWING = {
+    "plot": ("good.h5",),
+    "animate": ("good.h5",),
+    "junction": ("good.h5", "0", "--plot"),
+    "theory": ("scenario.toml", "--plot"),
+    "figures": ("fig3",),
+}
+
+
+@pytest.mark.parametrize("command", DRAWING)
+def test_without_matplotlib_nothing_is_drawn(place: Path, command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    before = names(place)
+    answer = call(command, *DRAWING[command])
+    assert (answer.code, answer.out, names(place)) == (2, "", before)
+    assert "tools/dev.py sync" in answer.err.replace("'", "")
+
+
+@pytest.mark.parametrize("command", [name for name in READERS if name not in ("info", "view", "report")])
+def test_what_is_unfinished_is_refused(place: Path, command: str) -> None:
+    (place / "good.h5").rename(place / "x.h5.part")
+    with h5py.File(place / "x.h5.part", "r+") as file:
+        file["provenance"].attrs["finished"] = np.bytes_(b"\0")
+    before = names(place)
+    answer = call(command, "x.h5.part", *READERS[command])
+    assert (answer.code, answer.out, names(place)) == (2, "", before)
+    assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
+
+
+@pytest.mark.parametrize("command", OF_SWEEPS)
+def test_a_folder_without_an_index_is_no_sweep(place: Path, command: str) -> None:
+    (place / "sweep").mkdir()
+    answer = call(command, "sweep")
+    assert (answer.code, answer.err) == (2, "sweep: no folder of a sweep: it has no index.h5\n")
+    os.mkfifo(place / "sweep" / "index.h5")
+    answer = call(command, "sweep")
+    assert (answer.code, answer.err) == (2, "sweep/index.h5: is not a regular file\n")
 
 
 SCENARIO_READERS = {"check": (), "run": (), "theory": (), "sweep": (), "teach": ("-o", "out.html")}
@@ -326,14 +383,6 @@ def test_a_pipe_beside_a_part_is_not_waited_for(place: Path, beside: Callable[[P
     said = beside(part)
     answer = call("info", "x.h5.part")
     assert (answer.code, answer.err) == (2 if said else 0, said)
-
-
-def test_the_index_of_a_sweep_may_be_no_pipe_either(place: Path) -> None:
-    (place / "sweep").mkdir()
-    os.mkfifo(place / "sweep" / "index.h5")
-    for command in OF_SWEEPS:
-        answer = call(command, "sweep")
-        assert (answer.code, answer.err) == (2, "sweep/index.h5: is not a regular file\n")
 
 
 CALLS = """

@@ -133,12 +133,6 @@ def test_without_a_command_help_is_shown() -> None:
     assert all(command in answer.out + answer.err for command in COMMANDS)
 
 
-def test_an_unknown_command_is_refused() -> None:
-    answer = call("rum")
-    assert (answer.code, answer.out) == (2, "")
-    assert "rum" in answer.err
-
-
 def test_the_schema_is_the_one_that_is_kept_with_the_scenarios() -> None:
     answer = call("schema")
     assert (answer.code, answer.err) == (0, "")
@@ -177,10 +171,6 @@ def test_formats_are_completed(here: Path, word: str) -> None:
 @pytest.mark.parametrize("words", [("run", "--engine", "ba"), ("sweep", "--engine", "ba")])
 def test_engines_are_completed(here: Path, words: tuple[str, ...]) -> None:
     assert _completed("bash", *words).out.split() == ["batch"]
-
-
-def test_pictures_are_completed(here: Path) -> None:
-    assert _completed("bash", "plot", "x.h5", "hi").out.split() == ["histogram"]
 
 
 def test_file_names_are_left_to_the_shell(here: Path) -> None:
@@ -278,10 +268,6 @@ def test_a_package_that_pip_made_of_a_commit_names_it(
 
 # A traceback is shown only with --debug; an unexpected failure is one line, too.
 LINE = "missing.h5: no such file or directory\n"
-
-
-def test_a_refusal_is_a_line(here: Path) -> None:
-    assert call("info", "missing.h5").err == LINE
 
 
 @pytest.mark.parametrize("words", [("--debug", "info", "missing.h5"), ("info", "missing.h5", "--debug")])

@@ -2,13 +2,10 @@
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
-import h5py
 import pytest
 
-from rubnoise import open as open_run
 from tests.cli.terminal import CONTACT, call, names
 from tests.format.runs import describe, random_rows, write_run
 
@@ -70,34 +67,9 @@ def test_the_scenario_is_told_with_what_it_extends_and_what_was_set(here: Path) 
     assert "a short contact" in call("info", "top.h5").out
 
 
-def _cut(path: Path, size: int) -> None:
-    with path.open("r+b") as file:
-        file.truncate(size)
-
-
-def _newer(path: Path) -> None:
-    with h5py.File(path, "r+") as file:
-        file.attrs.modify("format_version", 99)
-
-
-def _foreign(path: Path) -> None:
-    with h5py.File(path, "w") as file:
-        file["x"] = 1.0
-
-
-SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
-    "cut short": (lambda path: _cut(path, path.stat().st_size // 2), "cut short"),
-    "hardly begun": (lambda path: _cut(path, 100), "cut short"),
-    "empty": (lambda path: _cut(path, 0), "is empty"),
-    "newer": (_newer, "has format version 99"),
-    "foreign": (_foreign, "not one of rubnoise"),
-    "text": (lambda path: path.write_text("format = 1"), "is not an HDF5 file"),
-    "missing": (lambda path: path.unlink(), "no such file"),
-}
-
-
 @pytest.mark.parametrize(
-    "words", [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("animate",), ("listen",)]
+    "words",
+    [("info",), ("junction", "3"), ("junctions",), ("compare",), ("verify",), ("plot",), ("animate",), ("listen",)],
 )
 def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[str, ...]) -> None:
     answer = call(words[0], SLIDER, *words[1:])
@@ -106,22 +78,6 @@ def test_a_scenario_in_place_of_a_result_is_called_one(here: Path, words: tuple[
         f"{SLIDER}: is a scenario, not a result; `rubnoise check {SLIDER}` says what follows from it,"
         " `rubnoise run` runs it\n"
     )
-
-
-@pytest.mark.parametrize("case", SPOILT)
-def test_a_file_that_is_no_result_gets_one_line(result: Path, case: str) -> None:
-    spoil, said = SPOILT[case]
-    spoil(result)
-    answer = call("info", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("x.h5: ")
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
-
-
-def test_a_folder_without_a_sweep_is_none(here: Path) -> None:
-    answer = call("info", here.parent)
-    assert (answer.code, answer.err) == (2, f"{here.parent}: no folder of a sweep: it has no index.h5\n")
 
 
 def test_a_part_that_is_being_written_is_told_of(here: Path) -> None:
@@ -137,17 +93,6 @@ def test_a_part_that_is_being_written_is_told_of(here: Path) -> None:
     assert "0%: 0 of 7 junctions, 0 of 11 ticks" in " ".join(said[0].out.split())
     assert "a process is writing it" in said[0].out
     assert names(here) == ["x.h5"]
-
-
-def test_what_would_steer_a_terminal_is_escaped(result: Path) -> None:
-    with h5py.File(result, "r+") as file:
-        file.attrs.modify("title", b"\x1b")
-    with open_run(result) as run:
-        assert run.attributes["title"] == "\x1b"
-    answer = call("info", "x.h5")
-    assert answer.code == 0
-    assert answer.out.startswith("x.h5: \\x1b\n")
-    assert "\x1b" not in answer.out
 
 
 # `rubnoise teach`: the page of lessons as a file.
@@ -208,12 +153,3 @@ def test_what_cannot_be_read_is_refused(here: Path, file: str, said: str) -> Non
     assert (answer.code, answer.out) == (2, "")
     assert said in answer.err
     assert names(here) == ["torn.h5"]
-
-
-def test_a_page_is_replaced_only_by_force(here: Path) -> None:
-    (here / "lesson.html").write_text("precious", encoding="utf-8")
-    answer = call("teach", "../given/contact.toml")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("lesson.html: exists already (--force replaces it)\n")
-    assert call("teach", "../given/contact.toml", "--force").code == 0
-    assert data_of(here / "lesson.html")["record"] is None

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import sys
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -66,13 +65,6 @@ def test_what_lies_outside_of_the_record_is_said(lives: Path) -> None:
     assert last.endswith("  alive beside it: 0\n")
 
 
-@pytest.mark.parametrize("number", [0, 17, 40])
-def test_the_text_fits_80_columns(result: Path, number: int) -> None:
-    answer = call("junction", "x.h5", str(number))
-    assert (answer.code, answer.err) == (0, "")
-    assert max(map(len, answer.out.splitlines())) <= 80
-
-
 def test_many_neighbours_are_cut_short_on_a_terminal_only(here: Path) -> None:
     changes = ("--set", "interface.mean_junction_count=400", "--set", "sliding.distance=30 um")
     assert call("run", SLIDER, *changes, "-q", "-o", "many.h5").code == 0
@@ -130,24 +122,6 @@ def test_a_picture_has_a_name_of_its_own_or_a_given_one(lives: Path, here: Path)
     assert (here / "life.png").read_bytes()[:4] == b"\x89PNG"
 
 
-def test_a_picture_replaces_a_file_only_by_force(lives: Path, here: Path) -> None:
-    (here / "life.png").write_bytes(b"precious")
-    answer = call("junction", "l.h5", "2", "--plot", "life.png")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("life.png: exists already (--force replaces it)\n")
-    assert (here / "life.png").read_bytes() == b"precious"
-    assert call("junction", "l.h5", "2", "--plot", "life.png", "--force").code == 0
-    assert (here / "life.png").read_bytes() != b"precious"
-
-
-def test_without_matplotlib_nothing_is_written(lives: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    answer = call("junction", "l.h5", "2", "--plot")
-    assert (answer.code, answer.out) == (2, "")
-    assert "tools/dev.py sync" in answer.err.replace("'", "")
-    assert names(here) == ["l.h5"]
-
-
 @pytest.mark.parametrize("number", ["-1", "8", "-8", "99999999999999999999"])
 def test_a_number_out_of_range_gets_one_line_with_the_range(lives: Path, number: str) -> None:
     answer = call("junction", "l.h5", number)
@@ -181,20 +155,6 @@ def test_wrong_usage_is_refused(lives: Path, here: Path, arguments: tuple[str, .
     assert (answer.code, answer.out) == (2, "")
     assert said in " ".join(answer.err.split())
     assert names(here) == ["l.h5"]
-
-
-def test_an_unfinished_file_gets_one_line(here: Path) -> None:
-    description = describe()
-    said = []
-
-    def look() -> None:
-        said.append(call("junction", "x.h5.part", "0"))
-        said.append(call("junctions", "x.h5.part"))
-
-    write_run("x.h5", description, random_rows(description), meanwhile=look)
-    for answer in said:
-        assert (answer.code, answer.out) == (2, "")
-        assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
 
 
 # `rubnoise junctions`: the rows that a condition chooses.
@@ -354,9 +314,3 @@ def test_wrong_usage_of_rows_is_refused(lives: Path, arguments: tuple[str, ...])
     answer = call("junctions", "l.h5", *arguments)
     assert (answer.code, answer.out) == (2, "")
     assert answer.err
-
-
-def test_a_file_that_is_no_result_gets_one_line(here: Path) -> None:
-    (here / "x.h5").write_text("format = 1")
-    for command in (("junctions", "x.h5"), ("junction", "x.h5", "0")):
-        assert call(*command).err == "x.h5: is not an HDF5 file; `rubnoise run` makes one\n"

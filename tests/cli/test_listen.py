@@ -3,7 +3,6 @@
 import shutil
 import signal
 import subprocess
-import sys
 import wave
 from pathlib import Path
 from typing import Any
@@ -163,16 +162,6 @@ def test_what_cannot_be_heard_is_refused(result: Path, here: Path, arguments: tu
     assert names(here) == ["x.h5"]
 
 
-def test_a_file_is_replaced_only_by_force(result: Path, here: Path) -> None:
-    (here / "x_velocity.wav").write_bytes(b"precious")
-    answer = call("listen", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("x_velocity.wav: exists already (--force replaces it)\n")
-    assert (here / "x_velocity.wav").read_bytes() == b"precious"
-    assert call("listen", "x.h5", "--force").code == 0
-    assert (here / "x_velocity.wav").read_bytes().startswith(b"RIFF")
-
-
 def test_memory_holds_one_panel_at_a_time(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[int] = []
     whole = RunFile.column
@@ -285,16 +274,6 @@ def test_a_stretch_is_chosen_in_um_or_with_units(contact_result: Path, here: Pat
     assert first != other
 
 
-def test_a_film_is_replaced_only_by_force(contact_result: Path, here: Path) -> None:
-    (here / "x.gif").write_bytes(b"precious")
-    answer = call("animate", "x.h5", *SHORT)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("x.gif: exists already (--force replaces it)\n")
-    assert (here / "x.gif").read_bytes() == b"precious"
-    assert call("animate", "x.h5", "--force", *SHORT).code == 0
-    assert (here / "x.gif").read_bytes().startswith(b"GIF89a")
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -321,16 +300,6 @@ def test_without_ffmpeg_an_mp4_is_refused(contact_result: Path, here: Path, monk
     answer = call("animate", "x.h5", "-o", "x.mp4")
     said = "an mp4 needs ffmpeg, which is not installed here; a gif needs nothing more\n"
     assert (answer.code, answer.out, answer.err) == (2, "", said)
-
-
-def test_without_matplotlib_it_is_told_what_to_install(
-    contact_result: Path, here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    answer = call("animate", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert "tools/dev.py sync" in answer.err.replace("'", "")
-    assert names(here) == ["x.h5"]
 
 
 def test_a_signal_leaves_no_film_behind(contact_result: Path, here: Path) -> None:

@@ -1,6 +1,5 @@
 """`rubnoise plot` and `rubnoise figures`: pictures of runs, of sweeps and of the paper in files."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +9,8 @@ import rubnoise
 from rubnoise.cli.plot import What
 from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.study import quantities_of, study_of_sweep
-from tests.cli.terminal import call, names, spawn
+from tests.cli.terminal import call, names
 from tests.figures.papers import short_papers
-from tests.format.runs import describe, random_rows, write_run
 from tests.unit.sweeps import HEAD
 
 # `rubnoise plot`: pictures of a run in files.
@@ -88,16 +86,6 @@ def test_a_stretch_is_chosen_in_um_or_with_units(result: Path, here: Path) -> No
     assert first != other
 
 
-def test_a_file_is_replaced_only_by_force(result: Path, here: Path) -> None:
-    (here / "x_trace.png").write_bytes(b"precious")
-    answer = call("plot", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("x_trace.png: exists already (--force replaces it)\n")
-    assert (here / "x_trace.png").read_bytes() == b"precious"
-    assert call("plot", "x.h5", "--force").code == 0
-    assert (here / "x_trace.png").read_bytes().startswith(BEGINNINGS["png"])
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -132,58 +120,6 @@ def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
         assert (answer.code, answer.out, answer.err) == (2, "", f"bare.h5: {said}")
     for what in ("trace", "lives", "histogram", "psd", "acf", "count"):
         assert call("plot", "bare.h5", what).code == 0
-
-
-@pytest.mark.parametrize(
-    ("path", "said"),
-    [
-        ("folder", "folder: no folder of a sweep: it has no index.h5\n"),
-        ("missing.h5", "missing.h5: no such file or directory\n"),
-        ("NO_DIR", "NO_DIR: no such file or directory\n"),
-        (
-            "../given/contact.toml",
-            (
-                "../given/contact.toml: is a scenario, not a result; `rubnoise check ../given/contact.toml` says what"
-                " follows from it, `rubnoise run` runs it\n"
-            ),
-        ),
-    ],
-)
-def test_what_is_no_result_is_refused(here: Path, path: str, said: str) -> None:
-    (here / "folder").mkdir()
-    for what in ((), ("trace",), ("x",)) if path in ("missing.h5", "NO_DIR") else ((), ("trace",)):
-        answer = call("plot", path, *what)
-        assert (answer.code, answer.out, answer.err) == (2, "", said)
-    assert names(here) == ["folder"]
-
-
-def test_an_unfinished_result_is_refused(here: Path) -> None:
-    said = []
-
-    def look() -> None:
-        said.append(call("plot", "x.h5.part", "-o", "p.png"))
-
-    description = describe()
-    write_run("x.h5", description, random_rows(description), meanwhile=look)
-    assert said[0].code == 2
-    assert said[0].err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
-
-
-def test_a_result_whose_scenario_is_none_is_refused(here: Path) -> None:
-    description = describe()
-    write_run("odd.h5", description, random_rows(description))
-    answer = call("plot", "odd.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "odd.h5: the scenario in the file is not valid\n"
-    assert names(here) == ["odd.h5"]
-
-
-def test_without_matplotlib_nothing_is_written(result: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    answer = call("plot", "x.h5")
-    assert (answer.code, answer.out) == (2, "")
-    assert "tools/dev.py sync" in answer.err.replace("'", "")
-    assert names(here) == ["x.h5"]
 
 
 # `rubnoise plot DIR`: a quantity of a sweep against what is swept.
@@ -259,13 +195,6 @@ def test_what_cannot_be_drawn_of_a_sweep_is_refused(
     assert names(here) == []
 
 
-def test_a_folder_of_something_else_is_refused(here: Path) -> None:
-    (here / "folder").mkdir()
-    answer = call("plot", "folder")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "folder: no folder of a sweep: it has no index.h5\n"
-
-
 def test_quantities_are_completed(here: Path) -> None:
     from rubnoise.cli.plot import complete
 
@@ -288,14 +217,6 @@ def test_a_figure_is_written_in_every_format(here: Path, papers: Path) -> None:
     assert names(here / "out") == ["fig3.pdf", "fig3.png", "fig3.svg"]
 
 
-def test_the_bytes_are_the_same_in_another_process(here: Path, papers: Path) -> None:
-    assert call("figures", "fig2", "fig3", "-o", "one", "--scenarios", papers).code == 0
-    assert spawn("figures", "fig3", "fig2", "-o", "two", "--scenarios", papers, PYTHONHASHSEED="7").code == 0
-    assert names(here / "one") == names(here / "two")
-    for name in names(here / "one"):
-        assert (here / "one" / name).read_bytes() == (here / "two" / name).read_bytes()
-
-
 def test_it_goes_into_a_folder_of_its_own_by_default(here: Path, papers: Path) -> None:
     answer = call("figures", "fig2", "--format", "svg", "--scenarios", papers)
     assert (answer.code, answer.out) == (0, "figures/fig2.svg\n")
@@ -305,12 +226,6 @@ def test_it_goes_into_a_folder_of_its_own_by_default(here: Path, papers: Path) -
 def test_the_shipped_scenarios_are_those_of_the_paper(here: Path) -> None:
     assert call("figures", "fig4", "--format", "png", "-o", ".").code == 0
     assert names(here) == ["fig4.png"]
-
-
-def test_quiet_is_silent(here: Path, papers: Path) -> None:
-    answer = spawn("figures", "fig3", "-q", "--format", "pdf", "-o", "a/b", "--scenarios", papers)
-    assert (answer.code, answer.out, answer.err) == (0, "", "")
-    assert names(here / "a" / "b") == ["fig3.pdf"]
 
 
 def test_an_existing_picture_is_replaced_only_by_force(here: Path, papers: Path) -> None:
@@ -344,26 +259,9 @@ def test_what_cannot_be_is_refused_before_anything_is_made(here: Path, arguments
     assert names(here) == ["file"]
 
 
-@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which none can be made")
-def test_a_folder_that_cannot_be_made_is_refused(here: Path) -> None:
-    answer = call("figures", "fig3", "-o", "/proc/none")
-    assert (answer.code, answer.out) == (2, "")
-    # A user who is not root reads about the folder above.
-    assert answer.err.startswith("/proc")
-    assert "writable" in answer.err or "cannot be written" in answer.err
-
-
 def test_wrong_scenarios_are_refused_with_their_lines(here: Path, papers: Path) -> None:
     (papers / "fig7.toml").write_text((papers / "fig7.toml").read_text().replace("[10, 30", "[-1, 30"))
     answer = call("figures", "--scenarios", papers)
     assert (answer.code, answer.out) == (2, "")
     assert "fig7.toml:10: error: interface.mean_junction_count: must be above 0" in answer.err
-    assert names(here) == []
-
-
-def test_without_matplotlib_it_is_said_how_to_get_it(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    answer = call("figures", "fig3")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("a picture needs matplotlib: python3 ")
     assert names(here) == []

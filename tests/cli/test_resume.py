@@ -15,7 +15,6 @@ import pytest
 import rubnoise
 from rubnoise.cli.progress import SIGNALS, watching
 from rubnoise.errors import RunStopped
-from rubnoise.storage import writer
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.output import OutputPaths
 from rubnoise.storage.resume import examined
@@ -130,11 +129,6 @@ def test_run_goes_on_by_itself_and_says_so(here: Path, part: Path, whole: dict[s
     assert columns(here / "x.h5") == whole
 
 
-def test_run_is_quiet_about_it_when_asked_to(here: Path, part: Path, whole: dict[str, bytes]) -> None:
-    assert call("run", SLIDER, "-o", "x.h5", *SHORT, "-q") == Answer(code=0, out="", err="")
-    assert columns(here / "x.h5") == whole
-
-
 def test_another_run_is_refused_and_force_starts_over(here: Path, part: Path) -> None:
     answer = call("run", SLIDER, "-o", "x.h5", *SHORT, "--seed", "9")
     assert (answer.code, answer.out) == (2, "")
@@ -189,14 +183,6 @@ def test_a_run_that_ends_while_it_is_looked_at_is_told_as_ended(
     assert (answer.code, answer.err) == (2, "x.h5.part: no such file; x.h5 is there\n")
 
 
-@pytest.mark.parametrize("words", [("compare",), ("junctions",), ("plot",), ("export", "--to", "csv"), ("listen",)])
-def test_other_commands_want_the_whole_result(here: Path, part: Path, words: tuple[str, ...]) -> None:
-    answer = call(words[0], part.name, *words[1:])
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "x.h5.part: unfinished; rubnoise resume x.h5.part continues it\n"
-    assert names(here) == ["x.h5.part", "x.h5.part.journal"]
-
-
 def test_what_is_no_part_is_told_in_a_line(here: Path) -> None:
     (here / "x.h5").write_bytes(b"whole")
     for name, said in (
@@ -207,10 +193,6 @@ def test_what_is_no_part_is_told_in_a_line(here: Path) -> None:
         answer = call("resume", name)
         assert (answer.code, answer.err) == (2, said)
     assert call("info", "y.h5.part").err == "y.h5.part: no such file\n"
-
-
-def test_a_second_is_what_a_power_cut_may_cost() -> None:
-    assert writer.COMMIT_SECONDS == 1.0
 
 
 # A signal in the middle of a long run: gone within a second, with what it takes to go on.

@@ -22,18 +22,6 @@ def test_the_result_bears_the_name_of_the_scenario_in_the_current_folder(here: P
     assert names(here) == ["contact.h5"]
 
 
-def test_a_run_in_a_process_of_its_own_says_nothing_on_stderr_when_nothing_is_wrong(here: Path) -> None:
-    answer = spawn("run", SHORT, "-o", "x.h5")
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith("x.h5: ")
-    assert names(here) == ["x.h5"]
-
-
-def test_no_line_is_wider_than_a_terminal(here: Path) -> None:
-    printed = [call("run", SLIDER).out, call("info", "slider.h5").out, call("check", SLIDER).out]
-    assert max(len(line) for text in printed for line in text.splitlines()) <= 80
-
-
 def test_the_seed_is_the_one_of_the_file_option_or_setting(here: Path) -> None:
     (here / "seven.toml").write_text(CONTACT + "[run]\nseed = 7\n", encoding="utf-8")
     for output, arguments in {
@@ -111,23 +99,6 @@ def test_a_sweep_is_pointed_to_its_command(here: Path) -> None:
     assert "rubnoise run makes this one run" in call("sweep", SHORT).err
 
 
-def test_a_number_and_its_unit_need_no_space_between_them(here: Path) -> None:
-    assert call("run", SHORT, "-o", "x.h5", "--set", "sliding.distance=0.2mm").code == 0
-    assert call("run", SHORT, "-o", "y.h5", "--set", "sliding.distance=200 um").code == 0
-    assert columns(here / "x.h5") == columns(here / "y.h5")
-
-
-def test_an_existing_result_is_refused_and_untouched(here: Path) -> None:
-    (here / "contact.h5").write_bytes(b"precious")
-    answer = call("run", SHORT)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.endswith("contact.h5: exists already (--force replaces it)\n")
-    assert (here / "contact.h5").read_bytes() == b"precious"
-    assert names(here) == ["contact.h5"]
-    assert call("run", SHORT, "--force").code == 0
-    assert columns(here / "contact.h5")["junctions/diameter"]
-
-
 def test_a_dry_run_writes_nothing_and_refuses_what_a_run_would(here: Path) -> None:
     answer = call("run", SHORT, "--dry-run")
     assert (answer.code, answer.err) == (0, "")
@@ -161,12 +132,6 @@ def test_json_holds_the_warnings_that_others_get_on_stderr(here: Path) -> None:
     ):
         assert (answer.code, answer.err) == (0, "")
         assert 'did you mean "250 MPa"?' in answer.json()["warnings"][0]
-
-
-def test_quiet_is_silent(here: Path) -> None:
-    answer = spawn("run", SLIDER, "-q")
-    assert (answer.code, answer.out, answer.err) == (0, "", "")
-    assert names(here) == ["slider.h5"]
 
 
 def test_a_broken_assumption_is_told_on_stderr_unless_quiet(here: Path) -> None:
@@ -212,24 +177,6 @@ def test_a_scenario_that_is_none_is_refused_and_nothing_written(here: Path, cont
     assert (answer.code, answer.out) == (2, "")
     assert said in answer.err
     assert "Traceback" not in answer.err
-    assert names(here) == []
-
-
-def test_a_folder_is_no_scenario(here: Path) -> None:
-    answer = call("run", "..")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err == "..: is not a regular file\n"
-
-
-@pytest.mark.parametrize(
-    ("output", "said"),
-    [("missing/x.h5", "no such folder"), ("../given", "is not a regular file"), ("/dev/null", "is not a regular file")],
-)
-def test_an_output_that_cannot_be_is_refused(here: Path, output: str, said: str) -> None:
-    answer = call("run", SHORT, "-o", output, "--force")
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
     assert names(here) == []
 
 

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import sys
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -90,10 +89,6 @@ def test_figure_5_has_everything() -> None:
     assert law["cdf"][1] == pytest.approx(np.exp(-20.0), rel=1e-6)
     assert law["cdf"][3] == pytest.approx(1.0, abs=1e-12)
     assert law["density"][0] == law["density"][3] == 0.0
-
-
-def test_a_bare_contact_has_no_force_and_no_slider(here: Path) -> None:
-    assert sorted(told(CONTACT)) == sorted(["count", "area", "diameter", "spectrum", "autocovariance", "distribution"])
 
 
 def test_points_are_echoed_in_order_and_taken_together(here: Path) -> None:
@@ -313,14 +308,6 @@ def test_wrong_usage_is_refused(here: Path, arguments: tuple[str, ...], said: st
     answer = call("theory", CONTACT, *arguments)
     assert (answer.code, answer.out) == (2, "")
     assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == []
-
-
-def test_without_matplotlib_nothing_is_written(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    answer = call("theory", CONTACT, "--plot")
-    assert (answer.code, answer.out) == (2, "")
-    assert "tools/dev.py sync" in answer.err.replace("'", "")
     assert names(here) == []
 
 

@@ -182,12 +182,6 @@ def test_stopped_half_way_it_goes_on_to_the_same_bits(here: Path, ran: Path) -> 
     assert call("verify", "x.h5").code == 0
 
 
-def test_compressed_it_holds_the_same(ran: Path) -> None:
-    assert call("run", SLIDER, "-o", "z.h5", "-q", "--set", "output.compression=gzip", *TWO_WAY).code == 0
-    assert columns(ran.with_name("z.h5")) == columns(ran)
-    assert call("verify", "z.h5").code == 0
-
-
 def test_compare_has_the_exact_laws_and_leaves_the_one_way_motion_out(ran: Path) -> None:
     done = call("compare", ran, "--json")
     assert done.code == 0, done.err

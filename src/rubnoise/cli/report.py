@@ -1,5 +1,6 @@
 """`rubnoise report`: a result as one page to send to a colleague."""
 
+from os.path import realpath  # unlike resolve, it takes a loop of links for a name
 from pathlib import Path
 from typing import Annotated
 
@@ -33,7 +34,7 @@ def command(
     from rubnoise.regular_file import is_folder
     from rubnoise.storage.output import check_output, whole_file
 
-    path = output or Path(f"{file.resolve().stem}_report.html")
+    path = output or Path(f"{Path(realpath(file)).stem}_report.html")
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
     check_output(path, force=force)

@@ -1,5 +1,6 @@
 """`rubnoise view`: a result as a page to explore in a browser."""
 
+from os.path import realpath  # unlike resolve, it takes a loop of links for a name
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,7 +51,7 @@ def command(
     from rubnoise.storage.resume import SUFFIX, committed_run
 
     ends = distance("--from", start), distance("--to", stop)
-    path = output or Path(f"{file.resolve().stem}.html")
+    path = output or Path(f"{Path(realpath(file)).stem}.html")
     if path.suffix.lower() not in {".html", ".htm"}:
         raise typer.BadParameter(f"{path} does not end in .html")
     check_output(path, force=force)
