@@ -2,10 +2,18 @@
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from math import floor
 from typing import Any
 
-from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
+from rubnoise.contact.births import (
+    BirthLaw,
+    ClusteredBirths,
+    GammaBirths,
+    JitteredBirths,
+    PoissonBirths,
+    RegularBirths,
+)
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
 from rubnoise.contact.pulses import LENS, Pulse
@@ -15,7 +23,14 @@ from rubnoise.simulation.extent import extent
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 
-BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
+BIRTHS: dict[str, Callable[..., BirthLaw]] = {
+    "poisson": PoissonBirths,
+    "regular": RegularBirths,
+    "gamma": partial(GammaBirths, shape=4.0),
+    "bunched": partial(GammaBirths, shape=0.5),
+    "clustered": partial(ClusteredBirths, cluster_size=3.0, cluster_width=2.0),
+    "jittered": partial(JitteredBirths, jitter=0.3),
+}
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 

@@ -31,6 +31,9 @@ class Stream(IntEnum):
     PAST_STRENGTHS = 10
     OFFSETS = 11
     START_OFFSETS = 12
+    CENTRES = 13
+    FAMILIES = 14
+    CHILDREN = 15
 
 
 def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:

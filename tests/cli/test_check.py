@@ -8,7 +8,7 @@ import pytest
 
 import rubnoise
 from rubnoise.scenario import loads
-from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS
+from rubnoise.scenario.keys import BIRTH_SAMPLES, LAW_SAMPLES, SECTIONS
 from rubnoise.scenario.shipped import by_name
 from rubnoise.scenario.sweep import Sweep, load_either, load_sweep
 from rubnoise.scenario.sweep_table import Sweeping
@@ -220,7 +220,7 @@ def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPa
 # `rubnoise new`: a template that runs as it is, names every key, and replaces nothing.
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
 # One needs another file, some exclude others, one another coupling, and the rest belong to laws without a spread.
-ELSEWHERE = ("extends", "load", "hardness", "patch_area", "damping_ratio", "tolerance", *LAW_SAMPLES)
+ELSEWHERE = ("extends", "load", "hardness", "patch_area", "damping_ratio", "tolerance", *LAW_SAMPLES, *BIRTH_SAMPLES)
 
 
 def _everything() -> str:

@@ -34,7 +34,20 @@ REORDERING = "compiled_for_speed"
 """How loops are compiled whose sums the compiler may reorder."""
 
 ALLOWED = {
-    "contact/births.py PoissonBirths.variance **": "for the theory alone",
+    **{
+        f"contact/births/{place}": "for the theory alone"
+        for place in (
+            "gamma.py GammaBirths.excess np.arctan",
+            "gamma.py GammaBirths.excess np.exp",
+            "gamma.py GammaBirths.excess np.expm1",
+            "gamma.py GammaBirths.excess np.log1p",
+            "gamma.py GammaBirths.variance **",
+            "poisson.py PoissonBirths.variance **",
+            "scattered.py ClusteredBirths.excess np.exp",
+            "scattered.py JitteredBirths.excess np.exp",
+            "scattered.py JitteredBirths.line_share np.exp",
+        )
+    },
     "contact/laws/lognormal.py lognormal_moment **": "of mpmath numbers, rounded once by who asks",
     "contact/overlap.py junction_area np.arccos": "for curves and figures; columns come from the kernels' polynomials",
     "contact/pulses.py ParabolaPulse.cubed_integral **": "for the theory alone",

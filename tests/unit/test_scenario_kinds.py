@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import rubnoise
+from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Law, Lognormal, Normal, Power, Spread, Weibull, law_for
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.scenario import build, loads
+from rubnoise.scenario.keys import BIRTH_SAMPLES
 from rubnoise.scenario.sweep import load_sweep
 from tests.unit.scenarios import BARE, WHOLE, refusal, whole
 from tests.unit.test_scenario_traps import shown
@@ -333,3 +335,24 @@ def test_a_sweep_cannot_ask_for_the_validity_of_what_is_not_there(tmp_path: Any)
         TWO_WAY.replace('coupling = "two-way"\n', "") + sweep.format("velocity_std", '["one-way", "two-way"]')
     )
     assert [case.scenario.model().is_two_way for case in load_sweep(path).cases] == [False, True]
+
+
+@pytest.mark.parametrize("law", BIRTHS)
+def test_a_law_of_births_takes_its_own_keys_and_no_others(law: str) -> None:
+    keys = {each.name: each.sample for each in BIRTHS[law].keys}
+    table = "".join(f"{key} = {json.dumps(value)}\n" for key, value in keys.items())
+    text = f'{BARE}[birth]\nlaw = "{law}"\n'
+    model = loads(text + table).model()
+    assert type(model.births).__name__.lower().startswith(law)
+    assert build(loads(text + table).resolved()).model() == model
+    for key, value in BIRTH_SAMPLES.items():
+        if key in keys:
+            assert f'birth.{key}: missing; the law "{law}" needs a {key}' in refusal(text)
+        else:
+            given = refusal(f"{text}{table}{key} = {json.dumps(value)}\n")
+            assert f'birth.{key}: the law "{law}" takes no {key}' in given
+
+
+def test_clusters_wider_than_ten_thousand_spacings_are_refused() -> None:
+    wide = f'{BARE}[birth]\nlaw = "clustered"\ncluster_size = 3\ncluster_width = "1 m"\n'
+    assert "birth.cluster_width: 1e+06 um is 1.83e+06 mean spacings of births" in refusal(wide)

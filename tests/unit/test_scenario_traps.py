@@ -319,7 +319,6 @@ def test_matched_without_a_solution() -> None:
     ("section", "key", "value", "available"),
     [
         ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma, weibull, power"),
-        ("birth", "law", "jittered", "poisson, regular"),
     ],
 )
 def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, value: str, available: str) -> None:

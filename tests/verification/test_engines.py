@@ -228,6 +228,10 @@ RUNS = {
     "off the centre line": model(
         pulse=OFF_CENTRE_LENS, strength=UNEQUAL, spread=Spread(relative=0.4), distance=1500.0, tick=0.7
     ),
+    **{
+        name: model(births=name, spread=Spread(relative=0.4), distance=2000.0, tick=2.7)
+        for name in ("gamma", "clustered", "jittered")
+    },
     "regular and wide": model(count=8.0, births="regular", spread=Spread(relative=2.0), distance=9000.0, tick=2.7),
 }
 

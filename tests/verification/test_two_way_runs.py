@@ -33,6 +33,8 @@ RUNS: dict[str, dict[str, Any]] = {
     "thin": {"distance": 1500.0, "count": 0.2},
     "empty": {"distance": 600.0, "start": "empty"},
     "regular": {"distance": 800.0, "births": "regular"},
+    "gamma": {"distance": 400.0, "births": "gamma", "count": 5.0},
+    "clustered": {"distance": 400.0, "births": "clustered", "count": 5.0},
     "unequal": {"distance": 1500.0, "strength": UNEQUAL, "speed": 10_000.0},
     "wide": {"distance": 800.0, "tick": 3.0},
 }

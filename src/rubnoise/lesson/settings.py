@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
-from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
 from rubnoise.contact.laws import Fixed, Law, Normal
 from rubnoise.errors import Refused
 from rubnoise.model import Model
@@ -33,8 +33,8 @@ class Settings:
 def settings_of(scenario: Scenario) -> Settings:
     """Return the settings of a scenario for the page.
 
-    Raises Refused for sizes that are neither equal nor normal, and for strengths that differ: the page cannot draw
-    them.
+    Raises Refused for sizes that are neither equal nor normal, for strengths that differ, and for births that are
+    neither random nor regular: the page cannot draw them.
     """
     model = scenario.model()
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
@@ -44,7 +44,7 @@ def settings_of(scenario: Scenario) -> Settings:
             "meanArea": model.mean_real_contact_area,
             "meanCount": model.mean_junction_count,
             "spread": _spread(model.sizes),
-            "births": "regular" if isinstance(model.births, RegularBirths) else "poisson",
+            "births": _births(model.births),
             "pulse": model.pulse.shape,
             "offset": model.pulse.offset,
             "calibration": model.calibration,
@@ -58,6 +58,13 @@ def settings_of(scenario: Scenario) -> Settings:
         coupling="two-way" if model.is_two_way else "one-way",
         borrowed=tuple(name for name, found in lacking.items() if found is None),
     )
+
+
+def _births(births: BirthLaw) -> str:
+    for name, kind in (("regular", RegularBirths), ("poisson", PoissonBirths)):
+        if isinstance(births, kind):
+            return name
+    raise Refused("the page of lessons knows poisson and regular births alone (birth.law)")
 
 
 def _spread(sizes: Law) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from rubnoise.contact.births import ScatteredBirths
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
 from rubnoise.model import Model
 from rubnoise.scenario import limits
@@ -19,7 +20,9 @@ _AREA: Path = ("interface", "mean_real_contact_area")
 _LOAD: Path = ("interface", "load")
 _PATCH: Path = ("interface", "patch_area")
 _CALIBRATION: Path = ("interface", "calibration")
+_WIDTH: Path = ("birth", "cluster_width")
 _OFFSET: Path = ("pulse", "offset")
+_MOST_SPACINGS = 1e4
 _COUNT: Path = ("interface", "mean_junction_count")
 
 
@@ -69,7 +72,11 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
     if problems:
         return None, None, problems
     model = model_of(document, diameter, tick)
-    return model, tick, [*_crowd_problems(layers, model), *_cost_problems(document, layers, model)]
+    return (
+        model,
+        tick,
+        [*_cluster_problems(layers, model), *_crowd_problems(layers, model), *_cost_problems(document, layers, model)],
+    )
 
 
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -80,6 +87,15 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
         if value not in possible:
             message = f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}"
             yield Problem(path=path, message=message, place=layers.value_place(path))
+
+
+def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:
+    """Refuse clusters so wide that no stretch of births could be drawn without drawing most of the run."""
+    births = model.births
+    if isinstance(births, ScatteredBirths) and births.width > _MOST_SPACINGS * births.mean:
+        message = f"{births.width:.3g} um is {births.width / births.mean:.3g} mean spacings of births"
+        hint = f"at most {_MOST_SPACINGS:g} spacings"
+        yield Problem(path=_WIDTH, message=message, place=layers.value_place(_WIDTH), hint=hint)
 
 
 def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import BaseModel, ConfigDict, create_model
 from pydantic import Field as About
 
+from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
@@ -94,14 +95,31 @@ class Diameter(Section):
     ] = None
 
 
+def _about_birth(key: str) -> Any:
+    name, about = next((name, each.about) for name, entry in BIRTHS.items() for each in entry.keys if each.name == key)
+    return About(description=f"{about}; for the law {name}.")
+
+
 class Birth(Section):
     """The positions of births along the sliding distance."""
 
     law: Annotated[
         str,
-        Choice(("poisson", "regular"), later=("jittered", "gamma", "clustered")),
-        About(description="poisson: independent exponential gaps of sliding distance; regular: equal gaps."),
+        Choice(tuple(BIRTHS)),
+        About(description=f"{'; '.join(f'{name}: {entry.about}' for name, entry in BIRTHS.items())}."),
     ] = "poisson"
+    shape: Annotated[float | None, Number(Range(0.125, 100.0)), _about_birth("shape")] = None
+    cluster_size: Annotated[float | None, Number(Range(0.1, 1e4)), _about_birth("cluster_size")] = None
+    cluster_width: Annotated[
+        Quantity | None,
+        Measure((LENGTH,), possible=Range(1e-12, 1e12), plausible=Range(1e-6, 1e6)),
+        _about_birth("cluster_width"),
+    ] = None
+    jitter: Annotated[
+        Quantity | None,
+        Measure((RATIO,), possible=Range(1e-6, 1e2), plausible=Range(1e-6, 1e2)),
+        _about_birth("jitter"),
+    ] = None
 
 
 class Pulse(Section):

@@ -1,11 +1,13 @@
 """What is wrong with keys: unknown, missing, out of place, or with a value that does not fit."""
 
-from collections.abc import Collection, Iterator
+import json
+from collections.abc import Collection, Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS, Entry
 from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
 from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
@@ -30,6 +32,9 @@ ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
 }
 """Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
 
+BIRTH_SAMPLES: dict[str, str | float] = {each.name: each.sample for entry in BIRTHS.values() for each in entry.keys}
+"""An ordinary value of every key that some law of births takes for itself."""
+
 _RIGHT_FORMS: dict[Path, str] = {
     ("format",): "format = 1",
     ("interface", "mean_real_contact_area"): 'mean_real_contact_area = "200 um^2" or load and hardness',
@@ -38,6 +43,7 @@ _RIGHT_FORMS: dict[Path, str] = {
     ("interface", "mean_junction_count"): 'mean_junction_count = 20 or patch_area = "10 um^2"',
     ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
     **{(table, key): f"{key} = {value:g}" for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
+    **{("birth", key): f"{key} = {json.dumps(value)}" for key, value in BIRTH_SAMPLES.items()},
     ("strength", "mean"): 'mean = "250 MPa"',
     ("strength", "spread"): 'spread = "50 MPa" or spread = "20 %"',
     ("sliding", "distance"): 'distance = "40 mm"',
@@ -153,6 +159,7 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
         yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
     yield from _law_problems(layers, "strength")
+    yield from _birth_problems(layers)
 
 
 def _alternative_problems(layers: Layers, name: str) -> Iterator[Problem]:
@@ -197,16 +204,31 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     if entry is None or not (table or SECTIONS[name] is Diameter):
         return
     taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters)]
-    for key in ("spread", *LAW_SAMPLES):
+    homes = {key: next(n for n, e in LAWS.items() if _takes(e, key)) for key in LAW_SAMPLES}
+    yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes)
+    yield from _order_problems(layers, name, entry.ascending)
+
+
+def _birth_problems(layers: Layers) -> Iterator[Problem]:
+    law = _table(layers, "birth").get("law", SECTIONS["birth"].model_fields["law"].default)
+    if isinstance(law, str) and law in BIRTHS:
+        homes = {each.name: name for name, entry in BIRTHS.items() for each in entry.keys}
+        yield from _own_keys(layers, "birth", law, [each.name for each in BIRTHS[law].keys], homes)
+
+
+def _own_keys(
+    layers: Layers, name: str, law: str, taken: Collection[str], homes: Mapping[str, str]
+) -> Iterator[Problem]:
+    """Refuse keys that a law does not take, with the law that does, and ask for those that it needs."""
+    table = _table(layers, name)
+    for key, instead in homes.items():
         path = (name, key)
         if key in table and key not in taken:
             message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
-            instead = entry.with_spread if key == "spread" else next(n for n, e in LAWS.items() if _takes(e, key))
             hint = f'write law = "{instead}", or leave the {key} out' if instead else f"leave the {key} out"
             yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
         if key in taken and key not in table:
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
-    yield from _order_problems(layers, name, entry.ascending)
 
 
 def _takes(entry: Entry, key: str) -> bool:

@@ -1,12 +1,12 @@
 """A scenario that has been checked: its sections in working units, and the physics that follows from its keys."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import sqrt
 from typing import Any, Final, Literal, cast
 
-from rubnoise.contact.births import BirthLaw, PoissonBirths, RegularBirths
+from rubnoise.contact.births import BIRTHS, BirthLaw
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
@@ -121,8 +121,6 @@ def _explicit(section: sections.Section) -> dict[str, Any]:
 TOLERANCE: Final = 1e-9
 """Of a two-way motion, where the file has none."""
 
-_BIRTHS: dict[str, Callable[..., BirthLaw]] = {"poisson": PoissonBirths, "regular": RegularBirths}
-
 
 def diameter_of(document: sections.Document) -> float:
     """Return the calibrated diameter d_m in um.
@@ -180,7 +178,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         calibration=cast(Literal["paper", "exact", "matched"], interface.calibration),
         calibrated_diameter=diameter,
         sizes=law_for(diameter, spread_of(document.diameter)),
-        births=_BIRTHS[document.birth.law](mean_spacing=pulse.mean_life * diameter / count),
+        births=births_of(document.birth, pulse.mean_life * diameter / count),
         strengths=_strengths(document.strength),
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
@@ -191,6 +189,13 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
     )
+
+
+def births_of(birth: sections.Birth, spacing: float) -> BirthLaw:
+    """Return the law of births of a mean spacing in um."""
+    entry = BIRTHS[birth.law]
+    own = {each.name: float(getattr(birth, each.name)) for each in entry.keys}
+    return cast(BirthLaw, entry.make(mean_spacing=spacing, **own))
 
 
 def _strengths(strength: sections.Strength | None) -> Law | None:

@@ -10,7 +10,7 @@ from pydantic_core import PydanticUndefined
 
 from rubnoise.scenario.document import Document, Section
 from rubnoise.scenario.fields import Choice
-from rubnoise.scenario.keys import LAW_SAMPLES, SECTIONS, SWEEP
+from rubnoise.scenario.keys import BIRTH_SAMPLES, LAW_SAMPLES, SECTIONS, SWEEP
 from rubnoise.scenario.sweep_table import GRID, Sweeping
 
 WIDTH: Final = 100
@@ -28,6 +28,7 @@ SAMPLES: Final[dict[tuple[str, str], str | float]] = {
     ("interface", "patch_area"): "10 um^2",
     ("diameter", "spread"): "10 %",
     **{(table, key): value for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
+    **{("birth", key): value for key, value in BIRTH_SAMPLES.items()},
     ("strength", "mean"): "250 MPa",
     ("strength", "spread"): "20 %",
     ("sliding", "distance"): "40 mm",

@@ -3,7 +3,6 @@
 from cmath import sqrt
 from math import hypot
 
-from rubnoise.contact.births import RegularBirths
 from rubnoise.errors import Refused
 from rubnoise.model import Model, Slider
 
@@ -84,12 +83,13 @@ def _liveliness(model: Model) -> float:
     """Return about how much the force varies beside one of Poisson births.
 
     With regular births of equal sizes by 1/(2 N_jm^1.5): 1/(sqrt(3) N_jm^2) for the triangle and an odd number, where
-    Poisson births have 2/sqrt(3 N_jm); and with the spread of their sizes.
+    Poisson births have 2/sqrt(3 N_jm); and with the spread of their sizes. Others lie between by their dispersion.
     """
-    if not isinstance(model.births, RegularBirths):
+    if model.births.dispersion >= 1.0:
         return 1.0
     spread = max(model.sizes.moment(2) / model.sizes.moment(1) ** 2 - 1.0, 0.0) ** 0.5
-    return min(hypot(spread, 0.5 * model.mean_junction_count**-1.5), 1.0)
+    even = hypot(spread, 0.5 * model.mean_junction_count**-1.5)
+    return min(hypot(even, model.births.dispersion**0.5), 1.0)
 
 
 def _rates(slider: Slider) -> tuple[float, float]:

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil
+from typing import cast
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.births import BirthLaw, GammaBirths, GapLaw, RegularBirths, ScatteredBirths
 from rubnoise.contact.deviates import exponential
 from rubnoise.contact.laws import Fixed, Law
 from rubnoise.contact.off_centre import half_life
@@ -99,7 +100,15 @@ def births_per_block(model: Model) -> int:
 
 def first_birth(model: Model, seed: int) -> float:
     """Return the distance in um of the first birth after the start."""
-    return float(model.births.first_gap(uniforms(seed, Stream.FIRST_BIRTH, 0, 1))[0])
+    births = model.births
+    if isinstance(births, ScatteredBirths):
+        return float(births.following(seed, 0.0, 1)[0])
+    return _around(births, seed)[1]
+
+
+def _around(births: BirthLaw, seed: int) -> tuple[float, float]:
+    """Return how far before the start gaps go on, and where the first birth lies, in um."""
+    return cast("GapLaw", births).around(uniforms(seed, Stream.FIRST_BIRTH, 0, 2))
 
 
 def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: int = 1) -> tuple[Doubles, Doubles]:
@@ -107,8 +116,12 @@ def birth_distances(model: Model, seed: int, block: int, begin: float, blocks: i
 
     Each is the one before plus its gap, as an event clock adds: never the block's begin plus a sum of gaps. Regular
     births lie at whole multiples of their spacing from the first of the run; their block begins where it says itself.
+    Scattered births are drawn about their centres and sorted.
     """
     count = births_per_block(model)
+    if isinstance(model.births, ScatteredBirths):
+        birth = model.births.following(seed, begin, blocks * count + 1)
+        return birth, np.diff(birth)
     if isinstance(model.births, RegularBirths):
         birth = model.births.places(first_birth(model, seed), block * count + np.arange(blocks * count + 1))
         return birth, np.diff(birth)
@@ -166,7 +179,7 @@ def _made(model: Model, stream: Stream, uniform: Doubles) -> Doubles:
     if stream is Stream.OFFSETS:
         return _both_ways(uniform)
     if stream is Stream.GAPS:
-        return model.births.gaps(uniform)
+        return cast("GapLaw", model.births).gaps(uniform)
     return model.sizes.draw(uniform) if stream is Stream.DIAMETERS else _strengths(model, uniform)
 
 
@@ -240,6 +253,8 @@ def _stationary_rows(model: Model, seed: int) -> LiveRows:
     births, offset = model.births, None
     if isinstance(births, RegularBirths):
         birth, diameter = _alive_of_regular(model, births, seed)
+    elif isinstance(births, GammaBirths | ScatteredBirths):
+        birth, diameter = _alive_of_past(model, seed)
     elif model.pulse.offset == "none":
         birth, diameter = _alive_of_poisson(model, seed)
     else:
@@ -309,6 +324,34 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
         found.append((birth[alive], diameter[alive]))
     birth, diameter = (np.concatenate(column)[::-1] for column in zip(*found, strict=True))
     return birth, diameter
+
+
+def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles]:
+    """Return births and diameters in um of those alive at the start: births before it that live so long."""
+    birth, diameter = backward(model, seed, -2.0 * _largest(model.sizes))
+    alive = birth + 2.0 * diameter > 0.0
+    return birth[alive][::-1], diameter[alive][::-1]
+
+
+def backward(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
+    """Return births (um) before the start, latest first, beyond ``begin``, and a diameter (um) for each.
+
+    Gaps of a renewal process read backward are gaps of the same law; after the one about the start, which is longer.
+    """
+    births, count = model.births, births_per_block(model)
+    if isinstance(births, ScatteredBirths):
+        places = [births.between(seed, begin, float(np.nextafter(0.0, -1.0)))[::-1]]
+    else:
+        place, block = -_around(births, seed)[0], 0
+        places = [np.array([place] if place else [])]
+        while place >= begin:
+            gaps = cast("GapLaw", births).gaps(uniforms(seed, Stream.PAST_GAPS, block, count))
+            places.append(np.subtract.accumulate(np.concatenate([[place], gaps]))[1:])
+            place, block = float(places[-1][-1]), block + 1
+    birth = np.concatenate(places)
+    blocks = ceil(birth.size / count)
+    uniform = uniforms(seed, Stream.PAST_DIAMETERS, 0, count, blocks) if blocks else np.empty(0)
+    return birth, model.sizes.draw(uniform[: birth.size])
 
 
 def _largest(sizes: Law) -> float:

@@ -7,6 +7,8 @@ from math import nan, sqrt
 from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory import birth_noise
+from rubnoise.theory.birth_noise import has_noise_of_its_own
 from rubnoise.theory.mean_life import ORDERS
 from rubnoise.theory.regular_births import are_at_random, regular_cumulants
 
@@ -47,7 +49,8 @@ def area_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary real contact area in um^(2n), n = 1 ... 6.
 
     kappa_n = lam c_n m_(2n+1) for Poisson births: lam is the birth rate, c_n d^(2n+1) the integral of A^n over a life,
-    m_n = E[d^n]. Regular births have the same mean, and the rest from the law of total cumulance over their phase.
+    m_n = E[d^n]. Regular births have the same mean, and the rest from the law of total cumulance over their phase;
+    others have the variance that `rubnoise.theory.birth_noise` adds, and clusters the rest. No closed form is nan.
     Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the model's pulse,
     such as that of paper Eq. (2).
     """
@@ -73,10 +76,11 @@ def strengths_of(model: Model) -> Law:
 
 @lru_cache(maxsize=16)
 def _cumulants(model: Model, strength_moments: tuple[float, ...]) -> Cumulants:
-    if not are_at_random(model):
+    at_random = are_at_random(model)
+    if not (at_random or has_noise_of_its_own(model)):
         return Cumulants(values=regular_cumulants(model, strength_moments))
-    orders = range(1, ORDERS + 1)
-    return Cumulants(values=tuple(strength_moments[n] * _area_cumulant(model, n) for n in orders))
+    values = tuple(strength_moments[n] * _area_cumulant(model, n) for n in range(1, ORDERS + 1))
+    return Cumulants(values=values if at_random else birth_noise.cumulants(model, values, strength_moments))
 
 
 def _area_cumulant(model: Model, order: int) -> float:

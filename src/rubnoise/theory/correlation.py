@@ -8,6 +8,7 @@ from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory import off_centre
+from rubnoise.theory.birth_noise import excess_of_area, has_noise_of_its_own
 from rubnoise.theory.mean_life import mean_life_overlap
 from rubnoise.theory.quadrature import cut_size_rule, panels, size_range
 from rubnoise.theory.regular_births import are_at_random, line_covariance, spectral_lines
@@ -41,12 +42,15 @@ def force_autocovariance(model: Model, strengths: Law, lag: ArrayLike) -> Double
 def unphased_covariance(model: Model, lag: ArrayLike, square: float = 1.0, squared_mean: float = 1.0) -> Doubles:
     """Return the covariance of sum psi A at a lag in um (any shape) but for the lines: given the phase of the births.
 
-    E[psi^2] and E[psi]^2 are given; zero beyond the longest life. Of Poisson births it is all there is.
+    E[psi^2] and E[psi]^2 are given; zero beyond the longest life and what births remember. Of Poisson births it is
+    all there is.
     """
     lags = np.abs(np.asarray(lag, dtype=np.float64))
     shot = joint_cumulants(model, lags, ((1, 1),))[1, 1]
     if are_at_random(model):
         return square * shot
+    if has_noise_of_its_own(model):
+        return square * shot + squared_mean * excess_of_area(model).covariance(lags)
     if np.ptp(size_range(model.sizes)) == 0.0:
         return (square - squared_mean) * shot
     return square * shot - squared_mean * model.birth_rate * mean_life_overlap(model.sizes, model.pulse, lags)

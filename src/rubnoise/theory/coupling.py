@@ -13,13 +13,14 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.birth_noise import excess_of_area, has_noise_of_its_own
 from rubnoise.theory.campbell import strengths_of
 from rubnoise.theory.drive import Drive, drive_of
 from rubnoise.theory.lags import longest_life
 from rubnoise.theory.log_table import log_table
 from rubnoise.theory.motion_errors import MotionErrors, motion_errors
 from rubnoise.theory.quadrature import cut_size_rule, size_edges
-from rubnoise.theory.regular_births import are_at_random, phase_rule
+from rubnoise.theory.regular_births import are_at_random, phase_rule, spectral_lines
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.spectrum import force_spectral_density
 
@@ -34,13 +35,18 @@ def force_slope_std(model: Model) -> float:
 
     Var F' = lam E[psi^2] b m_3, b d^3 the integral of A'^2 over a life, which is finite for the lens (A' ends as a
     root), triangle and parabola (A' jumps). Regular births add E[psi]^2 times the mean over their phase of
-    (sum g)^2 - sum g^2, g = E[A'] at the ages that the phase leaves. Raises Refused without a strength.
+    (sum g)^2 - sum g^2, g = E[A'] at the ages that the phase leaves; others the integral of k^2 times what
+    `rubnoise.theory.birth_noise` adds to the spectrum. Raises Refused without a strength.
     Source: Campbell's theorem (Rice 1944, section 1.5, doi:10.1002/j.1538-7305.1944.tb00874.x) for the pulse psi A'.
     """
     psi = strengths_of(model)
     at_random = model.birth_rate * psi.moment(2) * model.pulse.squared_slope * model.sizes.moment(3)
     if are_at_random(model):
         return sqrt(at_random)
+    if has_noise_of_its_own(model):
+        excess, (lines, power) = excess_of_area(model), spectral_lines(model)
+        squares = excess.power @ np.square(excess.wavenumber) + 2.0 * power @ np.square(lines)
+        return sqrt(at_random + psi.mean**2 * float(squares))
     variance = at_random + psi.mean**2 * _together(model)
     return sqrt(variance) if variance > _ROUNDING * at_random else 0.0
 

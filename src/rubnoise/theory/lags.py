@@ -1,5 +1,6 @@
 """Lags and weights that turn a covariance into the variance of a mean over a finite record, and how far it reaches."""
 
+from math import ceil, isfinite
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,11 @@ def longest_life(model: Model) -> float:
     return 2.0 * size_range(model.sizes)[1]
 
 
+def _reach(model: Model) -> float:
+    """Return the lag in um beyond which covariances have ended: the longest life, and what births remember."""
+    return longest_life(model) + (model.births.memory if isfinite(model.births.memory) else 0.0)
+
+
 def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doubles]:
     """Return lags in um and weights, so that Var[mean of f(X)] = sum of weight times Cov[f(X(0)), f(X(lag))].
 
@@ -34,7 +40,7 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
     if distance is not None:
         return _continuous(model, 0.0, distance)
     ticks = model.tick_count + 1
-    reach = min(ticks - 1, int(longest_life(model) / model.tick))
+    reach = min(ticks - 1, int(_reach(model) / model.tick))
     if reach > _FEW_TICKS and _typical_life(model) > _FEW_TICKS * model.tick:
         return _continuous(model, 0.0, ticks * model.tick)
     steps = np.arange(min(reach, _MOST_TICKS) + 1, dtype=np.float64)
@@ -47,7 +53,7 @@ def lag_rule(model: Model, distance: float | None = None) -> tuple[Doubles, Doub
 
 
 def _continuous(model: Model, start: float, distance: float) -> tuple[Doubles, Doubles]:
-    end = min(distance, longest_life(model))
+    end = min(distance, _reach(model))
     edges = distinct(np.clip(lag_edges(model, end), start, end))
     lags, weights = panels(edges, _NODES)
     return lags, weights * (2.0 / distance) * (1.0 - lags / distance)
@@ -60,6 +66,8 @@ def lag_edges(model: Model, end: float) -> Doubles:
     """
     typical = _typical_life(model)
     parts: list[NDArray[Any]] = [np.linspace(0.0, min(end, _WIDE * typical), _PANELS + 1)]
+    if 0.0 < model.births.memory < np.inf:
+        parts.append(np.linspace(0.0, end, ceil(_PANELS * end / min(typical, 2.0 * model.births.memory))))
     if end > _WIDE * typical:
         parts += [typical * 2.0 ** np.arange(np.log2(_FINEST), np.log2(end / typical)), np.array([end])]
     shortest = hard_ends(model.sizes)[0]

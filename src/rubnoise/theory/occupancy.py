@@ -8,11 +8,13 @@ from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
 from rubnoise.model import Model
+from rubnoise.theory.birth_noise import excess_of_count, has_noise_of_its_own
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.quadrature import cut_size_rule
 from rubnoise.theory.regular_births import (
     are_at_random,
     count_lines,
+    line_covariance,
     need_random_births,
     phased_count_covariance,
     resolved_error,
@@ -54,6 +56,8 @@ def count_covariance(model: Model, lag: ArrayLike) -> Doubles:
     reach = np.abs(np.asarray(lag, dtype=np.float64))
     if are_at_random(model):
         return _lives_left(model, reach)
+    if has_noise_of_its_own(model):
+        return _unphased(model, reach) + line_covariance(count_lines(model), reach)
     return unphased_count_covariance(model, reach) + phased_count_covariance(model, reach)
 
 
@@ -90,7 +94,7 @@ def mean_count_error(model: Model, distance: float | None = None) -> float:
     lags, weights = lag_rule(model, distance)
     if are_at_random(model):
         return sqrt(float(weights @ _lives_left(model, lags)))
-    variance = float(weights @ unphased_count_covariance(model, lags))
+    variance = float(weights @ _unphased(model, lags))
     variance += variance_of_line_mean(model, count_lines(model), distance)
     return resolved_error(variance, mean_count(model))
 
@@ -120,6 +124,13 @@ def zero_share(model: Model) -> ZeroShare:
     third = 6.0 * (1.0 / 6.0 + pairs + pairs**2 + empty * (empty / 12.0 - first))
     error = sqrt(empty * per_empty)
     return ZeroShare(expected=empty, standard_error=error, skewness=third / (ticks**2 * per_empty * error))
+
+
+def _unphased(model: Model, lag: Doubles) -> Doubles:
+    """Return the covariance of the count but for lines."""
+    if has_noise_of_its_own(model):
+        return _lives_left(model, lag) + excess_of_count(model).covariance(lag)
+    return unphased_count_covariance(model, lag)
 
 
 def _lives_left(model: Model, lag: Doubles) -> Doubles:

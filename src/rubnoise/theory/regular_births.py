@@ -11,10 +11,11 @@ from typing import Any, cast
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.births import PoissonBirths, RegularBirths
+from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Law
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.birth_noise import has_noise_of_its_own, jittered_lines
 from rubnoise.theory.log_table import LogTable, log_table
 from rubnoise.theory.mean_life import ORDERS, age_table, area_by_age, cumulants_by_age
 from rubnoise.theory.pulse_energy import mean_life_transform, mean_transform
@@ -34,14 +35,12 @@ def need_centred_passes(model: Model, quantity: str) -> None:
 
 
 def are_at_random(model: Model) -> bool:
-    """Return whether births are a Poisson process (or else regular); raises Refused for a law without a theory."""
+    """Return whether births are a Poisson process; raises Refused for passes off the centre line that are not."""
     if isinstance(model.births, PoissonBirths):
         return True
-    if isinstance(model.births, RegularBirths):
-        if model.pulse.offset != "none":
-            raise Refused("passes off the centre line (pulse.offset) are known for Poisson births alone (birth.law)")
-        return False
-    raise Refused("exact results are known for Poisson and for regular births alone (birth.law)")
+    if model.pulse.offset != "none":
+        raise Refused("passes off the centre line (pulse.offset) are known for Poisson births alone (birth.law)")
+    return False
 
 
 Lines = tuple[Doubles, Doubles]
@@ -59,11 +58,14 @@ def spectral_lines(model: Model) -> Lines:
     The power at k_n is lam^2 |E[A^(k_n)]|^2, and as much lies at -k_n, so that the lines add 2 sum of power to the
     variance and 2 sum of power cos(k_n tau) to the autocovariance. There are enough of them to leave less than 1e-9 of
     that out, from one junction in a hundred spacings on; none for Poisson births. A power below 1e-32 of the squared
-    mean is rounding and given as 0: of triangles of one size every second line, or all of them, have none.
+    mean is rounding and given as 0: of triangles of one size every second line, or all of them, have none. Jittered
+    births keep the part of each that their law says, and others none.
     Source: the Fourier series of E[A_r | phase]; Cox and Lewis, The Statistical Analysis of Series of Events (1966).
     """
     if are_at_random(model):
         return np.empty(0), np.empty(0)
+    if has_noise_of_its_own(model):
+        return jittered_lines(model, of_count=False)
     return _area_lines(model)
 
 
@@ -74,6 +76,8 @@ def count_lines(model: Model) -> Lines:
     """
     if are_at_random(model):
         return np.empty(0), np.empty(0)
+    if has_noise_of_its_own(model):
+        return jittered_lines(model, of_count=True)
     return _count_lines(model)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
+from rubnoise.theory.birth_noise import excess_density, has_noise_of_its_own
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.pulse_energy import energy_spread, mean_energy
 from rubnoise.theory.regular_births import are_at_random, need_random_births, spectral_lines
@@ -24,7 +25,7 @@ def spectral_density(model: Model, wavenumber: ArrayLike) -> Doubles:
     pi (sin(k d) - k d cos(k d)) / k^3 for the parabola; for passes off the centre line the mean includes offsets
     (`rubnoise.theory.off_centre`). S(0) is finite. Regular births have the continuous part
     S(k) = lam (E[|A^(k)|^2] - |E[A^(k)]|^2), A^ about the birth, and the lines of
-    `rubnoise.theory.regular_births.spectral_lines`.
+    `rubnoise.theory.regular_births.spectral_lines`. Other births add `rubnoise.theory.birth_noise.excess_density`.
     Source: Carson's theorem (Rice 1944, doi:10.1002/j.1538-7305.1944.tb00874.x); for regular births Campbell's theorem
     given the phase, under which the lives are independent.
     """
@@ -63,8 +64,11 @@ def density_at_zero(model: Model) -> float:
 def _density(model: Model, wavenumber: ArrayLike, square: float, squared_mean: float, *, exact: bool) -> Doubles:
     """Return the density for E[psi^2] and E[psi]^2; for regular births from parts that are none of them negative."""
     k = np.abs(np.asarray(wavenumber, dtype=np.float64))
-    if are_at_random(model):
-        return model.birth_rate * square * mean_energy(model.sizes, model.pulse, k, exact=exact)
+    if are_at_random(model) or has_noise_of_its_own(model):
+        at_random = model.birth_rate * square * mean_energy(model.sizes, model.pulse, k, exact=exact)
+        if not has_noise_of_its_own(model):
+            return at_random
+        return at_random + squared_mean * excess_density(model, k, exact=exact)
     unequal = squared_mean * energy_spread(model.sizes, model.pulse, k)
     if square > squared_mean:
         unequal = unequal + (square - squared_mean) * mean_energy(model.sizes, model.pulse, k, exact=exact)

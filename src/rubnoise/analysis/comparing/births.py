@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged, poisson_figure, too_short
 from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figure
 from rubnoise.contact.births import PoissonBirths, RegularBirths
@@ -15,6 +16,7 @@ FEWEST_GAPS = 1000
 """Births from which the spread of their gaps, a mean of squares of exponentials, has a score."""
 
 _SKEWNESS = 5.0
+_MEMORIES = 30.0
 _ROUNDING = 2.0**-49  # of a distance that is a sum of gaps, each rounded
 
 
@@ -52,7 +54,14 @@ def birth_findings(model: Model, births: Births) -> list[Finding]:
         return _at_random(model, births)
     if isinstance(model.births, RegularBirths):
         return _regular(model, births)
-    raise Refused("births of this law are not compared")
+    if model.births.dispersion == 0.0:
+        raise Refused("births of this law are not compared: their number hardly varies")
+    expected = model.birth_rate * model.distance
+    # Long beside what births remember, their number varies by its dispersion; near the ends they lack neighbours.
+    error = (model.births.dispersion * expected) ** 0.5
+    if model.distance < _MEMORIES * model.births.memory:
+        return [too_short("birth_count", _MEMORIES * model.births.memory)]
+    return [Agreement(name="birth_count", observed=float(births.count), expected=expected, standard_error=error)]
 
 
 def _at_random(model: Model, births: Births) -> list[Finding]:

@@ -2,18 +2,21 @@
 
 from math import sqrt
 
+import numpy as np
+
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.moments import needed_for_mean, over_ticks
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
-from rubnoise.theory.campbell import area_cumulants, force_cumulants
-from rubnoise.theory.correlation import joint_cumulants
+from rubnoise.theory.birth_noise import has_noise_of_its_own
+from rubnoise.theory.campbell import Cumulants, area_cumulants, force_cumulants
+from rubnoise.theory.correlation import autocovariance, joint_cumulants
 from rubnoise.theory.lags import lag_rule
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.occupancy import count_covariance, mean_count, mean_count_error
 from rubnoise.theory.regular_births import need_random_births
-from rubnoise.theory.sampling import standard_errors
+from rubnoise.theory.sampling import mean_area_error, standard_errors
 
 _ROUNDING = 2.0**-50
 _CONSTANT = 1e-9
@@ -39,6 +42,8 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
     if expected.variance == 0.0:
         away, allowed = max(abs(seen.mean - expected.mean), seen.std), _CONSTANT * expected.mean
         return [Identity(name="real_contact_area", deviation=away, allowed=allowed, units="um^2")]
+    if has_noise_of_its_own(model):
+        return _second_order(model, trace, expected)
     need_random_births(model, "the standard error of a mean area")
     errors = standard_errors(over_ticks(model, trace.stationary_ticks, model.tick))
     # A junction brings d^(2n + 1) to the n-th power of the area.
@@ -58,6 +63,25 @@ def area_findings(model: Model, trace: TraceSums) -> list[Finding]:
             )
             for n, name in ((3, "skewness"), (4, "excess_kurtosis"))
         ),
+    ]
+
+
+def _second_order(model: Model, trace: TraceSums, expected: Cumulants) -> list[Finding]:
+    """Return mean and std of the area for births of which two orders are known.
+
+    Cov[z^2, z^2] = 2 R^2 of a normal contact with the covariance R, and what a single junction brings, times the cube
+    of the dispersion where births come in bunches: so do fourth cumulants of a bunch grow.
+    """
+    stretch, length = over_ticks(model, trace.stationary_ticks, model.tick), stationary_length(model, trace)
+    seen, tails = trace.area, [tail_of(model, length, power) for power in (3, 5)]
+    lags, weights = lag_rule(stretch)
+    bunched = max(model.births.dispersion, 1.0) ** 3
+    fourth = bunched * joint_cumulants(stretch, lags, ((2, 2),))[2, 2]
+    error = sqrt(float(weights @ (fourth + 2.0 * np.square(autocovariance(stretch, lags)))))
+    mean_error, std_error = mean_area_error(stretch), error / (2.0 * expected.std)
+    return [
+        judged_mean("real_contact_area_mean", seen.mean, expected.mean, mean_error, length=length, tail=tails[0]),
+        judged("real_contact_area_std", seen.std, expected.std, std_error, length=length, tail=tails[1]),
     ]
 
 

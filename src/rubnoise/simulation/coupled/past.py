@@ -2,7 +2,8 @@
 
 Before the start a stationary contact has a past, in streams of its own: for Poisson births those are thinned to lives
 that ended before the start, which are independent of those alive there; regular births go on backward at their spacing,
-with the diameters that the start has drawn for them. An empty contact has none.
+with the diameters that the start has drawn for them. Gamma and scattered births have one past, of which the start takes
+those alive. An empty contact has none.
 """
 
 from math import ceil
@@ -12,7 +13,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
 from rubnoise.model import Model
-from rubnoise.simulation.draws import births_per_block, blocks_drawn_at_once, draw_blocks, first_birth, start
+from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, first_birth, start
 from rubnoise.simulation.state import LiveRows
 from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
 
@@ -48,39 +49,21 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
 def past(model: Model, seed: int, begin: float) -> LiveRows:
     """Return the junctions that were born and had died before s = 0, back to all that live beyond ``begin`` (um)."""
     longest = 2.0 * float(model.sizes.draw(np.array([LARGEST_UNIFORM]))[0])
-    birth, diameter = (
-        _regular(model, seed, begin - longest) if _regular_births(model) else _poisson(model, seed, begin - longest)
-    )
+    draw = _regular if isinstance(model.births, RegularBirths) else backward
+    birth, diameter = draw(model, seed, begin - longest)
     dead = np.flatnonzero(birth + 2.0 * diameter <= 0.0)
     if model.strengths is None:
         strength = np.ones(birth.size)
     else:
         strength = model.strengths.draw(uniforms(seed, Stream.PAST_STRENGTHS, 0, birth.size))
-    backward = dead[::-1]
+    latest = dead[::-1]
     return LiveRows(
-        junction=-1 - backward.astype(np.int64),
-        birth=birth[backward],
-        diameter=diameter[backward],
-        strength=strength[backward],
+        junction=-1 - latest.astype(np.int64),
+        birth=birth[latest],
+        diameter=diameter[latest],
+        strength=strength[latest],
         departure=np.full(dead.size, np.inf),
     )
-
-
-def _regular_births(model: Model) -> bool:
-    return isinstance(model.births, RegularBirths)
-
-
-def _poisson(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
-    """Return births (um), latest first, beyond ``begin``, and a diameter (um) for each."""
-    births, diameters, place, block = [np.empty(0)], [np.empty(0)], 0.0, 0
-    count = births_per_block(model)
-    while place >= begin:
-        gaps = model.births.gaps(uniforms(seed, Stream.PAST_GAPS, block, count))
-        birth = np.subtract.accumulate(np.concatenate([[place], gaps]))[1:]
-        births.append(birth)
-        diameters.append(model.sizes.draw(uniforms(seed, Stream.PAST_DIAMETERS, block, count)))
-        place, block = float(birth[-1]), block + 1
-    return np.concatenate(births), np.concatenate(diameters)
 
 
 def _regular(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:

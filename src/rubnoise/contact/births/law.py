@@ -1,0 +1,74 @@
+"""What a law of births is, and what the registry knows of each."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from rubnoise.arrays import Doubles
+
+
+class BirthLaw(Protocol):
+    """A stationary law of births along the sliding distance, with the exact second moments of their number.
+
+    S_N(k) is the spectral density of births per um, lam = 1/mean their rate; it is lam for a Poisson process.
+    """
+
+    @property
+    def mean(self) -> float:
+        """Mean gap in um."""
+        ...
+
+    @property
+    def dispersion(self) -> float:
+        """S_N(0)/lam: variance over mean of the number of births in a long distance."""
+        ...
+
+    def excess(self, wavenumber: Doubles) -> Doubles:
+        """Return S_N(k)/lam - 1 between lines, for k >= 0 in rad/um."""
+        ...
+
+    def line_share(self, wavenumber: Doubles) -> Doubles:
+        """Return the power of a line at k = 2 pi n lam as a part of that of regular births."""
+        ...
+
+    @property
+    def memory(self) -> float:
+        """Distance in um beyond which births know nothing of each other, to 1e-13; lines apart."""
+        ...
+
+
+class GapLaw(BirthLaw, Protocol):
+    """A law of births that are drawn gap by gap."""
+
+    def gaps(self, uniform: Doubles) -> Doubles:
+        """Return one gap in um for each uniform on [0, 1)."""
+        ...
+
+    def around(self, uniform: Doubles) -> tuple[float, float]:
+        """Return how far in um gaps go on before a place at random, and how far after it a birth lies, from 2 uniforms.
+
+        Without memory of the last birth they go on before it at the place itself.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Key:
+    """A key of its own that a law of births takes beside `law`: what a page says of it, and an ordinary value."""
+
+    name: str
+    about: str
+    sample: str | float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """A law of births: its name in scenarios, what a page says of it, the keys it takes, and how it is made.
+
+    ``make`` takes mean_spacing (um) and the keys by name: lengths in um, ratios as parts of 1.
+    """
+
+    name: str
+    about: str
+    make: Callable[..., Any]
+    keys: tuple[Key, ...] = ()

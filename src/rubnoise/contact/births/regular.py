@@ -1,0 +1,68 @@
+"""Births at one spacing."""
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births.law import Entry
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RegularBirths:
+    """Births at one spacing s_jm = L_jm / N_jm, in um, about a place chosen at random: Rabinowicz's births.
+
+    Moments of a gap: mean s_jm, variance 0. Source: Rabinowicz (1956), as in the paper ("at precisely regular
+    moments in time").
+    """
+
+    mean_spacing: float
+
+    @property
+    def mean(self) -> float:
+        """The gap in um."""
+        return self.mean_spacing
+
+    @property
+    def variance(self) -> float:
+        """0: every gap is the same."""
+        return 0.0
+
+    def gaps(self, uniform: Doubles) -> Doubles:
+        """Return the gap in um for each uniform."""
+        return np.full(uniform.shape, self.mean_spacing)
+
+    def around(self, uniform: Doubles) -> tuple[float, float]:
+        """Return distances in um uniform on [0, s_jm): a place at random knows nothing of the births' phase."""
+        after = float(self.mean_spacing * uniform[0])
+        return self.mean_spacing - after, after
+
+    def places(self, first: float, number: NDArray[np.int64]) -> Doubles:
+        """Return where births lie in um that are so many after the first one, or before it where negative.
+
+        Each from the first alone: spacings added up one by one would drift by their rounding, all the same way.
+        """
+        return first + number.astype(np.float64) * self.mean_spacing
+
+    @property
+    def dispersion(self) -> float:
+        """0: the number of births is as good as fixed."""
+        return 0.0
+
+    def excess(self, wavenumber: Doubles) -> Doubles:
+        """Return -1: between its lines the spectrum of regular births holds nothing."""
+        return np.full_like(wavenumber, -1.0)
+
+    def line_share(self, wavenumber: Doubles) -> Doubles:
+        """Return 1: all there is lies in the lines."""
+        return np.ones_like(wavenumber)
+
+    @property
+    def memory(self) -> float:
+        """Infinite: the phase is never forgotten."""
+        return inf
+
+
+ENTRY = Entry(name="regular", about="equal gaps", make=RegularBirths)

@@ -1,0 +1,140 @@
+"""What births that are neither random nor regular add to a contact: covariances and higher cumulants.
+
+Births of density S_N(k) make the spectrum lam E[|A^|^2] + (S_N - lam) |E[A^]|^2, A^ about the birth. The first part is
+that of births at random; this file has the rest.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from math import comb, nan, pi
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.births import ClusteredBirths, JitteredBirths, PoissonBirths, RegularBirths
+from rubnoise.model import Model
+from rubnoise.theory.mean_life import ORDERS, area_by_age, cumulants_by_age
+from rubnoise.theory.pulse_energy import mean_energy, mean_life_transform, mean_transform
+from rubnoise.theory.quadrature import size_range
+
+_MOST, _MOST_OF_ONE_SIZE = 2**14, 2**17
+_FAINT = 6.3  # widths times wavenumber at which exp(-(k j)^2) is 1e-17
+_FINEST = 1e-9  # of a wavenumber's step: where transforms are taken for k = 0
+
+
+def has_noise_of_its_own(model: Model) -> bool:
+    """Whether births are neither a Poisson process nor regular."""
+    return not isinstance(model.births, PoissonBirths | RegularBirths)
+
+
+def excess_density(model: Model, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
+    """Return (S_N(k) - lam) |E[A^(k)]|^2 in um^4 per rad/um, lines apart; not ``exact``, of one size without swing.
+
+    Source: Bartlett's spectrum of a point process whose points are marked independently (Daley and Vere-Jones 2003,
+    section 8.2).
+    """
+    if np.ptp(size_range(model.sizes)) == 0.0:
+        energy = mean_energy(model.sizes, model.pulse, wavenumber, exact=exact)
+    else:
+        energy = np.square(np.abs(mean_transform(model.sizes, model.pulse, wavenumber)))
+    return model.birth_rate * model.births.excess(wavenumber) * energy
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Excess:
+    """What births add to a covariance beside that of births at random: (1/2 pi) int excess exp(i k tau) dk.
+
+    As a sum over wavenumbers one step apart, which is exact for lags below ``reach`` um but for what lies beyond the
+    last: the covariance ends there. ``power`` is that of each, twice over but for the first.
+    """
+
+    wavenumber: Doubles
+    power: Doubles
+    reach: float
+    _spline: Callable[[Doubles], Doubles]
+
+    def covariance(self, lag: Doubles) -> Doubles:
+        """Return it at lags >= 0 in um of any shape, 0 beyond its reach."""
+        return np.where(lag < self.reach, self._spline(np.minimum(lag, self.reach)), 0.0)
+
+
+def excess_of_area(model: Model) -> Excess:
+    """Return what births add to the covariance of real contact area, in um^4; error some 1e-9 of the variance."""
+    return _excess(model, of_count=False)
+
+
+def excess_of_count(model: Model) -> Excess:
+    """Return what births add to the covariance of the live count; error some 1e-6 of it, since a count jumps."""
+    return _excess(model, of_count=True)
+
+
+@lru_cache(maxsize=8)
+def _excess(model: Model, *, of_count: bool) -> Excess:
+    from scipy.interpolate import CubicSpline
+
+    one_size = np.ptp(size_range(model.sizes)) == 0.0
+    reach = 2.0 * size_range(model.sizes)[1] + model.births.memory
+    modes = _MOST_OF_ONE_SIZE if one_size else _MOST
+    k = pi / reach * np.arange(modes + 1, dtype=np.float64)
+    k[0] = _FINEST * k[1]
+    transform = mean_life_transform(model.sizes, k) if of_count else mean_transform(model.sizes, model.pulse, k)
+    density = model.birth_rate * model.births.excess(k) * np.square(np.abs(transform))
+    lags = reach / modes * np.arange(modes + 1, dtype=np.float64)
+    values = np.fft.irfft(density, 2 * modes)[: modes + 1] * modes / reach
+    power = density / reach
+    power[0] *= 0.5
+    return Excess(wavenumber=k, power=power, reach=reach, _spline=CubicSpline(lags, values))
+
+
+def cumulants(model: Model, at_random: tuple[float, ...], strength_moments: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the cumulants of order 1 to 6 of sum psi A over live junctions in (MPa um^2)^n.
+
+    Those of births ``at_random`` are given. The second follows from the spectrum of births. Those of clusters are
+    kappa_n = (lam/mu) int E[X(u)^n] du, X(u) the sum over a cluster at distance u, whose cumulants are mu g_j,
+    g_j = E[(psi A)^j] by age convolved with the normal law of the offsets; error some 1e-6. Gamma and jittered births
+    have no closed form beyond the second order: nan.
+    Source: the probability generating functional of Neyman and Scott (1958), doi:10.1111/j.2517-6161.1958.tb00272.x.
+    """
+    mean, variance = at_random[:2]
+    variance += strength_moments[1] ** 2 * float(excess_of_area(model).covariance(np.zeros(1))[0])
+    variance += strength_moments[1] ** 2 * 2.0 * float(jittered_lines(model, of_count=False)[1].sum())
+    if not isinstance(model.births, ClusteredBirths):
+        return mean, variance, *(nan,) * (ORDERS - 2)
+    return mean, variance, *_of_clusters(model, model.births, strength_moments)[2:]
+
+
+def jittered_lines(model: Model, *, of_count: bool) -> tuple[Doubles, Doubles]:
+    """Return wavenumbers in rad/um and powers of the lines that jitter leaves, down to 1e-17 of themselves.
+
+    As `rubnoise.theory.regular_births.spectral_lines`, with the share that the law of births says.
+    """
+    if not isinstance(model.births, JitteredBirths):
+        return np.empty(0), np.empty(0)
+    first = 2.0 * pi * model.birth_rate
+    k = first * np.arange(1.0, min(_FAINT / (model.births.width * first), _MOST) + 1.0)
+    transform = mean_life_transform(model.sizes, k) if of_count else mean_transform(model.sizes, model.pulse, k)
+    return k, model.births.line_share(k) * np.square(model.birth_rate * np.abs(transform))
+
+
+def _of_clusters(model: Model, births: ClusteredBirths, strength_moments: tuple[float, ...]) -> list[float]:
+    longest = 2.0 * size_range(model.sizes)[1]
+    period, points = longest + 20.0 * births.width, 2**15
+    step = period / points
+    ages = step * np.arange(points, dtype=np.float64)
+    alive = ages < longest
+    own = np.zeros((ORDERS, points))
+    moments = area_by_age(model.sizes, model.pulse, np.maximum(ages[alive], 1e-12 * longest))
+    own[:, alive] = _raw(cumulants_by_age(moments, strength_moments))
+    spread = np.exp(-0.5 * np.square(2.0 * pi * np.fft.rfftfreq(points, step) * births.width))
+    together = births.cluster_size * np.fft.irfft(np.fft.rfft(own) * spread, points)
+    return list(_raw(together).sum(axis=-1) * step * model.birth_rate / births.cluster_size)
+
+
+def _raw(cumulants_: Doubles) -> Doubles:
+    """Return the raw moments of order 1 to 6 that belong to cumulants, the first axis."""
+    rows = [np.ones_like(cumulants_[0])]
+    for n in range(1, ORDERS + 1):
+        terms = (comb(n - 1, i) * cumulants_[i] * rows[n - 1 - i] for i in range(n))
+        rows.append(sum(terms, np.zeros_like(rows[0])))
+    return np.array(rows[1:])

@@ -1,0 +1,176 @@
+"""Births that are neither random nor regular: exact figures, and 200 runs of each law beside them."""
+
+from dataclasses import replace
+from functools import lru_cache
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rubnoise.contact import births as laws
+from rubnoise.contact.births import ClusteredBirths, GammaBirths, JitteredBirths, scattered
+from rubnoise.contact.laws import Fixed, Spread
+from rubnoise.model import Model
+from rubnoise.simulation import draws
+from rubnoise.theory import birth_noise
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.correlation import autocovariance
+from rubnoise.theory.estimated_spectrum import expected_periodogram
+from rubnoise.theory.exact import exact
+from rubnoise.theory.quadrature import panels, size_rule
+from rubnoise.theory.spectrum import spectral_density
+from rubnoise.theory.transform import transform_of
+from tests.models import bare, contents, recorded
+
+RUNS, BOUND, LAWS = 200, 4.0, ("gamma", "bunched", "clustered", "jittered")
+WAVENUMBERS = np.array([0.01, 0.1, 0.3, 1.0])
+FIGURES = {
+    "poisson": (22975.81971961742, 22065.51288732153, 15847.06831987238, 211.2679099074118),
+    "gamma": (5743.96865307099, 5517.696252031855, 3970.290911927073, 54.08720508129157),
+    "bunched": (45951.28814591969, 44097.46572952831, 31485.927091662663, 400.57068279169687),
+    "clustered": (91875.71340826772, 85666.44814217556, 49015.44153308794, 222.87643014733712),
+}
+STDS = {"poisson": 0.27499, "gamma": 0.13771, "bunched": 0.38737, "clustered": 0.48903}
+
+
+def contact(births: str, **changes: Any) -> Model:
+    return bare(**{"births": births, "spread": Spread(law="lognormal", relative=0.5), "distance": 600.0} | changes)
+
+
+@pytest.mark.parametrize("births", FIGURES)
+def test_spectrum_and_spread_have_their_published_figures(births: str) -> None:
+    run = contact(births, spread=Spread())
+    run = replace(run, sizes=Fixed(value=5.530012635), births=replace(run.births, mean_spacing=5.530012635 / 10.0))
+    assert spectral_density(run, WAVENUMBERS) == pytest.approx(FIGURES[births], rel=1e-9)
+    area = area_cumulants(run)
+    assert area.std / area.mean == pytest.approx(STDS[births], abs=6e-6)
+
+
+@pytest.mark.parametrize("births", LAWS)
+def test_the_spectrum_is_the_transform_of_the_covariance(births: str) -> None:
+    run = contact(births)
+    reach = 2.0 * run.sizes.support[1] + run.births.memory
+    lags, weights = panels(np.linspace(0.0, reach, 400), 10)
+    covariance = autocovariance(run, lags)
+    if births == "jittered":
+        k, power = birth_noise.jittered_lines(run, of_count=False)
+        covariance = covariance - 2.0 * np.cos(np.multiply.outer(lags, k)) @ power
+    turned = 2.0 * np.cos(np.multiply.outer(WAVENUMBERS, lags)) @ (weights * covariance)
+    assert turned == pytest.approx(spectral_density(run, WAVENUMBERS), rel=1e-5, abs=1e-5 * turned[0])
+
+
+def test_limits_of_the_laws() -> None:
+    k = np.geomspace(1e-7, 1e3, 50)
+    assert GammaBirths(mean_spacing=0.5, shape=1.0).excess(k) == pytest.approx(np.zeros(50), abs=1e-9)
+    far = GammaBirths(mean_spacing=0.5, shape=4.0)
+    assert far.excess(np.array([0.0, 2.1e-5])) == pytest.approx([-0.75, -0.75], abs=1e-9)
+    still = exact(contact("regular", calibration="exact", spread=Spread()))
+    moved = replace(still.model, births=JitteredBirths(mean_spacing=still.model.births.mean, jitter=1e-4))
+    assert area_cumulants(moved).std == pytest.approx(still.area.std, rel=1e-3)
+    wide = replace(still.model, births=JitteredBirths(mean_spacing=still.model.births.mean, jitter=50.0))
+    assert area_cumulants(wide).std == pytest.approx(
+        area_cumulants(contact("poisson", spread=Spread(), calibration="exact")).std, rel=0.05
+    )
+
+
+@lru_cache(maxsize=8)
+def many(births: str) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Return area and count of 200 runs, a row a run."""
+    run = contact(births)
+    traces = [recorded(run, seed, engine="batch")["trace"] for seed in range(RUNS)]
+    return np.array([each["real_contact_area"] for each in traces]), np.array(
+        [each["junction_count"] for each in traces]
+    )
+
+
+def z_of(samples: np.ndarray[Any, Any], expected: float) -> float:
+    return float((samples.mean() - expected) / (samples.std(ddof=1) / sqrt(samples.size)))
+
+
+@pytest.mark.parametrize("births", LAWS)
+def test_moments_of_200_runs(births: str) -> None:
+    area, count = many(births)
+    theory = exact(contact(births))
+    centred = area - theory.area.mean
+    scores = [
+        z_of(area.mean(axis=1), theory.area.mean),
+        z_of(np.square(centred).mean(axis=1), theory.area.variance),
+        z_of(count.mean(axis=1), theory.count_mean),
+        z_of(np.square(count - theory.count_mean).mean(axis=1), theory.count_variance),
+    ]
+    if births == "clustered":
+        scores += [z_of((centred**n).mean(axis=1), value) for n, value in ((3, theory.area.values[2]),)]
+        scores.append(z_of((centred**4).mean(axis=1), theory.area.values[3] + 3.0 * theory.area.variance**2))
+    else:
+        assert np.isnan(theory.area.values[2:]).all()
+    assert np.abs(scores).max() <= BOUND, scores
+    at_random = exact(contact("poisson")).area.variance
+    assert abs(z_of(np.square(centred).mean(axis=1), at_random)) > BOUND
+
+
+def _bands(area: np.ndarray[Any, Any], run: Model) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Return the periodogram of each run about the exact mean, and its expected value, in some bins."""
+    window = np.square(np.sin(pi * np.arange(area.shape[1]) / area.shape[1]))
+    bins = np.unique(np.geomspace(2, 400, 12).astype(int))
+    seen = np.square(np.abs(np.fft.rfft(window * (area - area.mean(axis=1, keepdims=True)))))[:, bins]
+    _, expected = expected_periodogram(run, run.tick, window)
+    return seen * run.tick / np.square(window).sum(), expected[bins]
+
+
+def _centred(law: Any, pulse: Any, wavenumber: Any) -> Any:
+    """Return E[A^(k)] about the middle of each life: the wrong place to take it."""
+    diameters, probabilities = size_rule(law, 400)
+    return transform_of(pulse).amplitude(np.multiply.outer(wavenumber, diameters)) @ (probabilities * diameters**3)
+
+
+@pytest.mark.parametrize("births", LAWS)
+def test_spectra_of_200_runs(births: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = contact(births)
+    seen, expected = _bands(many(births)[0], run)
+    scores = [z_of(seen[:, n], value) for n, value in enumerate(expected)]
+    assert np.abs(scores).max() <= BOUND, scores
+    monkeypatch.setattr(birth_noise, "mean_transform", _centred)
+    birth_noise._excess.cache_clear()
+    _, wrong = _bands(many(births)[0], replace(run, distance=run.distance * (1.0 + 1e-12)))
+    birth_noise._excess.cache_clear()
+    assert np.abs([z_of(seen[:, n], value) for n, value in enumerate(wrong)]).max() > BOUND
+
+
+@pytest.mark.parametrize("births", ["gamma", "clustered"])
+def test_a_start_is_that_of_a_contact_that_always_slid(births: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = contact(births, distance=5.0)
+    theory = exact(run)
+
+    def scores() -> list[float]:
+        first = np.array([recorded(run, seed, engine="batch")["trace"]["junction_count"][0] for seed in range(200)])
+        away = first - theory.count_mean
+        return [z_of(first, theory.count_mean), z_of(np.square(away), theory.count_variance)]
+
+    assert np.abs(scores()).max() <= BOUND
+    monkeypatch.setattr(draws, "_alive_of_past", draws._alive_of_poisson)
+    assert np.abs(scores()).max() > BOUND
+
+
+def test_births_come_in_order_and_from_any_stretch(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = ClusteredBirths(mean_spacing=0.5, cluster_size=3.0, cluster_width=2.0)
+    whole = law.between(7, -500.0, 9000.0)
+    assert (np.diff(whole) > 0.0).all()
+    begin = float(whole[4000])
+    assert law.following(7, begin, 300).tobytes() == whole[4000:4300].tobytes()
+    assert law.between(7, begin, 8000.0).tobytes() == whole[4000 : np.searchsorted(whole, 8000.0)].tobytes()
+    run = contact("clustered")
+    assert (np.diff(recorded(run, 1)["junctions"]["birth_distance"]) >= 0.0).all()
+    scattered._of_cell.cache_clear()
+    monkeypatch.setattr(scattered.np, "sort", lambda values: values)
+    assert not (np.diff(law.of_cell(7, 3)) >= 0.0).all()
+
+
+def test_every_law_is_named_once() -> None:
+    assert list(laws.BIRTHS) == ["poisson", "regular", "gamma", "clustered", "jittered"]
+
+
+@pytest.mark.parametrize("births", LAWS)
+def test_engines_give_equal_bits(births: str) -> None:
+    run = contact(births)
+    assert contents(recorded(run, 3, engine="events")) == contents(recorded(run, 3, engine="batch"))
