@@ -220,6 +220,16 @@ def test_keys_side_by_side_share_a_dimension(here: Path) -> None:
     assert labelled["interface.mean_junction_count"].values.tolist() == [10.0, 40.0]
 
 
+def test_runs_of_other_ticks_are_stacked_apart(here: Path) -> None:
+    """As many ticks of another length are not like ticks."""
+    table = '[sweep.zip]\nsliding.distance = ["300 um", "600 um"]\noutput.tick = ["1 um", "2 um"]\n'
+    (here / "t.toml").write_text(CONTACT + table, encoding="utf-8")
+    assert call("sweep", "t.toml", "-o", "d", "--jobs", "1", "-q").code == 0
+    with h5py.File("d/index.h5") as index:
+        ends = [index[f"traces/{number}/trace/distance"][-1] for number in sorted(index["traces"])]
+    assert ends == [300.0, 600.0]
+
+
 def test_runs_of_other_speeds_and_with_a_slider_are_merged_apart(here: Path) -> None:
     table = '[sweep]\nreplicates = 2\n[sweep.grid]\nsliding.speed = ["1 mm/s", "2 mm/s"]\n'
     (here / "s.toml").write_text(WITH_SLIDER.replace("[output]", '[output]\ncompression = "gzip"') + table, "utf-8")

@@ -18,7 +18,7 @@ from rubnoise.pages import run_view
 from rubnoise.pages.run_view import RunView
 from rubnoise.scenario.writing import text_of
 from rubnoise.storage.reader import open_run
-from tests.cli.terminal import call
+from tests.cli.terminal import PAPER, call
 from tests.pages.reading import PARTS, answer, data_of
 
 
@@ -85,6 +85,22 @@ def test_a_sweep_has_a_report(sweep_folder: Path, tmp_path: Path) -> None:
     with rubnoise.open_sweep(sweep_folder) as sweep:
         pooled = sweep.estimates("displacement_std")[2]
     assert f"{pooled.value:.5g} ± {pooled.reach:.2g}" in text
+
+
+def test_the_page_of_a_sweep_holds_the_runs_that_are_done(tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(
+        f'format = 1\nextends = "{(PAPER / "fig5.toml").as_posix()}"\n[sliding]\ndistance = "50 um"\n'
+        "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [5, 10, 20]\n",
+        encoding="utf-8",
+    )
+    half = tmp_path / "half"
+    assert call("sweep", tmp_path / "s.toml", "-o", half, "--shard", "1/2", "--jobs", "1", "-q").code == 0
+    assert call("view", half, "-o", tmp_path / "half.html").code == 0
+    data = data_of((tmp_path / "half.html").read_text(encoding="utf-8"))
+    with rubnoise.open_sweep(half) as sweep:
+        done = sweep.runs["run_id"][:][sweep.runs["state"][:] == "done"].tolist()
+    assert (len(done), data["runs"], data["states"]) == (3, done, {"done": 3, "failed": 0, "planned": 3})
+    assert {len(column["values"]) for column in data["columns"].values()} == {3}
 
 
 @pytest.mark.parametrize("command", ["view", "report"])
