@@ -33,7 +33,7 @@ CHANNEL, OUT_OF_THE_WAY = 499, 500
 def load() -> None:
     """Load every module of the program, and the machine code that a run needs."""
     import rubnoise
-    from rubnoise.lesson.readings import readings
+    from rubnoise.lesson.page import readings
     from rubnoise.sweep import pool
 
     turns.take_turns()

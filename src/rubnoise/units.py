@@ -175,7 +175,10 @@ def parse_unit(text: str) -> Unit:
 def _read_unit(text: str, number: str) -> Unit:
     if text in USUAL_UNITS:
         return USUAL_UNITS[text]
-    _refuse_foreign(text)
+    if len(text) > MAX_UNIT_LENGTH:
+        raise QuantityError(f"a unit of more than {MAX_UNIT_LENGTH} characters")
+    if foreign := _FOREIGN.search(text):
+        raise QuantityError(f"the character {_shown(foreign[0])} has no place in a unit")
     if not _UNIT.fullmatch(text):
         raise QuantityError(f'"{text}" is no unit', 'names joined by * or /, powers as in um^2, as in "N*s/m"')
     for name in () if text in RATIOS else re.findall(_NAME, text):
@@ -184,13 +187,6 @@ def _read_unit(text: str, number: str) -> Unit:
         if name not in UNITS:
             raise QuantityError(f'unknown unit "{name}"', _power_hint(text, number) or like(name))
     return _sized_by_pint(text)
-
-
-def _refuse_foreign(text: str) -> None:
-    if len(text) > MAX_UNIT_LENGTH:
-        raise QuantityError(f"a unit of more than {MAX_UNIT_LENGTH} characters")
-    if foreign := _FOREIGN.search(text):
-        raise QuantityError(f"the character {_shown(foreign[0])} has no place in a unit")
 
 
 def _power_hint(text: str, number: str) -> str:

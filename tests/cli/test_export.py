@@ -17,9 +17,8 @@ import xarray as xr
 
 import rubnoise
 from rubnoise.errors import RubnoiseError, how_to_install
-from rubnoise.storage import export_csv, export_netcdf, export_parquet
-from rubnoise.storage.export import export, plan
-from rubnoise.storage.export_csv import heading
+from rubnoise.storage import export as exporting
+from rubnoise.storage.export import export, heading, plan
 from rubnoise.storage.reader import RunFile, open_run
 from rubnoise.storage.schema import GROUPS
 from tests.cli.terminal import begin, call, command, names, spawn, spawn_program, start, stop
@@ -33,8 +32,8 @@ JUNCTIONS, TICKS = 57, 203
 @pytest.fixture
 def rows(here: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Return the rows of `run.h5`, of which every export takes several panels."""
-    for module in (export_csv, export_netcdf, export_parquet):
-        monkeypatch.setattr(module, "CHUNK_ROWS", 50)
+    for name in ("CHUNK_ROWS", "ROW_GROUP"):
+        monkeypatch.setattr(exporting, name, 50)
     description = describe(JUNCTIONS, TICKS)
     made = random_rows(description)
     made["trace"]["friction_force"][:3] = [1e300, 5e-324, -0.1 - 0.2]
@@ -252,8 +251,6 @@ def test_a_missing_library_is_named_with_its_extra(
     here: Path, rows: Any, kind: str, library: str, extra: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
-    monkeypatch.delitem(sys.modules, f"rubnoise.storage.export_{kind}")
-    monkeypatch.delattr(f"rubnoise.storage.export_{kind}")
     answer = call("export", "run.h5", "--to", kind)
     assert (answer.code, answer.out) == (2, "")
     assert answer.err == f"export --to {kind} needs {library}: {how_to_install(extra)}\n"

@@ -16,8 +16,7 @@ from rubnoise.analysis.replicates import Estimate
 from rubnoise.api.playing import describe
 from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.claims.field import FieldClaim, Known, Source
-from rubnoise.cli.claims import claim_as_json
-from rubnoise.cli.ledger import row_as_json
+from rubnoise.cli.claims import claim_as_json, row_as_json
 from rubnoise.model import Model
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths

@@ -14,9 +14,9 @@ import rubnoise
 from rubnoise.errors import Refused
 from rubnoise.figures import stretch as stretches
 from rubnoise.figures import style
+from rubnoise.figures.area import lanes
 from rubnoise.figures.area_statistics import covariance_band
 from rubnoise.figures.catalogue import PICTURES, picture
-from rubnoise.figures.lifelines import lanes
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import house_style
 from rubnoise.storage.reader import open_run

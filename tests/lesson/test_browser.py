@@ -10,7 +10,7 @@ from scipy.integrate import quad
 import rubnoise
 from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
 from rubnoise.inference.signal import half_width_of
-from rubnoise.lesson.readings import LAWS, half_lag, readings
+from rubnoise.lesson.page import LAWS, half_lag, readings
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.occupancy import mean_count_error

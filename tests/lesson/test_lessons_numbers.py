@@ -9,7 +9,7 @@ import pytest
 import rubnoise
 from rubnoise.contact.births import RegularBirths
 from rubnoise.contact.overlap import junction_area
-from rubnoise.lesson.readings import half_lag
+from rubnoise.lesson.page import half_lag
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from tests.lesson.node import FIGURE_5, scenario_of

@@ -10,8 +10,7 @@ import pytest
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.lesson.page import page, script_parts
-from rubnoise.lesson.readings import LAWS, half_lag
+from rubnoise.lesson.page import LAWS, half_lag, page, script_parts
 from rubnoise.lesson.settings import LESSON_SLIDER, settings_of
 from rubnoise.scenario import build
 from rubnoise.scenario import load as load_scenario

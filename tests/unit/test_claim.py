@@ -8,8 +8,7 @@ import pytest
 
 from rubnoise.analysis.replicates import Estimate, difference, estimate, ratio
 from rubnoise.claims.claim import Quantity, Verdict, verdict_if_agreed
-from rubnoise.claims.exponents import exponent, exponent_of
-from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Source
+from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Source, exponent, exponent_of
 from rubnoise.claims.field_page import agreement, as_range
 
 

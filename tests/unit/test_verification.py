@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import rubnoise
 from rubnoise.analysis.verification import verify
-from rubnoise.analysis.verifying import areas
+from rubnoise.analysis.verifying.columns import TICKS
 from rubnoise.analysis.verifying.findings import Notes, Verification
 from rubnoise.errors import Refused
 from rubnoise.simulation import area
@@ -107,7 +107,7 @@ def test_every_value_is_looked_at(result: Path) -> None:
     assert found["hashes"].values == 1 + sum(values.values())
     for group in ("junctions", "trace", "slider", "blocks"):
         assert found[group].values == values[group] + 1  # the number of rows is one more
-    assert found["areas"].values == areas.TICKS
+    assert found["areas"].values == TICKS
 
 
 def columns_of(path: Path) -> list[str]:

@@ -15,7 +15,7 @@ from rubnoise.claims import catalogue
 from rubnoise.claims.claim import Claim, Verdict, verdict_if_agreed
 from rubnoise.claims.field import FieldClaim, FieldVerdict, Known
 from rubnoise.claims.field_page import page
-from rubnoise.cli.ledger import row_as_json
+from rubnoise.cli.claims import row_as_json
 from rubnoise.figures.paper import FIGURES
 from rubnoise.scenario.shipped import shipped
 from tests.architecture.sources import ROOT

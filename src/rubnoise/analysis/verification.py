@@ -5,11 +5,9 @@ from typing import Protocol
 
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.reading import chunks
-from rubnoise.analysis.verifying.areas import area_check
 from rubnoise.analysis.verifying.attributes import attribute_checks, clock_notes
-from rubnoise.analysis.verifying.derived import curve_check, summary_check
+from rubnoise.analysis.verifying.columns import area_check, curve_check, hash_check, summary_check, unreadable
 from rubnoise.analysis.verifying.findings import Check, Difference, Verification
-from rubnoise.analysis.verifying.hashes import hash_check, unreadable
 from rubnoise.analysis.verifying.origin import layout_check, machines, other_streams, scenario_check
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.record.reader import HashedReader
@@ -62,7 +60,7 @@ def _of_rows(
 ) -> tuple[list[Check], Check, list[Check]]:
     """Return the checks of rows, of areas by another formula, and of the summary if rows are right."""
     # Opening a result needs nothing of the simulation.
-    from rubnoise.analysis.verifying.identities import identity_check
+    from rubnoise.analysis.verifying.columns import identity_check
     from rubnoise.analysis.verifying.replay import replay_checks
 
     model = scenario.model()

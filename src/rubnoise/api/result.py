@@ -24,7 +24,7 @@ from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
 from rubnoise.storage.life_curve import stored_pulse
-from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.reader import OpenFile, RunFile, open_run
 from rubnoise.storage.schema import GROUPS
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import in_unit
@@ -232,22 +232,13 @@ class Contents(ABC):
         return {name: columns.to_pandas() for name, columns in self._groups().items()}
 
 
-class Run(Contents):
-    """An open result file; a context manager. Opening reads its structure, asking for rows reads those rows.
+class Opened:
+    """Something that stands for an open file; a context manager."""
 
-    >>> import rubnoise
-    >>> with rubnoise.open("fig5.h5") as run:
-    ...     print(run.trace["distance"][:3], run.trace["distance"].units)
-    [0.  0.1 0.2] um
-    """
-
-    def __init__(self, file: RunFile) -> None:
-        """Take over an open run file."""
-        self._file = file
-        self._found = {group.name: _columns(file, group.name) for group in GROUPS if group.name in file.columns}
+    _file: OpenFile
 
     def __enter__(self) -> Self:
-        """Return the run."""
+        """Return it."""
         return self
 
     def __exit__(
@@ -261,8 +252,23 @@ class Run(Contents):
         return deepcopy(self)
 
     def close(self) -> None:
-        """Close the file; nothing can be read any more."""
+        """Close the file; what was not read from it can be read no more."""
         self._file.close()
+
+
+class Run(Opened, Contents):
+    """An open result file; a context manager. Opening reads its structure, asking for rows reads those rows.
+
+    >>> import rubnoise
+    >>> with rubnoise.open("fig5.h5") as run:
+    ...     print(run.trace["distance"][:3], run.trace["distance"].units)
+    [0.  0.1 0.2] um
+    """
+
+    def __init__(self, file: RunFile) -> None:
+        """Take over an open run file."""
+        self._file: RunFile = file
+        self._found = {group.name: _columns(file, group.name) for group in GROUPS if group.name in file.columns}
 
     @property
     def path(self) -> Path:

@@ -4,18 +4,16 @@ import json
 import os
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.api.columns import Column, Columns
-from rubnoise.api.result import Run
+from rubnoise.api.result import Opened, Run
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
 from rubnoise.storage.index_checks import check_index
@@ -43,7 +41,7 @@ class Failure:
     reason: str
 
 
-class SweepResult:
+class SweepResult(Opened):
     """The folder of a sweep, opened; a context manager. Its index is read, its runs are opened when they are needed.
 
     ``runs`` has one row a run, point after point: `run_id`, `point`, `replicate`, the swept keys by their names,
@@ -57,27 +55,9 @@ class SweepResult:
 
     def __init__(self, file: IndexFile) -> None:
         """Take over an open index."""
-        self._file = file
+        self._file: IndexFile = file
         self.runs = self._columns(RUNS)
         self.points = self._columns(POINTS)
-
-    def __enter__(self) -> Self:
-        """Return the sweep."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the index."""
-        self.close()
-
-    def __copy__(self) -> Self:
-        """Return the same, opened once more: closing one leaves the other open."""
-        return deepcopy(self)
-
-    def close(self) -> None:
-        """Close the index; what was not read from it can be read no more."""
-        self._file.close()
 
     @property
     def path(self) -> Path:

@@ -7,8 +7,7 @@ from rubnoise.analysis.replicates import Estimate, ratio
 from rubnoise.claims import sources
 from rubnoise.claims.claim import Quantity
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
-from rubnoise.claims.exponents import exponent_of
-from rubnoise.claims.field import FieldClaim
+from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.claims.field_peaks import FAST, NORMAL, SLOW, frequencies, jerks
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord

@@ -10,8 +10,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
 from rubnoise.claims.claim import Quantity
 from rubnoise.claims.evidence import Found, Report, gather
-from rubnoise.claims.exponents import exponent_of
-from rubnoise.claims.field import FieldClaim
+from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.spectrum import spectral_density

@@ -62,7 +62,13 @@ def command(
 
     printed = output == STANDARD_OUTPUT
     if printed:
-        _check_printable(kind, force=force)
+        if kind is not Kind.CSV:
+            raise typer.BadParameter(
+                f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it:"
+                " name a file"
+            )
+        if force:
+            raise typer.BadParameter("--force replaces files; standard output is not a file")
     with open_run(file) as run, watching(1.0, shown=False) as watcher:
         exports = plan(run, kind.value, group=group and group.value, output=output)
         if printed:
@@ -72,13 +78,3 @@ def command(
         for each in exports:
             rows = ", ".join(f"{grouped(run.rows(name))} rows of {name}" for name in each.groups)
             print(f"{each.path}: {rows}, {size(each.path.stat().st_size)}")
-
-
-def _check_printable(kind: Kind, *, force: bool) -> None:
-    """Refuse what makes no sense on standard output."""
-    if kind is not Kind.CSV:
-        raise typer.BadParameter(
-            f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it: name a file"
-        )
-    if force:
-        raise typer.BadParameter("--force replaces files; standard output is not a file")

@@ -117,7 +117,7 @@ class ChosenRows:
 
 def print_csv(found: ChosenRows) -> None:
     """Print a heading of names with units, then a line a row, every number to its last bit."""
-    from rubnoise.storage.export_csv import heading
+    from rubnoise.storage.export import heading
 
     print(",".join(map(heading, found.columns)))
     for row in found.values():

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -47,45 +46,6 @@ class Spectrum(StrEnum):
 
 RECORDS = (".csv", ".tsv", ".txt")
 """Ends of names of records of the user's own, which are laid over spectra."""
-
-OVERLAID = (What.SLIDER, What.PHASE)
-"""Pictures, beside spectra over frequency, in which a second run can be laid over the first."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PictureRequest:
-    """A picture of a run that is wanted: which one, whose spectrum, of which stretch in um, with which run over it."""
-
-    what: What
-    of: Spectrum
-    start: float | None
-    stop: float | None
-    beside: Path | None
-
-    @property
-    def heard(self) -> "Heard | None":
-        """What of the slider a spectrum is of; None for the area, and for other pictures."""
-        return None if self.of is Spectrum.AREA else cast("Heard", self.of.value)
-
-    @property
-    def name(self) -> str:
-        """What the picture's file is called after."""
-        return self.what.value if self.heard is None else f"{self.what.value}_{self.heard}"
-
-    @property
-    def has_measured(self) -> bool:
-        """Whether a record of the user's own is laid over the run."""
-        return self.beside is not None and self.beside.suffix.lower() in RECORDS
-
-    def check(self) -> None:
-        """Raise BadParameter for options that are not for this picture."""
-        if self.of is not Spectrum.AREA and self.what is not What.PSD:
-            raise typer.BadParameter(f"--of is for psd, not for {self.what.value}")
-        if self.has_measured and self.what is not What.PSD:
-            raise typer.BadParameter(f"--with {self.beside}: a record of yours is for psd, not for {self.what.value}")
-        if self.beside is not None and not self.has_measured and self.what not in OVERLAID and self.heard is None:
-            raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
-
 
 DEFAULTS = ("displacement_std", "real_contact_area_std")
 """The quantity of a sweep that is drawn where none is named: the first of these that it has."""
@@ -151,24 +111,17 @@ def command(
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
     ends = distance("--from", start), distance("--to", stop)
-    _refuse_missing(file)  # which of the two it should have been says what may be drawn of it
+    try:  # which of the two it should have been says what may be drawn of it
+        file.stat()
+    except (OSError, ValueError) as problem:
+        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
+        raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     if is_folder(file):
         if ends != (None, None) or beside is not None or of != Spectrum.AREA:
             raise typer.BadParameter("--from, --to, --of and --with are for the pictures of one run")
         _plot_sweep(file, what, output, force=force)
     else:
-        request = PictureRequest(what=_picture(what), of=of, start=ends[0], stop=ends[1], beside=beside)
-        request.check()
-        _plot_run(file, request, output, force=force)
-
-
-def _refuse_missing(file: Path) -> None:
-
-    try:
-        file.stat()
-    except (OSError, ValueError) as problem:
-        reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
-        raise RunFileRefused(f"{file}: {reason.lower()}") from problem
+        _plot_run(file, _picture(what), of, ends, beside, output, force=force)
 
 
 def _picture(what: str | None) -> What:
@@ -179,26 +132,43 @@ def _picture(what: str | None) -> What:
         raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'") from None
 
 
-def _plot_run(file: Path, request: PictureRequest, output: Path | None, *, force: bool) -> None:
+def _plot_run(
+    file: Path,
+    what: What,
+    of: Spectrum,
+    ends: tuple[float | None, float | None],
+    beside: Path | None,
+    output: Path | None,
+    *,
+    force: bool,
+) -> None:
     from rubnoise.api.pictures import measured_spectrum
     from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import complete_run, finished_run
-    from rubnoise.figures.catalogue import picture
+    from rubnoise.figures.catalogue import OVERLAID, picture
     from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
 
-    path = output or Path(f"{file.stem}_{request.name}.png")
+    heard = None if of is Spectrum.AREA else cast("Heard", of.value)
+    has_measured = beside is not None and beside.suffix.lower() in RECORDS
+    if heard is not None and what is not What.PSD:
+        raise typer.BadParameter(f"--of is for psd, not for {what.value}")
+    if has_measured and what is not What.PSD:
+        raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what.value}")
+    if beside is not None and not has_measured and what not in OVERLAID and heard is None:
+        raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
+    path = output or Path(f"{file.stem}_{what.value}{'' if heard is None else f'_{heard}'}.png")
     check_picture(path, force=force)
     with finished_run(file) as run, ExitStack() as opened:
-        stretch = Stretch.of(run, request.start, request.stop)
+        stretch = Stretch.of(run, *ends)
         other = measured = None
-        if request.has_measured:
-            measured = measured_spectrum(Trace.from_csv(request.beside or ""), request.heard)
-        elif request.beside is not None:
-            file_beside = opened.enter_context(complete_run(request.beside))
-            with prefix_refusals(f"--with {request.beside}"):
+        if beside is not None and has_measured:
+            measured = measured_spectrum(Trace.from_csv(beside), heard)
+        elif beside is not None:
+            file_beside = opened.enter_context(complete_run(beside))
+            with prefix_refusals(f"--with {beside}"):
                 other = Stretch.of(file_beside)
-        draw = partial(picture, request.what.value, stretch, heard=request.heard, beside=other, measured=measured)
+        draw = partial(picture, what.value, stretch, heard=heard, beside=other, measured=measured)
         write_picture(path, draw, force=force)
 
 

@@ -81,7 +81,12 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     check_output(path, force=force, unfinished=True)
     prepare_kernels()
     if not force and not quiet:
-        _announce_resume(scenario, path)
+        from rubnoise.api.resuming import interrupted
+        from rubnoise.storage.resume import SUFFIX, look
+
+        if interrupted(scenario, path) is not None:
+            part = f"{path}{SUFFIX}"
+            print(f"{part}: resumes an unfinished run at {look(part).share:.0%}", file=sys.stderr)
     doubts = _doubts(scenario, quiet=quiet or as_json)
     shown = on_terminal() and not quiet and not as_json
     if not quiet and not as_json:
@@ -93,16 +98,6 @@ def _run(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet:
     with result:
         seconds, warnings = time.monotonic() - began, [*scenario.warnings, *doubts]
         print_result(result, path, seconds, warnings=warnings, as_json=as_json, quiet=quiet)
-
-
-def _announce_resume(scenario: "Scenario", path: Path) -> None:
-    """Say on stderr that an unfinished run of this scenario is resumed, and at which share of it."""
-    from rubnoise.api.resuming import interrupted
-    from rubnoise.storage.resume import SUFFIX, look
-
-    if interrupted(scenario, path) is not None:
-        part = f"{path}{SUFFIX}"
-        print(f"{part}: resumes an unfinished run at {look(part).share:.0%}", file=sys.stderr)
 
 
 def _print_forecast(scenario: "Scenario", path: Path, *, force: bool, as_json: bool, quiet: bool) -> None:

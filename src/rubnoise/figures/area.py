@@ -1,11 +1,12 @@
 """The contact along the sliding distance: its real area, the single junctions under it, and their number."""
 
+from heapq import heappop, heappush
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.selection import neighbours
+from rubnoise.analysis.selection import Neighbours, neighbours
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.errors import Refused
@@ -30,6 +31,7 @@ from rubnoise.theory.exact import Exact, exact
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 TRACE_LIVES: Final = 40.0
 """Mean lives that are shown by default."""
@@ -101,16 +103,21 @@ def lives_figure(stretch: Stretch) -> "Figure":
             f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
             " --from and --to choose a shorter one"
         )
-    distance = np.linspace(shown.start, shown.stop, _sample_count(shown))
-    areas = alive.areas(distance)
     figure = new_figure(7.2, 5.2)
     add_title(figure, stretch, f"{alive.rows.size} junctions and their sum")
+    draw_lives(figure, shown, alive)
+    return figure
+
+
+def draw_lives(figure: "Figure", shown: Stretch, alive: Neighbours) -> None:
+    """Draw the sum of areas above, and below it each by itself, of those who live in a stretch."""
+    distance = np.linspace(shown.start, shown.stop, _sample_count(shown))
+    areas = alive.areas(distance)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[1.5, 1])
     _draw_sum(above, shown, distance, areas)
     _draw_each(below, shown, distance, areas)
     mark_ends(below, shown.start, shown.stop, alive.birth, alive.death)
     legend_above(below, columns=5)
-    return figure
 
 
 def default_width(stretch: Stretch) -> float:
@@ -127,9 +134,11 @@ def _sample_count(stretch: Stretch) -> int:
 def _draw_sum(axes: "Axes", stretch: Stretch, distance: Doubles, areas: Doubles) -> None:
     exact = area_cumulants(stretch.model)
     exact_band(axes, exact.mean, exact.std)
-    if areas.size:
-        layers = axes.stackplot(distance, areas, colors=LAYER_SHADES, lw=0.0)
-        layers[int(np.argmax(areas.max(axis=1)))].set_facecolor(INK)
+    base, largest = np.zeros(distance.size), int(np.argmax(areas.max(axis=1, initial=0.0))) if areas.size else 0
+    for number, row in enumerate(areas):
+        alive, shade = row > 0.0, INK if number == largest else LAYER_SHADES[number % len(LAYER_SHADES)]
+        axes.fill_between(distance[alive], base[alive], (base + row)[alive], color=shade, lw=0.0, rasterized=True)
+        base = base + row
     axes.plot(distance, areas.sum(axis=0), color=BLUE, lw=1.6, label="their sum, the simulated area")
     axes.set_xlim(stretch.start, stretch.stop)
     from_zero(axes)
@@ -221,3 +230,76 @@ def _poisson(numbers: NDArray[np.int64], mean: float) -> NDArray[np.float64]:
     from scipy.special import gammaln, xlogy
 
     return np.asarray(np.exp(xlogy(numbers, mean) - mean - gammaln(numbers + 1.0)), dtype=np.float64)
+
+
+BAR: Final = 0.7
+"""Height of a bar over that of its lane."""
+
+
+def lanes(birth: NDArray[np.float64], death: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return for each life the lowest lane that is free at its birth; births in order, um, death later than birth."""
+    found = np.zeros(birth.size, dtype=np.int64)
+    alive: list[tuple[float, int]] = []
+    free: list[int] = []
+    used = 0
+    for row, (begin, end) in enumerate(zip(birth.tolist(), death.tolist(), strict=True)):
+        while alive and alive[0][0] <= begin:
+            heappush(free, heappop(alive)[1])
+        if not free:
+            heappush(free, used)
+            used += 1
+        found[row] = heappop(free)
+        heappush(alive, (end, int(found[row])))
+    return found
+
+
+def lifelines_figure(stretch: Stretch) -> "Figure":
+    """Draw the lives of a stretch as bars in lanes, a line across its middle, and below them the count.
+
+    Raises Refused for a stretch with more junctions than a picture can show.
+    """
+    shown = stretch.narrowed(default_width(stretch))
+    alive = neighbours(stretch.file, -1, shown.start, shown.stop)
+    if alive.rows.size > MOST_DRAWN:
+        raise Refused(
+            f"{alive.rows.size:,} junctions live in this stretch, of which a picture shows {MOST_DRAWN:,} at most;"
+            " --from and --to choose a shorter one"
+        )
+    middle = 0.5 * (shown.start + shown.stop)
+    figure = new_figure(7.2, 5.2)
+    add_title(figure, stretch, f"{alive.rows.size} lives, from birth to death")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
+    _draw_lives(above, shown, alive, middle)
+    _draw_count(below, shown, exact(shown.model))
+    below.axvline(middle, color=INK, lw=1.0)
+    return figure
+
+
+def _draw_lives(axes: "Axes", stretch: Stretch, lives: Neighbours, middle: float) -> None:
+    place = lanes(lives.birth, lives.death).astype(np.float64) - 0.5 * BAR
+    crossed = (lives.birth <= middle) & (middle < lives.death)
+    for rows, colour, label in (
+        (~crossed, FAINT, "other lives"),
+        (crossed, BLUE, f"{crossed.sum()} alive at the line"),
+    ):
+        spans = np.column_stack([lives.birth, lives.death - lives.birth])[rows]
+        _draw_bars(axes, spans, place[rows], colour, label)
+    if lives.rows.size <= MOST_MARKED:
+        axes.plot(lives.birth, place + 0.5 * BAR, "o", color=INK, ms=3.2, mfc="white", mew=0.8, label="birth")
+        axes.plot(lives.death, place + 0.5 * BAR, "x", color=INK, ms=3.6, mew=0.9, label="death")
+    axes.axvline(middle, color=INK, lw=1.0)
+    axes.set_xlim(stretch.start, stretch.stop)
+    axes.set_ylim(-1.0, max(float(place.max(initial=0.0)) + 2.0, 3.0))
+    axes.set_yticks([])
+    axes.set_ylabel("lives")
+    legend_above(axes)
+
+
+def _draw_bars(axes: "Axes", spans: NDArray[np.float64], place: NDArray[np.float64], colour: str, label: str) -> None:
+    """Draw bars of spans (first distance, length) in um at heights, as one collection."""
+    from matplotlib.collections import PolyCollection
+
+    (first, length), low = spans.T, place
+    corners = [(first, low), (first, low + BAR), (first + length, low + BAR), (first + length, low)]
+    shapes = np.stack([np.column_stack(corner) for corner in corners], axis=1)
+    axes.add_collection(PolyCollection(list(shapes), facecolors=colour, edgecolors="none", label=label))

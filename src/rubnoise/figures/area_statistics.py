@@ -4,7 +4,6 @@ from math import sqrt
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rubnoise.analysis.covariance import LaggedProducts
 from rubnoise.analysis.histogram import Histogram, histogram
@@ -123,7 +122,9 @@ def acf_figure(stretch: Stretch) -> "Figure":
     Theory knows the band for births at random, to first order in a life over the stretch. It lies about what an
     estimate is expected to be: R(tau) less the variance of the mean that is subtracted, S(0) over the stretch.
     """
-    steps = _lag_steps(stretch)
+    first, last = stretch.rows("trace")
+    reach = min(int(LAG_LIVES * stretch.model.mean_life_distance / stretch.model.tick) + 1, (last - first) // 2)
+    steps = np.arange(0, reach + 1, max(1, reach // LAGS))
     lag = stretch.model.tick * steps
     products = LaggedProducts(steps.tolist(), area_cumulants(stretch.model).mean)
     for chunk in stretch.chunks("trace", "real_contact_area"):
@@ -151,13 +152,6 @@ def _life_label(stretch: Stretch) -> str:
     whose = "a life" if alike else "the mean life"
     length = "2d" if stretch.model.pulse.offset == "none" else "πd/2"
     return f"{whose}, {length} = {stretch.model.mean_life_distance:.4g} µm"
-
-
-def _lag_steps(stretch: Stretch) -> NDArray[np.int64]:
-    """Return lags in ticks up to somewhat more than a mean life, or half of the stretch."""
-    first, last = stretch.rows("trace")
-    reach = min(int(LAG_LIVES * stretch.model.mean_life_distance / stretch.model.tick) + 1, (last - first) // 2)
-    return np.arange(0, reach + 1, max(1, reach // LAGS))
 
 
 def _draw_exact_covariance(axes: "Axes", stretch: Stretch, longest: float) -> None:

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from rubnoise.arrays import Doubles
-from rubnoise.figures.area import count_figure, lives_figure, trace_figure
+from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
-from rubnoise.figures.lifelines import lifelines_figure
 from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
 from rubnoise.figures.stretch import Stretch

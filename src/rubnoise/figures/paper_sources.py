@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeVar
 
-import numpy as np
-
-from rubnoise.arrays import Doubles
+from rubnoise.api import simulate
+from rubnoise.figures.stretch import Stretch
 from rubnoise.record.sink import Sink
 from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import Point
@@ -16,8 +15,6 @@ from rubnoise.scenario.sweep import expand, load_sweep
 from rubnoise.sweep.execution import Measure, run_points
 
 FOLDER: Final = "paper"
-MOST_POINTS: Final = 1600
-"""Points of a curve that a figure of the paper's width can show apart."""
 
 Kept = TypeVar("Kept", bound=Sink)
 Result = TypeVar("Result")
@@ -40,6 +37,10 @@ class Sources:
         """Return a scenario; raises ScenarioRefused."""
         return load(self.path(name), changes)
 
+    def stretch(self, name: str, stop: float | None = None) -> Stretch:
+        """Run a scenario, and return its run from the start to a distance in um, or all of it; refused as a picture."""
+        return Stretch.of(simulate(self.scenario(name)).reader(), 0.0, stop)
+
     def points(self, name: str) -> tuple[Point, ...]:
         """Return the points of a sweep; raises ScenarioRefused."""
         return expand(load_sweep(self.path(name)))
@@ -51,13 +52,3 @@ class Sources:
             yield result
             if self.watch is not None:
                 self.watch(done, len(points))
-
-
-def envelope(place: Doubles, value: Doubles, most: int = MOST_POINTS) -> tuple[Doubles, Doubles]:
-    """Return a curve, or of one with more points than a figure shows the lowest and highest of each few."""
-    step = -(-2 * place.size // most)
-    if step <= 2:
-        return place, value
-    starts = np.arange(0, place.size, step)
-    extremes = np.stack([np.minimum.reduceat(value, starts), np.maximum.reduceat(value, starts)], axis=-1)
-    return np.repeat(place[starts], 2), extremes.ravel()

@@ -46,11 +46,11 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
     heights = [1.0, 1.0, 1.5] if seen else [1.0, 1.0]
     force, place, *below = figure.subplots(len(heights), 1, height_ratios=heights)
     place.sharex(force)
-    _draw_in_time(force, shown, "friction_force", MILLI)
+    draw_in_time(force, shown, "friction_force", MILLI)
     force.set_ylabel("friction force (mN)")
     force.tick_params(labelbottom=False)
     legend_above(force)
-    _draw_in_time(place, shown, "displacement", 1.0)
+    draw_in_time(place, shown, "displacement", 1.0)
     place.set_ylabel("displacement (µm)")
     place.set_xlabel("time (s)")
     if seen:
@@ -72,7 +72,11 @@ def same_times(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
     return shown
 
 
-def _draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: float) -> None:
+def draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: float) -> None:
+    """Draw a column of some motions over time, of one that is coupled one way with its exact mean and spread.
+
+    Where a two-way slider sticks is shaded.
+    """
     first, alone = motions[0], len(motions) == 1
     if alone and not first.model.is_two_way:
         mean, std = _exact_moments(first, name)
@@ -87,11 +91,13 @@ def _draw_in_time(axes: "Axes", motions: Sequence[Motion], name: str, scale: flo
 
 
 def _exact_moments(motion: Motion, name: str) -> tuple[float, float]:
-    """Return the exact mean and standard deviation of the force or the displacement in one-way coupling."""
+    """Return the exact mean and standard deviation of the force or the motion in one-way coupling."""
     if name == "friction_force":
         force = force_cumulants(motion.model)
         return force.mean, force.std
     exact = response(motion.model)
+    if name == "velocity":
+        return 0.0, exact.velocity_std
     return exact.mean_displacement, exact.displacement_std
 
 

@@ -50,8 +50,8 @@ def draw_study(study: Study) -> "Figure":
     for number, (line, (colour, marker)) in enumerate(zip(study.lines, cycle(SERIES), strict=False)):
         shift = 0.0 if study.numeric else APART * (number - 0.5 * (len(study.lines) - 1))
         at = partial(_place, study.scale, shift)
-        _draw_points(axes, line, {"color": colour, "fmt": marker, **LOOK}, at, named=number < MOST_LABELS)
-        _draw_exact(axes, line, at, _dashes(line, study.quantity))
+        draw_points(axes, line, {"color": colour, "fmt": marker, **LOOK}, at, named=number < MOST_LABELS)
+        draw_exact(axes, line, at, _dashes(line, study.quantity))
     _label(axes, study)
     _legend(axes, study)
     _add_title(figure, study)
@@ -63,7 +63,7 @@ def _place(scale: float, shift: float, place: float) -> float:
     return scale * place + shift
 
 
-def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, named: bool) -> None:
+def draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, named: bool) -> None:
     """Draw points; a point without a known interval is hollow."""
     known = [spot for spot in line.spots if isfinite(spot.seen.value)]
     if not known:
@@ -81,7 +81,7 @@ def _draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, n
     axes.plot([at(spot.place) for spot in bare], [spot.seen.value for spot in bare], **hollow)
 
 
-def _draw_exact(axes: "Axes", line: Line, at: Place, dashes: Any) -> None:
+def draw_exact(axes: "Axes", line: Line, at: Place, dashes: Any) -> None:
     """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
     if not _has_exact(line):
         return

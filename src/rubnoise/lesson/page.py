@@ -1,11 +1,21 @@
 """The page of lessons: one self-contained file, assembled from its parts."""
 
+from functools import cache
 from html import escape
 from importlib.resources import files
 from typing import Any, Final
 
-from rubnoise.lesson.readings import readings
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.api.running import simulate
+from rubnoise.inference.inference import infer_signal
+from rubnoise.inference.signal import Signal
 from rubnoise.lesson.settings import Settings
+from rubnoise.scenario import Scenario
+from rubnoise.scenario.reading import load
+from rubnoise.scenario.shipped import shipped
+from rubnoise.theory.exact import Exact, exact
 from rubnoise.web_page import filled, part, web_page
 
 _HERE: Final = "rubnoise.lesson"
@@ -72,3 +82,64 @@ def script_parts() -> list[str]:
 
 def _names(ending: str) -> list[str]:
     return sorted(each.name for each in (files(_HERE) / "parts").iterdir() if each.name.endswith(ending))
+
+
+LAWS: Final = ("normal", "lognormal", "exponential")
+"""Laws of sizes, each with the scenario ``lessons/read_LAW.toml``."""
+FULL_SCALE: Final = 4095
+"""Steps of the sensor between no force and the largest one of its trace: it has 12 bits, two letters of base64."""
+_LETTERS: Final = np.frombuffer(b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", dtype=np.uint8)
+_CELLS = 160
+_ROUNDS, _LAGS = 8, 33  # of the search for a lag: 32^-8 of the interval is left
+_LARGEST_SIZE = 40.0  # um: hardly any of the swing comes from larger ones
+
+
+@cache
+def readings() -> tuple[dict[str, Any], ...]:
+    """Return the traces for the page of lessons, as JSON can hold them.
+
+    ``values`` are forces in steps of ``step`` uN, one every ``tick`` um: two letters of base64 each, the high one
+    first. ``found`` is the diameter in um that `rubnoise.infer` finds in these values, with its 95 % interval, if it is
+    given the law of sizes. The truth: the mean ``diameter`` at birth and the ``lag`` of the exact autocovariance's
+    half, in um, and the ``density`` of diameters in 1/um in the middles of even cells from 0 to ``largest`` um.
+    """
+    return tuple(_reading(law, load(shipped(f"lessons/read_{law}.toml"), ["run.engine=batch"])) for law in LAWS)
+
+
+def _reading(law: str, scenario: Scenario) -> dict[str, Any]:
+    model = scenario.model()
+    force = simulate(scenario).trace["friction_force"][:]
+    step = float(force.max()) / FULL_SCALE
+    values = np.rint(force / step).astype(np.int64)
+    theory = exact(model)
+    middles = np.asarray((np.arange(_CELLS) + 0.5) * (_LARGEST_SIZE / _CELLS), dtype=np.float64)
+    return {
+        "law": law,
+        "tick": model.tick,
+        "step": step,
+        "values": _LETTERS[np.stack([values >> 6, values & 63], axis=-1)].tobytes().decode("ascii"),
+        "found": _found(np.asarray(values * step, dtype=np.float64), model.tick, law),
+        "diameter": theory.mean_diameter,
+        "lag": half_lag(theory),
+        "largest": _LARGEST_SIZE,
+        "density": [float(f"{value:.4g}") for value in model.sizes.density(middles).tolist()],
+    }
+
+
+def _found(force: NDArray[np.float64], tick: float, law: str) -> dict[str, Any]:
+    signal = Signal(values=force, tick=tick, unit="uN", scale=1.0)
+    diameter = infer_signal(signal, zero="known", law=law, tests=False).estimates["diameter"]
+    # The last digits of a fit depend on how many threads add its matrices; a page has the same bytes each time.
+    value, low, high = (float(f"{each:.6g}") for each in (diameter.value, *diameter.interval))
+    return {"diameter": value, "interval": [low, high]}
+
+
+def half_lag(theory: Exact) -> float:
+    """Return the lag in um at which the exact autocovariance of the area has fallen to one half."""
+    half = 0.5 * float(theory.autocovariance(0.0))
+    low, high = 0.0, 20.0 * theory.mean_diameter
+    for _ in range(_ROUNDS):
+        lags = np.linspace(low, high, _LAGS)
+        after = int(np.argmax(theory.autocovariance(lags) < half))
+        low, high = lags[after - 1 : after + 1].tolist()
+    return 0.5 * (low + high)

@@ -1,24 +1,160 @@
-"""Export of results as CSV, Parquet or netCDF."""
+"""Export of results as CSV, Parquet or netCDF: a group is a table, written chunk by chunk."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import disk_usage
-from typing import Final, Literal, TextIO
+from typing import Any, Final, Literal, Self, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rubnoise.errors import OutputRefused, Refused, needing
+from rubnoise.storage.layout import stored_columns, stored_groups
 from rubnoise.storage.output import check_output, naming_file, whole_files
+from rubnoise.storage.pages import unfailing
 from rubnoise.storage.reader import RunFile
 from rubnoise.storage.resume import refusal
-from rubnoise.storage.schema import Scalar
-from rubnoise.storage.table import TABLES, Table, origin
+from rubnoise.storage.schema import CONVENTIONS, Column, Group, Scalar
 
 Kind = Literal["csv", "parquet", "netcdf"]
 ENDINGS: Final[dict[Kind, str]] = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
 TABLES_TOGETHER: Final = frozenset({"netcdf"})
 """Formats of which one file holds several tables."""
+CHUNK_ROWS: Final = 65_536
+ROW_GROUP: Final = 262_144
+"""Rows that are read at once, and those of a row group of a Parquet file."""
+
+TABLES: Final = ("junctions", "trace", "slider", "landmarks")
+"""The groups that are exported; the life curve is the same in every run of one pulse."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """One group of an open run file: its columns in order, the first one being that on which the others depend."""
+
+    file: RunFile
+    group: Group
+    columns: tuple[Column, ...]
+    rows: int
+
+    @classmethod
+    def of(cls, file: RunFile, name: str) -> Self:
+        """Return a group that the file has."""
+        group = next(group for group in stored_groups(file.features) if group.name == name)
+        return cls(file=file, group=group, columns=stored_columns(group, file.features), rows=file.rows(name))
+
+    def chunks(self, rows: int | None = None) -> Iterator[tuple[int, list[NDArray[Any]]]]:
+        """Yield the first row and the columns of each stretch of at most so many rows."""
+        rows = rows or CHUNK_ROWS
+        for first in range(0, self.rows, rows):
+            stop = min(first + rows, self.rows)
+            yield first, [self.file.column(self.group.name, column.name, first, stop) for column in self.columns]
+
+    @property
+    def bytes(self) -> int:
+        """Size of the columns in the run file, uncompressed."""
+        return self.rows * sum(np.dtype(column.dtype).itemsize for column in self.columns)
+
+
+def origin(file: RunFile) -> dict[str, Scalar]:
+    """Return what is kept beside the rows wherever they go: where they come from, and what runs them again."""
+    attributes, provenance = file.attributes, file.provenance
+    return {
+        "Conventions": CONVENTIONS,
+        "title": attributes["title"],
+        "source": attributes["source"],
+        "history": f"{provenance['finished']} {provenance['command']}",
+        "junction_area_formula": attributes["junction_area_formula"],
+        "scenario_toml": provenance["scenario_toml"],
+        "scenario_resolved": provenance["scenario_resolved"],
+        "seed": provenance["seed"],
+    }
+
+
+def heading(column: Column) -> str:
+    """Return a column's name with its unit, in letters that every tool takes for a name: max_area_um2.
+
+    A power loses its ^, a slash reads per, and what is a plain number has no unit: velocity_um_per_s, state.
+    """
+    unit = column.units.replace("^", "").replace("/", "_per_").replace("*", "_")
+    return column.name if unit == "1" else f"{column.name}_{unit}"
+
+
+def write_csv(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+    """Write one table; CSV has no place for its origin."""
+    del origin
+    (table,) = tables
+    with path.open("w", encoding="ascii", newline="") as stream:
+        write_lines(stream, table, between)
+
+
+def write_lines(stream: TextIO, table: Table, between: Callable[[], None]) -> None:
+    """Write the lines of one table to an open text stream, a chunk of rows at a time."""
+    row = ",".join(["%r"] * len(table.columns)) + "\n"
+    stream.write(",".join(map(heading, table.columns)) + "\n")
+    for _, chunk in table.chunks():
+        stream.write("".join(map(row.__mod__, zip(*(values.tolist() for values in chunk), strict=True))))
+        between()
+
+
+def write_netcdf(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+    """Write tables with units at their variables and their origin at the root: of one, or of several in groups."""
+    with needing("analysis", "export --to netcdf"):
+        import h5netcdf
+    with unfailing(path) as target, h5netcdf.File(target, "w") as file:
+        file.attrs.update(origin)
+        for table in tables:
+            _write_table(file.create_group(table.group.name) if len(tables) > 1 else file, table, between)
+
+
+def _write_table(owner: Any, table: Table, between: Callable[[], None]) -> None:
+    dimension = table.columns[0].name
+    owner.attrs["long_name"] = table.group.long_name
+    owner.dimensions = {dimension: table.rows}
+    variables = [_variable(owner, column, dimension) for column in table.columns]
+    for first, chunk in table.chunks():
+        for variable, values in zip(variables, chunk, strict=True):
+            variable[first : first + values.size] = values
+        between()
+
+
+def _variable(owner: Any, column: Column, dimension: str) -> Any:
+    variable = owner.create_variable(column.name, (dimension,), np.dtype(column.dtype))
+    variable.attrs.update({"units": column.units, "long_name": column.long_name, "symbol": column.symbol})
+    attribute, codes = column.coded
+    if codes:
+        variable.attrs[attribute] = np.array([number for number, _ in codes], dtype=column.dtype)
+        variable.attrs["flag_meanings"] = " ".join(meaning for _, meaning in codes)
+    return variable
+
+
+def write_parquet(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+    """Write one table, a chunk to a row group; its origin goes into the metadata of the schema."""
+    with needing("tables", "export --to parquet"):
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    (table,) = tables
+    about = {"group": table.group.name, "long_name": table.group.long_name} | origin
+    schema = pa.schema(map(_field, table.columns), metadata={name: str(value) for name, value in about.items()})
+    with pq.ParquetWriter(path, schema, compression="zstd", use_dictionary=False) as writer:
+        for _, chunk in table.chunks(ROW_GROUP):
+            writer.write_table(pa.table(list(map(pa.array, chunk)), schema=schema))
+            between()
+
+
+def _field(column: Column) -> Any:
+    import pyarrow as pa
+
+    about = {"units": column.units, "long_name": column.long_name, "symbol": column.symbol}
+    _, codes = column.coded
+    if codes:
+        about["flags"] = " ".join(f"{number}:{meaning}" for number, meaning in codes)
+    return pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about)
+
 
 Write = Callable[[Path, Sequence[Table], dict[str, Scalar], Callable[[], None]], None]
+WRITERS: Final[Mapping[Kind, Write]] = {"csv": write_csv, "parquet": write_parquet, "netcdf": write_netcdf}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,18 +195,15 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
         raise refusal(file.path)
     for each in exports:
         _check(file, each, force=force)
-    writers = {each.kind: _writer(each.kind) for each in exports}
     with whole_files([each.path for each in exports], force=force) as parts:
         for part, each in zip(parts, exports, strict=True):
             tables = [Table.of(file, name) for name in each.groups]
             with naming_file(each.path):
-                writers[each.kind](part, tables, origin(file), between)
+                WRITERS[each.kind](part, tables, origin(file), between)
 
 
 def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[], None]) -> None:
     """Write one group of an open run as CSV to a text stream, such as standard output; Refused as by ``export``."""
-    from rubnoise.storage.export_csv import write_lines
-
     if not file.provenance["finished"]:
         raise refusal(file.path)
     write_lines(stream, Table.of(file, group), between)
@@ -83,17 +216,3 @@ def _check(file: RunFile, each: Export, *, force: bool) -> None:
     needed, free = sum(Table.of(file, name).bytes for name in each.groups), disk_usage(paths.final.parent).free
     if each.kind == "netcdf" and needed > free:
         raise OutputRefused(f"{each.path}: needs {needed:,} bytes, and the disk has {free:,} free")
-
-
-def _writer(kind: Kind) -> Write:
-    if kind == "parquet":
-        with needing("tables", "export --to parquet"):
-            from rubnoise.storage.export_parquet import write as write_parquet
-        return write_parquet
-    if kind == "netcdf":
-        with needing("analysis", "export --to netcdf"):
-            from rubnoise.storage.export_netcdf import write as write_netcdf
-        return write_netcdf
-    from rubnoise.storage.export_csv import write
-
-    return write

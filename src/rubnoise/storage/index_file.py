@@ -3,10 +3,7 @@
 import os
 from collections.abc import Mapping
 from math import prod
-from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
-from weakref import finalize
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xxhash
@@ -15,52 +12,30 @@ from numpy.typing import NDArray
 from rubnoise.errors import RunFileRefused
 from rubnoise.record.reader import Reader
 from rubnoise.storage.index import POINTS, ROWS_AT_ONCE, RUNS, SUMMARIES
-from rubnoise.storage.reader import RunFile, examined, looked_at, open_run, refusing, reopened
+from rubnoise.storage.reader import OpenFile, RunFile, open_run, opened
 from rubnoise.storage.rows import StoredColumn
 from rubnoise.storage.schema import HASH, Column
 
 if TYPE_CHECKING:
-    from rubnoise.storage.inventory import Inventory
+    pass
 
 
-class IndexFile:
-    """An open index. Use it as a context manager, or close it."""
+class IndexFile(OpenFile):
+    """An open index."""
+
+    called = "index"
 
     def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
         """Take over the descriptor of a file, and what was found in it."""
-        self.path = Path(path)
-        self._place = self.path.absolute()
-        self._descriptor = descriptor
+        if "index" not in found:
+            raise RunFileRefused("is the result of one run, not the index of a sweep")
         self.attributes: Mapping[str, str] = found["index"]
         self._places: Mapping[str, Mapping[str, Any]] = {POINTS: {}, RUNS: {}, SUMMARIES: {}} | found["columns"]
         self._seal: str | None = found["seal"]
         for group in (POINTS, RUNS):
             if len({place["shape"][0] for place in self._places[group].values()}) != 1:
                 raise RunFileRefused(f"/{group} has columns of several lengths")
-        self._close = finalize(self, os.close, descriptor)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close the file; nothing can be read any more."""
-        self._close()
-
-    @property
-    def closed(self) -> bool:
-        """Whether the file was closed."""
-        return not self._close.alive
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Have copies open the file for themselves, as those of a run do."""
-        if self.closed:
-            raise ValueError(f"{self.path}: the index is closed")
-        return reopened, (open_index, self._place, self.seal)
+        super().__init__(path, descriptor)
 
     @property
     def seal(self) -> str | None:
@@ -76,13 +51,6 @@ class IndexFile:
         """Return the columns that are unreadable or have another hash than is kept beside them, by their paths."""
         return tuple(path for path, kept in self.hashes.items() if self._hash(*path[1:].split("/", 1)) != kept)
 
-    def inventory(self) -> "Inventory":
-        """Return everything that there is in the file; raises RunFileRefused if it cannot be read."""
-        if self.closed:
-            raise ValueError(f"{self.path}: the index is closed")
-        with refusing(self.path):
-            return looked_at(self._descriptor, "inventory")["objects"]
-
     def columns(self, group: str) -> tuple[Column, ...]:
         """Return what the columns of "points", "runs" or "summaries" are, in their order; texts have a dtype of str."""
         return tuple(_about(name, place) for name, place in self._places[group].items())
@@ -97,15 +65,13 @@ class IndexFile:
 
     def raw(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Read rows of a column as they are stored, texts as bytes; refused as by `read`."""
-        if self.closed:
-            raise ValueError(f"{self.path}: the index is closed")
         place = self._places[group][name]
         rows, *others = place["shape"]
         width, kind = prod(others), np.dtype(place["dtype"])
         first, last, _ = slice(start, stop).indices(rows)
         column = StoredColumn(dtype=kind, rows=rows * width, offset=place["offset"])
-        with refusing(self.path):
-            values = column.read(self._descriptor, first * width, max(first, last) * width)
+        with self._reading():
+            values = column.read(self.descriptor, first * width, max(first, last) * width)
         return values.reshape(-1, *others)
 
     def _hash(self, group: str, name: str) -> str | None:
@@ -124,19 +90,7 @@ def open_index(path: str | os.PathLike[str]) -> IndexFile:
     Raises RunFileRefused, with the reason in one sentence, for a path that is missing, and for a file that is no index,
     damaged, or of a later format.
     """
-    descriptor, found = examined(path)
-    try:
-        with refusing(path):
-            _check_index(found)
-            return IndexFile(path, descriptor, found)
-    except BaseException:
-        os.close(descriptor)
-        raise
-
-
-def _check_index(found: Mapping[str, Any]) -> None:
-    if "index" not in found:
-        raise RunFileRefused("is the result of one run, not the index of a sweep")
+    return opened(IndexFile, path)
 
 
 def _about(name: str, place: Mapping[str, Any]) -> Column:

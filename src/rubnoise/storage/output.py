@@ -61,11 +61,13 @@ def check_output(path: str | os.PathLike[str], *, force: bool, unfinished: bool 
     """
     try:
         paths = OutputPaths.of(path)
-        _check_folder(paths.final.parent)
+        if not paths.final.parent.is_dir():
+            raise OutputRefused(f"{paths.final.parent}: no such folder")
         # Before the folder's rights: a message that /dev is not writable does not help when the output is /dev/null.
         for name in (paths.final, paths.part, paths.journal, paths.growing, paths.making, paths.lock):
             _check_regular(name)
-        _check_writable(paths.final.parent)
+        if not os.access(paths.final.parent, os.W_OK | os.X_OK):
+            raise OutputRefused(f"{paths.final.parent}: the folder is not writable")
     except (OSError, ValueError) as problem:
         raise OutputRefused(f"{path}: cannot be written: {_reason(problem)}") from problem
     if not force:
@@ -173,16 +175,6 @@ class OutputAppearedError(RubnoiseError):
 
 class OutputSwappedError(RubnoiseError):
     """Another process has put another file in the place of the part during the run."""
-
-
-def _check_folder(folder: Path) -> None:
-    if not folder.is_dir():
-        raise OutputRefused(f"{folder}: no such folder")
-
-
-def _check_writable(folder: Path) -> None:
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise OutputRefused(f"{folder}: the folder is not writable")
 
 
 def _check_regular(path: Path) -> None:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self, TypeVar
 from weakref import finalize
 
 import numpy as np
@@ -54,24 +54,20 @@ class Unseen(RunFileRefused):
     """A file of which nothing is known, because the process that read it was killed or took too long."""
 
 
-class RunFile:
-    """An open run file. Opening reads its structure only; each column is read when it is asked for.
+class OpenFile:
+    """An open file of ours, whose structure has been read. Use it as a context manager, or close it.
 
-    Use it as a context manager, or close it. ``watch``, where it is set, is called at each read.
+    Copies, also in other processes, open the file for themselves.
     """
 
-    def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
-        """Take over the descriptor of a file, and what was found in it."""
+    called: ClassVar = "file"
+
+    def __init__(self, path: str | os.PathLike[str], descriptor: int) -> None:
+        """Take over the descriptor of a file."""
         self.path = Path(path)
         self._place = self.path.absolute()
         self.descriptor = descriptor
-        self._found = found
-        self.features: frozenset[Feature] = frozenset(found["features"])
-        self._columns = {group: _stored(group, columns) for group, columns in found["columns"].items()}
-        self.extent = stored_extent({group: self.rows(group) for group in self._columns})
-        _check_lengths(self._columns, self.extent)
         self._close = finalize(self, os.close, descriptor)
-        self.watch: Watch | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -82,22 +78,64 @@ class RunFile:
         self.close()
 
     def close(self) -> None:
-        """Close the file; columns can no longer be read."""
+        """Close the file; nothing can be read any more."""
         self._close()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Have copies, also in other processes, open the file for themselves; raises ValueError once it is closed."""
-        return reopened, (open_run, self._place, self.seal)
-
-    @property
-    def columns(self) -> Mapping[str, tuple[str, ...]]:
-        """Names of the columns in each group, the dimension scale first."""
-        return {group: tuple(columns) for group, columns in self._columns.items()}
 
     @property
     def closed(self) -> bool:
         """Whether the file was closed."""
         return not self._close.alive
+
+    @property
+    def seal(self) -> str | None:
+        """The hash that the file keeps of what it says of itself; None where it has none."""
+        raise NotImplementedError
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        with self._reading():
+            return reopened, (type(self), self._place, self.seal)
+
+    def inventory(self) -> "Inventory":
+        """Return everything that there is in the file, ours or not; raises RunFileRefused if it cannot be read."""
+        with self._reading():
+            return looked_at(self.descriptor, "inventory")["objects"]
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        """Begin whatever is wrong with the file with its path; raises ValueError once it is closed."""
+        if self.closed:
+            raise ValueError(f"{self.path}: the {self.called} is closed")
+        with refusing(self.path):
+            yield
+
+
+Opened = TypeVar("Opened", bound=OpenFile)
+
+
+class RunFile(OpenFile):
+    """An open run file. Opening reads its structure only; each column is read when it is asked for.
+
+    ``watch``, where it is set, is called at each read.
+    """
+
+    called = "run file"
+
+    def __init__(self, path: str | os.PathLike[str], descriptor: int, found: Mapping[str, Any]) -> None:
+        """Take over the descriptor of a file, and what was found in it."""
+        if "index" in found:
+            raise RunFileRefused("is the index of a sweep, not the result of a run")
+        self._found = found
+        self.features: frozenset[Feature] = frozenset(found["features"])
+        self._columns = {group: _stored(group, columns) for group, columns in found["columns"].items()}
+        self.extent = stored_extent({group: self.rows(group) for group in self._columns})
+        _check_lengths(self._columns, self.extent)
+        self.watch: Watch | None = None
+        super().__init__(path, descriptor)
+
+    @property
+    def columns(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of the columns in each group, the dimension scale first."""
+        return {group: tuple(columns) for group, columns in self._columns.items()}
 
     @property
     def places(self) -> dict[Name, Place]:
@@ -159,11 +197,6 @@ class RunFile:
         """The hash that the file keeps of its attributes; None where it has none."""
         return self._value(self._found["seal"])
 
-    def inventory(self) -> "Inventory":
-        """Return everything that there is in the file, ours or not; raises RunFileRefused if it cannot be read."""
-        with self._reading():
-            return looked_at(self.descriptor, "inventory")["objects"]
-
     def damaged(self) -> tuple[str, ...]:
         """Return the columns that are unreadable or do not have the hash written beside them; reads the whole file."""
         return tuple(
@@ -176,13 +209,6 @@ class RunFile:
     def digest(self, group: str, name: str) -> str:
         """Return the hash that is written beside a column; raises RunFileRefused where it cannot be read."""
         return str(self._value(self._found["columns"][group][name]["digest"]))
-
-    @contextmanager
-    def _reading(self) -> Iterator[None]:
-        if self.closed:
-            raise ValueError(f"{self.path}: the run file is closed")
-        with refusing(self.path):
-            yield
 
     def _value(self, answer: Mapping[str, Any]) -> Any:
         """Return what was found at one place, as a copy; raises RunFileRefused where it could not be read."""
@@ -211,28 +237,27 @@ def open_run(path: str | os.PathLike[str], own: "Written | None" = None) -> RunF
     in one sentence, for a path that is missing or no regular file, a file that is not HDF5, not a run, cut short or
     damaged; TooNew for one of a later format.
     """
+    return opened(RunFile, path, own)
+
+
+def opened(kind: type[Opened], path: str | os.PathLike[str], own: "Written | None" = None) -> Opened:
+    """Open a file of ours of a kind; refused as by `open_run`."""
     descriptor, found = examined(path, own)
     try:
         with refusing(path):
-            _check_run(found)
-            return RunFile(path, descriptor, found)
+            return kind(path, descriptor, found)  # type: ignore[call-arg]
     except BaseException:
         os.close(descriptor)
         raise
 
 
-def reopened(opening: Callable[[Path], Any], path: Path, seal: str | None) -> Any:
+def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
     """Open a file that was open elsewhere; raises RunFileRefused where another one, by its seal, is there by now."""
-    file = opening(path)
+    file = opened(kind, path)
     if file.seal == seal:
         return file
     file.close()
     raise RunFileRefused(f"{path}: has changed since it was opened")
-
-
-def _check_run(found: Mapping[str, Any]) -> None:
-    if "index" in found:
-        raise RunFileRefused("is the index of a sweep, not the result of a run")
 
 
 def examined(path: str | os.PathLike[str], own: "Written | None" = None) -> tuple[int, dict[str, Any]]:
