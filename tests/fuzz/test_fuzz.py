@@ -7,22 +7,15 @@ import time
 from pathlib import Path
 from random import Random
 
-import h5py
 import numpy as np
 import pytest
-from fuzz.changing import Place, Places
 from fuzz.damage import DAMAGES, Damage, damaged, lookup3
 from fuzz.hostile import CONSTRUCTIONS, Construction, make
 from fuzz.isolated import called, isolated, watched
 from fuzz.traces import made
 from fuzz.truth import values
-from fuzz.words import CHANGES, Change, changed
 from fuzz_results import COMMANDS, KINDS, Judge, mutations, parts
-from fuzz_scenarios import scenarios, thrown
-from fuzz_verify import Judge as ChangeJudge
-from fuzz_verify import Tally, folders_judged, judged
 
-from rubnoise.cli import check
 from rubnoise.storage.reader import open_run
 from tests.cli.terminal import call
 from tests.unit.tampering import tell
@@ -136,43 +129,6 @@ def test_good_files_are_good(judge: Judge) -> None:
     assert values(judge.good["none"]) == judge.truth["none"]
 
 
-# A few of the damaged scenarios of `tools/fuzz_scenarios.py`, and proof that the script would notice.
-FEW_SCENARIOS = 40
-
-
-@ON_LINUX
-def test_damaged_scenarios_are_accepted_or_refused() -> None:
-    tally = thrown(1, range(FEW_SCENARIOS))
-    assert tally.found == []
-    assert tally.ends.keys() == {0, 2}
-    assert tally.ends.total() == tally.changes.total() == FEW_SCENARIOS
-
-
-@ON_LINUX
-def test_another_ending_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*arguments: object, **options: object) -> None:
-        raise KeyError("nobody foresaw this")
-
-    numbers = [number for number in range(FEW_SCENARIOS) if number % 3 == 0][:2]
-    monkeypatch.setattr(check, "_checked", fail)
-    tally = thrown(1, numbers)
-    assert [text.partition(": ")[2].partition(":")[0] for text in tally.found] == ["internal error"] * len(numbers)
-
-
-@ON_LINUX
-@pytest.mark.parametrize("change", CHANGES, ids=lambda each: each.__name__)
-def test_every_kind_of_change_changes_a_scenario(change: Change) -> None:
-    content = scenarios()[0].read_bytes()
-    assert any(change(content, Random(n)) != content for n in range(5))  # noqa: S311  (damage is no secret)
-
-
-@ON_LINUX
-def test_changes_can_be_made_again() -> None:
-    content = scenarios()[0].read_bytes()
-    first, second = (changed(content, Random(3)) for _ in range(2))  # noqa: S311
-    assert first == second
-
-
 # Traces that are damaged, hostile or of the wrong kind: `infer` answers or refuses, in bounded time and memory.
 SEED = 33
 COUNT = 304
@@ -216,37 +172,3 @@ def test_infer_answers_or_refuses(first: int, tmp_path: Path) -> None:
         if fault:
             wrong.append((number, name[:80], options, fault, done.err[-300:]))
     assert wrong == []
-
-
-# A few of the single changes of `tools/fuzz_verify.py`, and proof that one that goes unseen would be noticed.
-FEW_CHANGES = 24
-
-
-def test_single_changes_are_named() -> None:
-    tally = judged(1, range(FEW_CHANGES))
-    assert tally.found == []
-    assert (tally.named + tally.refused + tally.hidden).total() == FEW_CHANGES
-    assert tally.named.total() > FEW_CHANGES / 2
-
-
-def test_single_changes_of_a_sweep_folder_are_named() -> None:
-    tally = folders_judged(1, range(FEW_CHANGES))
-    assert tally.found == []
-    assert (tally.named + tally.refused).total() == FEW_CHANGES
-
-
-def test_a_change_that_goes_unseen_would_be_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A verify that looks at nothing stands for one that misses something."""
-
-    def another_unit(file: h5py.File, _random: Random) -> Places:
-        file["trace/distance"].attrs["units"] = "mm"
-        return (Place(path="/trace/distance", attribute="units"),)
-
-    judge, tally = ChangeJudge(tmp_path), Tally()
-    judge.judge(another_unit, "bare", Random(1), sealed=True, tally=tally)  # noqa: S311  (no secret)
-    assert (tally.named["another_unit"], tally.found) == (1, [])
-    monkeypatch.setattr("rubnoise.cli.verify.format_verification", lambda *_: ["nothing"])
-    monkeypatch.setattr("rubnoise.analysis.verifying.findings.Verification.different", ())
-    judge.judge(another_unit, "bare", Random(1), sealed=True, tally=tally)  # noqa: S311  (no secret)
-    (found,) = tally.found
-    assert found == "another_unit of bare, sealed, /trace/distance units: unnoticed"

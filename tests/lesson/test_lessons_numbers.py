@@ -16,7 +16,6 @@ from tests.lesson.node import FIGURE_5, scenario_of
 from tests.verification.scores import seed_of
 
 LOOKS = 40
-LIVES = 60
 LAWS = """
 () => rub.lessons.list.map((lesson) => lesson.experiment.runs.map((run) => {
   rub.set(run.set);

@@ -12,13 +12,13 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rubnoise.analysis.verification import verify
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import LENS, PULSES
-from rubnoise.errors import Refused, ScenarioRefused
+from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario import Scenario, build, loads
@@ -30,7 +30,7 @@ from rubnoise.storage.reader import open_run
 from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
 from tests.models import UNEQUAL, contents, model, recorded
 from tests.unit.scenarios import BARE, WHOLE
-from tests.unit.tampering import flip, run_of
+from tests.unit.tampering import flip, put_text, run_of
 from tests.wishes import examples
 
 # Runs of random contacts: their rows and ticks are right, and they repeat to the bit.
@@ -377,3 +377,46 @@ def test_any_bit_of_any_value_counts(result: Path, tmp_path: Path, data: st.Data
 def test_the_file_is_right_before(result: Path) -> None:
     with open_run(result) as run:
         assert verify(run).different == []
+
+
+OF_HDF5 = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"}
+"""How HDF5 ties columns together for viewers; no value of the run."""
+NEW_TEXTS = st.one_of(
+    st.sampled_from(["", "0", "{}", "[]", "mm", "noise", "2026-11-21T05:09:14Z"]), st.text(max_size=9)
+)
+NEW_NUMBERS = st.one_of(st.sampled_from([0.0, 1.0, -1.0, math.nan]), st.floats(-1e9, 1e9))
+
+
+def _changed(file: h5py.File, draw: Any) -> None:
+    """Change an attribute of a file, take one away, or a column or a group, or add one that is not ours."""
+    objects = ["/"]
+    file.visit(objects.append)
+    name = draw(st.sampled_from(objects))
+    owner, kind = file[name], draw(st.sampled_from(["change", "change", "change", "lose", "lose the object", "add"]))
+    attributes = sorted(set(owner.attrs) - OF_HDF5)
+    if kind == "add" or name == "/":
+        file.create_dataset(f"{name}/new" if isinstance(owner, h5py.Group) else f"{name}_new", data=[1.0])
+    elif kind == "lose the object" or not attributes:
+        del file[name]
+    elif kind == "lose":
+        del owner.attrs[draw(st.sampled_from(attributes))]
+    else:
+        attribute = draw(st.sampled_from(attributes))
+        before = owner.attrs[attribute]
+        if isinstance(before, bytes):
+            new = draw(NEW_TEXTS.filter(lambda text: "\0" not in text and text.encode() != before))
+            put_text(owner, attribute, new)
+        else:
+            new = np.asarray(draw(NEW_NUMBERS.filter(lambda number: not np.array_equal(number, before))))
+            owner.attrs.modify(attribute, np.nan_to_num(np.broadcast_to(new, np.shape(before))).astype(before.dtype))
+            assume(np.any(owner.attrs[attribute] != before))
+
+
+@settings(max_examples=examples(20, 200), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_whatever_a_result_says_of_itself_counts(result: Path, tmp_path: Path, data: st.DataObject) -> None:
+    path = Path(copy(result, tmp_path / "x.h5"))
+    with h5py.File(path, "r+") as file:
+        _changed(file, data.draw)
+    with suppress(RunFileRefused), open_run(path) as run:
+        assert verify(run).different != []
