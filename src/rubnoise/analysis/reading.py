@@ -1,7 +1,6 @@
 """The columns of a file read from front to back in chunks, so that a longer run needs no more memory."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import ceil
 from typing import Any, Final
 
@@ -16,18 +15,21 @@ from rubnoise.theory.lags import longest_life
 CHUNK_ROWS: Final = 65_536
 
 
-class Columns(Mapping[str, NDArray[Any]]):
-    """Some rows of a group by the names of its columns, each read when it is asked for: to unpack one takes time."""
+class Chunk(Mapping[str, NDArray[Any]]):
+    """Rows ``first`` ... ``end`` - 1 of a group by the names of its columns, each read when it is asked for."""
 
     def __init__(self, rows: Rows, group: str, first: int, end: int) -> None:
-        """Read nothing yet."""
-        self._rows, self._group, self._place = rows, group, (first, end)
+        """Read nothing yet: to unpack a column takes time."""
+        self.first, self.end = first, end
+        self._rows, self._group = rows, group
         self._read: dict[str, NDArray[Any]] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the rows of one column."""
+        """Return the rows of one column; raises KeyError where the group does not have it."""
+        if name not in self:
+            raise KeyError(name)
         if name not in self._read:
-            self._read[name] = self._rows.column(self._group, name, *self._place)
+            self._read[name] = self._rows.column(self._group, name, self.first, self.end)
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -43,37 +45,11 @@ class Columns(Mapping[str, NDArray[Any]]):
         return name in self._rows.columns[self._group]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Chunk:
-    """Rows ``first`` ... ``end`` - 1 of a group, by the names of its columns."""
-
-    first: int
-    end: int
-    columns: Mapping[str, NDArray[Any]]
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the rows of one column."""
-        return self.columns[name]
-
-    def __contains__(self, name: str) -> bool:
-        """Whether the group has a column."""
-        return name in self.columns
-
-    def get(self, name: str) -> NDArray[Any] | None:
-        """Return a column, or None where the group does not have it."""
-        return self.columns.get(name) if name in self.columns else None
-
-
 def chunks(rows: Rows, group: str, size: int = CHUNK_ROWS) -> Iterator[Chunk]:
     """Yield all columns of a group from its first row to its last, so many rows at a time; of no rows one chunk."""
     total = rows.rows(group)
     for first in range(0, max(total, 1), size):
-        yield chunk(rows, group, first, min(first + size, total))
-
-
-def chunk(rows: Rows, group: str, first: int, end: int) -> Chunk:
-    """Return rows ``first`` ... ``end`` - 1 of a group, whose columns are read when they are asked for."""
-    return Chunk(first=first, end=end, columns=Columns(rows, group, first, end))
+        yield Chunk(rows, group, first, min(first + size, total))
 
 
 class Ahead:
@@ -114,14 +90,13 @@ def checked_chunks(rows: Rows, group: str, names: Sequence[str]) -> Iterator[dic
 
     Raises RunFileRefused for a number that is not finite and a diameter that is not positive.
     """
-    there = [name for name in names if name in rows.columns[group]]
-    total = rows.rows(group)
-    for first in range(0, total, CHECKED_ROWS):
-        last = min(first + CHECKED_ROWS, total)
-        chunk = {name: rows.column(group, name, first, last) for name in there}
-        for name, values in chunk.items():
-            _check(group, name, first, values)
-        yield chunk
+    if not rows.rows(group):
+        return
+    for chunk in chunks(rows, group, CHECKED_ROWS):
+        found = {name: chunk[name] for name in names if name in chunk}
+        for name, values in found.items():
+            _check(group, name, chunk.first, values)
+        yield found
 
 
 def _check(group: str, name: str, first: int, values: NDArray[Any]) -> None:

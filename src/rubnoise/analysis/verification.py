@@ -70,7 +70,7 @@ def _of_rows(
         left_out.append(LeftOut(name="replay", reason=streams))
         for group in run.columns.keys() & TALLIED.keys():
             for chunk in chunks(run, group):
-                tally.write(group, chunk.first, chunk.columns)
+                tally.write(group, chunk.first, chunk)
     else:
         rows = replay_checks(scenario, run, tally)
     areas = area_check(model, run)
