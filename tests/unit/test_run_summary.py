@@ -20,7 +20,7 @@ from rubnoise.analysis.records import error_of_mean
 from rubnoise.analysis.replicates import Estimate, pooled, ratio, ratio_of_pairs
 from rubnoise.analysis.run_summary import BANDS, BINS, CURVES, LAGS, RunLayout, RunSummary, SummarySink, curve_theory
 from rubnoise.analysis.spectra import welch
-from rubnoise.analysis.summary import EXPECTED_FIGURES, expected_figure, summarise
+from rubnoise.analysis.summary import FIGURES, expected_figure, summarise
 from rubnoise.contact.laws import Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model
@@ -201,7 +201,7 @@ def test_exact_values_are_those_of_the_summary(run: Model) -> None:
     tally = Tally()
     simulate(run, 1, tally, engine="batch")
     expected = {figure.name: figure.expected for figure in summarise(run, tally)}
-    for name in EXPECTED_FIGURES:
+    for name in FIGURES:
         value = expected_figure(run, name)
         assert value == pytest.approx(expected[name], rel=1e-12) if name in expected else isnan(value)
 
@@ -210,7 +210,7 @@ def test_every_figure_has_an_exact_value() -> None:
     tally = Tally()
     run = replace(model(), hardness=1000.0)
     simulate(run, 1, tally, engine="batch")
-    assert [figure.name for figure in summarise(run, tally)] == list(EXPECTED_FIGURES)
+    assert [figure.name for figure in summarise(run, tally)] == list(FIGURES)
 
 
 def test_means_are_pooled_as_they_are_and_standard_deviations_as_squares() -> None:

@@ -19,7 +19,10 @@ from rubnoise.theory.sampling import StandardErrors, standard_errors
 
 FEWEST_LIVES = 50
 FEWEST_BIRTHS = 1000
-"""Mean lives and expected births from which the mean of a record is near enough to a normal law for a score."""
+"""Mean lives and expected births from which the mean of a record is near enough to a normal law for a score.
+
+Shorter runs get no standard errors of higher moments either: these are of first order in life/run.
+"""
 
 LARGEST_ERRORS = {"std": 0.1, "skewness": 0.2, "excess_kurtosis": 0.4}
 """Standard errors (that of the std over the std itself) up to which an estimate counts as defended.

@@ -1,7 +1,7 @@
 """The slider's motion beside theory: the exact response one way; two ways, its balance and the law of weak coupling."""
 
 from dataclasses import replace
-from math import hypot, inf, log, sqrt
+from math import hypot, log, sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -12,9 +12,10 @@ from rubnoise.analysis.balance import Balance, FrictionIntegral
 from rubnoise.analysis.comparing.findings import Finding, Identity, judged, judged_mean, tail_of, too_short
 from rubnoise.analysis.moments import needed_for_mean
 from rubnoise.analysis.reading import checked_chunks, first_stationary_tick
+from rubnoise.analysis.summary import FEWEST_DECAYS, slowest_decay
 from rubnoise.arrays import Doubles
 from rubnoise.errors import RunFileRefused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model
 from rubnoise.record.reader import Rows
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import KEPT, Moments
@@ -25,17 +26,7 @@ from rubnoise.theory.motion_errors import mean_force_error, motion_errors
 from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import Response, response
 
-FEWEST_DECAYS = 10
-"""Decay times that a record of the motion should have behind its start."""
-
 _FORGOTTEN = 1e-3
-
-
-def slowest_decay(slider: Slider) -> float:
-    """Return the time in s in which the slowest free motion falls by e: 2m/c, or about c/k where that is longer."""
-    if slider.damping == 0.0:
-        return inf
-    return max(2.0 * slider.mass / slider.damping, slider.damping / slider.stiffness)
 
 
 def motion_findings(model: Model, rows: Rows) -> list[Finding]:

@@ -20,6 +20,7 @@ from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.analysis.kolmogorov import FEWEST, kolmogorov_figure, sample_distance
 from rubnoise.analysis.moments import covariance_errors, over_ticks
 from rubnoise.analysis.records import longer
+from rubnoise.analysis.run_summary import FEWEST_TICKS_A_LIFE
 from rubnoise.analysis.spectra import Band, band_powers, half_of, hann
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
@@ -31,9 +32,6 @@ from rubnoise.theory.sampling import variance_of_time_mean
 
 BANDS = 8
 FEWEST_SEGMENTS = 8
-FEWEST_TICKS_A_LIFE = 8
-"""Ticks to a mean life below which errors of autocovariance and spectrum, made for a continuous record, do not hold."""
-
 SMALLEST_ATOM = 1e-3
 """Probability of no contact up to which it is but a step in the distribution that nothing is said of."""
 
