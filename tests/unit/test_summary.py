@@ -24,7 +24,8 @@ from rubnoise.analysis.comparing.findings import (
     tail_of_squares,
 )
 from rubnoise.analysis.comparison import compare
-from rubnoise.analysis.summary import FEWEST_LIVES, missing_for_motion, summarise
+from rubnoise.analysis.moments import FEWEST_LIVES
+from rubnoise.analysis.summary import missing_for_motion, summarise
 from rubnoise.contact.laws import Exponential, Fixed, Gamma, Lognormal, Spread
 from rubnoise.contact.pulses import TRIANGLE
 from rubnoise.model import Model

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from rubnoise.analysis.agreement import Agreement
 from rubnoise.analysis.covariance import CovarianceSum
 from rubnoise.analysis.histogram import HistogramSum
-from rubnoise.analysis.moments import covariance_errors
+from rubnoise.analysis.moments import FEWEST_LIVES, covariance_errors
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, bands_of, hann
-from rubnoise.analysis.summary import FEWEST_LIVES, summarise
+from rubnoise.analysis.summary import summarise
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
