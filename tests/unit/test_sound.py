@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rubnoise.analysis.resampling import (
+from rubnoise.analysis.sound import (
     CROSSINGS,
     MOST,
     PASSED,

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.analysis.resampling import PASSED, RIPPLE
-from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.analysis.sound import PASSED, RIPPLE, Sound, level_of, samples_of
 from rubnoise.analysis.spectra import Spectrum, WelchSum, band_powers, hann
 from rubnoise.scenario.reading import loads
 from rubnoise.storage.reader import RunFile, open_run
