@@ -136,7 +136,7 @@ class Contents(ABC):
         """Compare the rows with the theory of the scenario: a table with z-scores, and ``passed``.
 
         ``bound`` is the largest |z| of a figure that agrees; by default all figures of 99.9 % of right runs keep it.
-        Raises Refused for an unfinished run or is too short for any comparison.
+        Raises Refused for a run that is unfinished or too short for any comparison.
         """
         from rubnoise.api.answers import compared
 

@@ -60,7 +60,7 @@ def examples() -> tuple[str, ...]:
 
 
 def shipped_path(name: str) -> Path:
-    """Return the file of a name; raises Refused, with near names, for a name that is none."""
+    """Return the file of a name; raises Refused, with near names, for an unknown name."""
     from rubnoise.scenario.shipped import by_name
 
     return by_name(name)

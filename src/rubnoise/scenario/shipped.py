@@ -78,7 +78,7 @@ def _title(path: Path) -> str:
 def copy_of(name: str) -> str:
     """Return the text of a shipped scenario as a file of its own; what it extends comes before its own keys.
 
-    Raises Refused, with near names, for a name that is none.
+    Raises Refused, with near names, for an unknown name.
     """
     from rubnoise.scenario.writing import as_toml
 
