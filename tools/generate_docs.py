@@ -17,6 +17,7 @@ from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.limits import TITLE_CHARACTERS
+from rubnoise.scenario.lists import Parts, Sizes
 from rubnoise.scenario.sweep_table import Sweeping
 from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
@@ -140,6 +141,8 @@ def _values(about: FieldInfo) -> str:
             return ", ".join(f'`"{word}"`' for word in available)
         case Line():
             return f"text of at most {TITLE_CHARACTERS} characters"
+        case (Sizes() | Parts()) as a_list:
+            return a_list.words
         case other:
             raise TypeError(f"no words for {type(other).__name__}")
 

@@ -48,6 +48,7 @@ ALLOWED = {
             "scattered.py JitteredBirths.line_share np.exp",
         )
     },
+    "contact/laws/discrete.py Mixture.density sum": "for the theory alone",
     "contact/laws/lognormal.py lognormal_moment **": "of mpmath numbers, rounded once by who asks",
     "contact/overlap.py junction_area np.arccos": "for curves and figures; columns come from the kernels' polynomials",
     "contact/pulses.py ParabolaPulse.cubed_integral **": "for the theory alone",

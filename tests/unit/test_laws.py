@@ -50,9 +50,12 @@ def std_of(law):
     return sqrt(law.moment(2) - law.moment(1) ** 2)
 
 
+WITHOUT_LISTS = [name for name, entry in LAWS.items() if not entry.own_keys]
+
+
 def test_every_law_of_the_registry_has_its_cases():
-    own = {name: tuple((each.name, each.sample) for each in entry.parameters) for name, entry in LAWS.items()}
-    made = {type(law_for(5.0, Spread(relative=0.2, law=name, parameters=own[name]))) for name in LAWS}
+    own = {name: tuple((each.name, each.sample) for each in LAWS[name].parameters) for name in WITHOUT_LISTS}
+    made = {type(law_for(5.0, Spread(relative=0.2, law=name, parameters=own[name]))) for name in own}
     assert made == {Fixed, *map(type, CASES)}
 
 
@@ -154,7 +157,7 @@ def test_no_spread_is_one_value(name):
     assert law.draw(ENDS).tolist() == law.draw_length_biased(np.random.default_rng(1), ENDS.size).tolist()
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", WITHOUT_LISTS)
 def test_moments_for_the_calibration_are_those_of_the_law(name):
     own = tuple((each.name, each.sample) for each in LAWS[name].parameters)
     spread = Spread(relative=0.3, law=name, parameters=own)

@@ -180,7 +180,10 @@ def test_titles_of_all_scripts_are_some() -> None:
 def test_a_choice_that_is_no_word() -> None:
     head = "run.toml:10: error: diameter.law: needs a word in quotation marks, not a number"
     assert refusal(whole(law="1")) == shown(
-        head, "law = 1", "1", "available: fixed, normal, lognormal, exponential, gamma, weibull, power"
+        head,
+        "law = 1",
+        "1",
+        "available: fixed, normal, lognormal, exponential, gamma, weibull, power, mixture, empirical",
     )
 
 
@@ -313,19 +316,6 @@ def test_matched_without_a_solution() -> None:
     line = 'mean_real_contact_area = "200 um^2"'
     assert refusal(text) == shown(head, line, '"200 um^2"', hint)
     assert loads(text.replace("3 um", "0.2 um")).model().calibrated_diameter == pytest.approx(5.46626015, abs=5e-9)
-
-
-@pytest.mark.parametrize(
-    ("section", "key", "value", "available"),
-    [
-        ("diameter", "law", "mixture", "fixed, normal, lognormal, exponential, gamma, weibull, power"),
-    ],
-)
-def test_what_arrives_later_is_refused_and_not_ignored(section: str, key: str, value: str, available: str) -> None:
-    report = refusal(WHOLE, f"{section}.{key}={value}")
-    head = f"--set {section}.{key}: error: {section}.{key}: "
-    message = f'"{value}" is not available in this version; available: {available}'
-    assert report == shown(head + message, f"{section}.{key}={value}", value)
 
 
 def test_a_sweep_is_refused_where_one_run_is_wanted() -> None:

@@ -9,6 +9,7 @@ from rubnoise.contact.births import BIRTHS
 from rubnoise.contact.laws import LAWS
 from rubnoise.scenario import limits
 from rubnoise.scenario.fields import Choice, Line, Measure, Number, Range
+from rubnoise.scenario.lists import Parts, Sizes
 from rubnoise.streams import SEED_LIMIT
 from rubnoise.units import AREA, DAMPING, FORCE, LENGTH, MASS, RATIO, SPEED, STIFFNESS, STRESS, Quantity
 
@@ -62,11 +63,13 @@ class Interface(Section):
 
 def _listed(one_value: str) -> str:
     """Return every law with what the registry says of it, the law of one value under a name of the table's own."""
-    return "; ".join(f"{one_value if name == 'fixed' else name}: {entry.about}" for name, entry in LAWS.items())
+    known = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
+    return "; ".join(f"{one_value if name == 'fixed' else name}: {entry.about}" for name, entry in known.items())
 
 
 def _without_spread(one_value: str) -> str:
-    names = [one_value if name == "fixed" else name for name, entry in LAWS.items() if not entry.takes_spread]
+    taking = {name: entry for name, entry in LAWS.items() if one_value == "fixed" or not entry.own_keys}
+    names = [one_value if name == "fixed" else name for name, entry in taking.items() if not entry.takes_spread]
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
@@ -85,13 +88,33 @@ class Diameter(Section):
 
     law: Annotated[
         str,
-        Choice(tuple(LAWS), later=("mixture", "empirical")),
+        Choice(tuple(LAWS)),
         About(description=f"{_listed('fixed')}."),
     ] = "fixed"
     spread: Annotated[
         Quantity | None,
         Measure((LENGTH, RATIO), possible=Range(1e-12, 1e12, zero=True), plausible=Range(1e-6, 1e6, zero=True)),
         About(description=f"Standard deviation: a length, or a percentage of d_m; not for {_without_spread('fixed')}."),
+    ] = None
+    weights: Annotated[
+        tuple[float, ...] | None,
+        Sizes("weights"),
+        About(description="Weight of each part, made to add up to 1; for the law mixture."),
+    ] = None
+    parts: Annotated[
+        tuple[dict[str, Any], ...] | None,
+        Parts(),
+        About(description="Tables with law, mean (um) and, where the law takes one, spread (%); scaled to d_m."),
+    ] = None
+    values: Annotated[
+        tuple[float, ...] | None,
+        Sizes("diameters"),
+        About(description="Measured diameters in um, which are scaled to the mean d_m; for the law empirical."),
+    ] = None
+    sampled: Annotated[
+        str | None,
+        Choice(("born", "alive")),
+        About(description="How values were found: born, each counts alike; alive, in a snapshot, by one over itself."),
     ] = None
 
 
@@ -148,7 +171,7 @@ class Strength(Section):
 
     law: Annotated[
         str,
-        Choice((ONE_STRENGTH, *(name for name in LAWS if name != "fixed"))),
+        Choice((ONE_STRENGTH, *(name for name, entry in LAWS.items() if name != "fixed" and not entry.own_keys))),
         About(description=f"{_listed(ONE_STRENGTH)}."),
     ] = ONE_STRENGTH
     mean: Annotated[

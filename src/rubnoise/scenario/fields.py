@@ -177,10 +177,9 @@ class Number(Field):
 
 @dataclass(frozen=True, slots=True)
 class Choice(Field):
-    """One of the ``available`` words; those of ``later`` are known, and refused until they do something."""
+    """One of the ``available`` words."""
 
     available: tuple[str, ...]
-    later: tuple[str, ...] = ()
 
     def read(self, value: Any) -> str:
         """Return the word."""
@@ -189,8 +188,6 @@ class Choice(Field):
             return value
         if not isinstance(value, str):
             raise Unfit(f"needs a word in quotation marks, not {_named(value)}", available)
-        if value in self.later:
-            raise Unfit(f'"{value}" is not available in this version; {available}')
         raise Unfit(f'unknown value "{value[:40]}"', did_you_mean(value, self.available, quoted=True) or available)
 
     def describe(self) -> dict[str, Any]:

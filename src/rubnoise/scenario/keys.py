@@ -44,6 +44,9 @@ _RIGHT_FORMS: dict[Path, str] = {
     ("diameter", "spread"): 'spread = "0.2 um" or spread = "4 %"',
     **{(table, key): f"{key} = {value:g}" for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     **{("birth", key): f"{key} = {json.dumps(value)}" for key, value in BIRTH_SAMPLES.items()},
+    ("diameter", "weights"): "weights = [0.7, 0.3]",
+    ("diameter", "parts"): 'parts = [{law = "fixed", mean = 4}, {law = "normal", mean = 9, spread = "20 %"}]',
+    ("diameter", "values"): "values = [4.1, 5.3, 6.0]",
     ("strength", "mean"): 'mean = "250 MPa"',
     ("strength", "spread"): 'spread = "50 MPa" or spread = "20 %"',
     ("sliding", "distance"): 'distance = "40 mm"',
@@ -203,10 +206,20 @@ def _law_problems(layers: Layers, name: str) -> Iterator[Problem]:
     entry = LAWS.get("fixed" if law == ONE_STRENGTH else law) if isinstance(law, str) else None
     if entry is None or not (table or SECTIONS[name] is Diameter):
         return
-    taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters)]
+    taken = [*(["spread"] if entry.takes_spread else []), *(each.name for each in entry.parameters), *entry.own_keys]
     homes = {key: next(n for n, e in LAWS.items() if _takes(e, key)) for key in LAW_SAMPLES}
+    if SECTIONS[name] is Diameter:
+        homes |= {key: name for name, each in LAWS.items() for key in each.own_keys}
+        yield from _unequal_lists(layers)
     yield from _own_keys(layers, name, str(law), taken, {"spread": entry.with_spread} | homes)
     yield from _order_problems(layers, name, entry.ascending)
+
+
+def _unequal_lists(layers: Layers) -> Iterator[Problem]:
+    weights, parts = (_table(layers, "diameter").get(key) for key in ("weights", "parts"))
+    if isinstance(weights, list | tuple) and isinstance(parts, list | tuple) and len(weights) != len(parts):
+        message, path = f"{len(weights)} weights for {len(parts)} parts", ("diameter", "weights")
+        yield Problem(path=path, message=message, place=layers.value_place(path), hint="one weight for each part")
 
 
 def _birth_problems(layers: Layers) -> Iterator[Problem]:
@@ -227,7 +240,7 @@ def _own_keys(
             message = f'the law "{law}" takes no {key}' + ("" if "law" in table else f', and "{law}" is the default')
             hint = f'write law = "{instead}", or leave the {key} out' if instead else f"leave the {key} out"
             yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-        if key in taken and key not in table:
+        if key in taken and key not in table and key != "sampled":
             yield missing(layers, path, f'missing; the law "{law}" needs a {key}')
 
 

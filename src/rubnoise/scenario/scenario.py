@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import sqrt
+from math import fsum, sqrt
 from typing import Any, Final, Literal, cast
 
 from rubnoise.contact.births import BIRTHS, BirthLaw
@@ -14,6 +14,7 @@ from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model, Slider
 from rubnoise.scenario import document as sections
+from rubnoise.scenario.lists import ratio_of
 from rubnoise.tables import as_html, shortened
 from rubnoise.units import LENGTH, RATIO, Quantity
 
@@ -150,12 +151,23 @@ def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
     """Return how a quantity spreads about its centre: by what law, and by an absolute or a relative spread."""
     law = "fixed" if quantity.law == sections.ONE_STRENGTH else quantity.law
     own = tuple((each.name, getattr(quantity, each.name)) for each in LAWS[law].parameters)
+    if isinstance(quantity, sections.Diameter) and LAWS[law].own_keys:
+        own = _lists(quantity)
     spread = quantity.spread
     if spread is None:
         return Spread(law=law, parameters=own)
     if spread.kind == RATIO:
         return Spread(relative=float(spread), law=law, parameters=own)
     return Spread(absolute=float(spread), law=law, parameters=own)
+
+
+def _lists(sizes: sections.Diameter) -> tuple[tuple[str, Any], ...]:
+    """Return the lists of a mixture or of measured values as their laws take them."""
+    if sizes.law == "empirical":
+        return ("values", sizes.values), ("sampled", sizes.sampled or "born")
+    given, weights = sizes.parts or (), sizes.weights or ()
+    parts = tuple((LAWS[part["law"]], part["mean"], ratio_of(part)) for part in given)
+    return ("weights", tuple(weight / fsum(weights) for weight in weights)), ("parts", parts)
 
 
 def default_tick(diameter: float) -> Quantity:

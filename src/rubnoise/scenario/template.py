@@ -1,6 +1,5 @@
 """A scenario to begin with: every key of this version with its meaning, written from the keys themselves."""
 
-import json
 from collections.abc import Iterator
 from textwrap import wrap
 from typing import Any, Final
@@ -12,6 +11,7 @@ from rubnoise.scenario.document import Document, Section
 from rubnoise.scenario.fields import Choice
 from rubnoise.scenario.keys import BIRTH_SAMPLES, LAW_SAMPLES, SECTIONS, SWEEP
 from rubnoise.scenario.sweep_table import GRID, Sweeping
+from rubnoise.scenario.writing import toml_value
 
 WIDTH: Final = 100
 HEADING: Final = """\
@@ -20,13 +20,17 @@ HEADING: Final = """\
 # required. All other values are defaults, and you may delete their lines."""
 EXTENDS: Final = "A scenario file to extend, relative to this one; keys in this file replace its keys."
 
-SAMPLES: Final[dict[tuple[str, str], str | float]] = {
+SAMPLES: Final[dict[tuple[str, str], Any]] = {
     ("interface", "mean_real_contact_area"): "200 um^2",
     ("interface", "load"): "0.2 N",
     ("interface", "hardness"): "1 GPa",
     ("interface", "mean_junction_count"): 20,
     ("interface", "patch_area"): "10 um^2",
     ("diameter", "spread"): "10 %",
+    ("diameter", "weights"): [0.7, 0.3],
+    ("diameter", "parts"): [{"law": "fixed", "mean": 4.0}, {"law": "normal", "mean": 9.0, "spread": "20 %"}],
+    ("diameter", "values"): [4.1, 5.3, 6.0],
+    ("diameter", "sampled"): "alive",
     **{(table, key): value for table in ("diameter", "strength") for key, value in LAW_SAMPLES.items()},
     **{("birth", key): value for key, value in BIRTH_SAMPLES.items()},
     ("strength", "mean"): "250 MPa",
@@ -104,7 +108,7 @@ def _value(table: str, key: str, about: FieldInfo) -> Any:
 def _key(key: str, value: Any, about: FieldInfo, *, off: bool = False, remark: str = "") -> Iterator[str]:
     need = "Needed." if about.is_required() else ""
     yield from _comment(" ".join(filter(None, (about.description, _choices(about), need, remark))))
-    yield f"{'#' if off else ''}{key} = {json.dumps(value, ensure_ascii=False)}"
+    yield f"{'#' if off else ''}{key} = {toml_value(value)}"
 
 
 def _choices(about: FieldInfo) -> str:

@@ -17,7 +17,7 @@ def as_toml(path: Path) -> str:
 
 def text_of(scenario: Mapping[str, Any]) -> str:
     """Return the keys of a scenario as the text of a file."""
-    top = [f"{key} = {_value(value)}" for key, value in scenario.items() if not isinstance(value, Mapping)]
+    top = [f"{key} = {toml_value(value)}" for key, value in scenario.items() if not isinstance(value, Mapping)]
     tables = [line for name, table in scenario.items() if isinstance(table, Mapping) for line in _table(name, table)]
     return "\n".join([*top, *tables]) + "\n"
 
@@ -27,11 +27,15 @@ def _table(name: str, table: Mapping[str, Any]) -> Iterator[str]:
     inner = {key: value for key, value in table.items() if isinstance(value, Mapping)}
     plain = {key: value for key, value in table.items() if key not in inner}
     if plain or not inner:
-        yield from ("", f"[{name}]", *(f"{key} = {_value(value)}" for key, value in plain.items()))
+        yield from ("", f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in plain.items()))
     for key, value in inner.items():
         yield from _table(f"{name}.{key}", value)
 
 
-def _value(value: Any) -> str:
-    """Return a text, number, boolean or list of these as TOML, which differs from JSON in one character."""
+def toml_value(value: Any) -> str:
+    """Return a text, number, boolean, or a list or table of these as TOML, which differs from JSON in one character."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(toml_value, value)) + "]"
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -11,11 +11,12 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import BirthLaw, GammaBirths, GapLaw, RegularBirths, ScatteredBirths
 from rubnoise.contact.deviates import exponential
-from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.laws import Fixed
+from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
 from rubnoise.simulation.state import LiveRows, State
-from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
+from rubnoise.streams import Stream, generator, uniforms
 
 Births = tuple[Doubles, Doubles]
 """Birth distances and the gaps between them (um)."""
@@ -315,7 +316,7 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
     reach beyond it: all are looked at that the longest life there can be would bring to the start, some at a time.
     """
     first, source = first_birth(model, seed), generator(seed, Stream.START_DIAMETERS)
-    count = ceil(2.0 * _largest(model.sizes) / births.mean_spacing) + 1
+    count = ceil(2.0 * largest_of(model.sizes) / births.mean_spacing) + 1
     found = [(np.empty(0), np.empty(0))]
     for begin in range(1, count + 1, _LOOKED_AT_ONCE):
         number = np.arange(begin, min(begin + _LOOKED_AT_ONCE, count + 1))
@@ -328,7 +329,7 @@ def _alive_of_regular(model: Model, births: RegularBirths, seed: int) -> tuple[D
 
 def _alive_of_past(model: Model, seed: int) -> tuple[Doubles, Doubles]:
     """Return births and diameters in um of those alive at the start: births before it that live so long."""
-    birth, diameter = backward(model, seed, -2.0 * _largest(model.sizes))
+    birth, diameter = backward(model, seed, -2.0 * largest_of(model.sizes))
     alive = birth + 2.0 * diameter > 0.0
     return birth[alive][::-1], diameter[alive][::-1]
 
@@ -352,11 +353,6 @@ def backward(model: Model, seed: int, begin: float) -> tuple[Doubles, Doubles]:
     blocks = ceil(birth.size / count)
     uniform = uniforms(seed, Stream.PAST_DIAMETERS, 0, count, blocks) if blocks else np.empty(0)
     return birth, model.sizes.draw(uniform[: birth.size])
-
-
-def _largest(sizes: Law) -> float:
-    """Return the largest diameter in um that a law can draw: that of the largest uniform, since laws are inverted."""
-    return float(sizes.draw(np.array([LARGEST_UNIFORM]))[0])
 
 
 def _poisson(seed: int, mean: float) -> int:

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
+from rubnoise.contact.laws.discrete import has_single_values, parts_of
 from rubnoise.contact.pulses import Pulse
+from rubnoise.errors import Refused
 from rubnoise.theory.quadrature import hard_ends, panels, size_edges
 
 NODES = 20
@@ -236,6 +238,8 @@ def live_area(sizes: Law, pulse: Pulse) -> LiveArea:
     G'(a) = E[g(a/d^2) / d] / m_1 over diameters whose peak is above a, g the density of the area of a live junction of
     unit diameter. Source: length-biased sampling (Cox 1962, Renewal Theory, section 5.4), for the pulse of Eq. (2).
     """
+    if parts_of(sizes) and has_single_values(sizes):
+        raise Refused("the distribution of area is not known for several single diameters (diameter.law)")
     cuts, edges = _cuts_and_edges(sizes)
     unit, infinite = unit_density(pulse), pulse.name in _INFINITE_AT_PEAK
     edges = _closer_to_peaks(edges, cuts) if infinite else edges

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.laws import Law
+from rubnoise.contact.laws.discrete import parts_of
 from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.quadrature import cut_size_rule, hard_ends, size_range
 from rubnoise.theory.transform import (
@@ -48,6 +49,8 @@ Average = Callable[[NDArray[Any], Doubles, Doubles], NDArray[Any]]
 
 def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = True) -> Doubles:
     """Return E[|A^(k)|^2] in um^6 for k >= 0 in rad/um of any shape; not ``exact``, without the swing of its tail."""
+    if parts := parts_of(law):
+        return sum((p * mean_energy(part, pulse, wavenumber, exact=exact) for p, part in parts), np.zeros(1))
     transform = energy_of(pulse)
     square = transform.square if exact else transform.mean_square
     return _over_sizes(law, wavenumber, _Life(power=6, followed=square, damped=transform.mean_square), _mean).real
@@ -55,6 +58,8 @@ def mean_energy(law: Law, pulse: Pulse, wavenumber: Doubles, *, exact: bool = Tr
 
 def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
     """Return E[A^(k)] in um^3, about the birth, for k >= 0 in rad/um of any shape: the transform of the mean life."""
+    if parts := parts_of(law):
+        return sum((p * mean_transform(part, pulse, wavenumber) for p, part in parts), np.zeros(1, np.complex128))
     transform = transform_of(pulse)
     life = _Life(power=3, followed=transform.from_birth, damped=transform.mean_from_birth)
     return _over_sizes(law, wavenumber, life, _mean)
@@ -62,6 +67,8 @@ def mean_transform(law: Law, pulse: Pulse, wavenumber: Doubles) -> Complexes:
 
 def mean_life_transform(law: Law, wavenumber: Doubles) -> Complexes:
     """Return E[(exp(2ikd) - 1)/(ik)] in um for k >= 0 in rad/um of any shape: the count of a life."""
+    if parts := parts_of(law):
+        return sum((p * mean_life_transform(part, wavenumber) for p, part in parts), np.zeros(1, np.complex128))
     life = _Life(power=1, followed=life_from_birth, damped=mean_life_from_birth)
     return _over_sizes(law, wavenumber, life, _mean)
 
@@ -71,6 +78,13 @@ def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
 
     It is added up from deviations, so that a narrow law keeps its digits.
     """
+    if parts := parts_of(law):
+        mean = mean_transform(law, pulse, wavenumber)
+        spread = np.zeros(1)
+        for weight, part in parts:
+            apart = np.square(np.abs(mean_transform(part, pulse, wavenumber) - mean))
+            spread = spread + weight * (energy_spread(part, pulse, wavenumber) + apart)
+        return spread
     transform = transform_of(pulse)
 
     def scatter(phases: Doubles) -> Doubles:
@@ -82,6 +96,8 @@ def energy_spread(law: Law, pulse: Pulse, wavenumber: Doubles) -> Doubles:
 
 def largest_swinging_wavenumber(law: Law) -> float:
     """Return the wavenumber in rad/um beyond which no swing is left; inf for one size and for a law with a hard end."""
+    if parts := parts_of(law):
+        return max(largest_swinging_wavenumber(part) for _, part in parts)
     return np.inf if hard_ends(law) != (None, None) else _largest_followed(law)
 
 

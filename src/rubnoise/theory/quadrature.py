@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
+from rubnoise.contact.laws.discrete import parts_of
 
 
 def complementary_error(x: Doubles) -> Doubles:
@@ -73,6 +74,9 @@ def size_range(law: Law) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def _size_range(law: Any) -> tuple[float, float]:
+    if parts := parts_of(law):
+        ends = [size_range(part) for _, part in parts]
+        return min(low for low, _ in ends), max(high for _, high in ends)
     low, high = law.support
     if high - low <= _NARROWEST * high:
         return (0.5 * (low + high),) * 2
@@ -94,7 +98,7 @@ def hard_ends(law: Law) -> tuple[float | None, float | None]:
     Averages of what swings with the diameter do not fade at such an end.
     """
     low, high = law.support
-    if low == high:
+    if low == high or parts_of(law):
         return None, None
     below, above = (float(np.nextafter(end, far)) for end, far in ((low, -np.inf), (high, np.inf)))
     jumps = low > 0.0 and _density(law, below) == 0.0 < _density(law, low)
@@ -118,6 +122,10 @@ def cut_size_rule(law: Law, cuts: Doubles, count: int, *, rooted: bool = False) 
     scaled to give E[d] exactly, which a law of little spread, with few digits in its density, needs. ``rooted``, g may
     end like a root at a cut.
     """
+    if parts := parts_of(law):
+        rules = [(weight, *cut_size_rule(part, cuts, count, rooted=rooted)) for weight, part in parts]
+        diameters = np.concatenate([each for _, each, _ in rules], axis=-1)
+        return diameters, np.concatenate([weight * each for weight, _, each in rules], axis=-1)
     edges, logarithmic = size_edges(law)
     if edges.size == 1:
         return np.broadcast_to(edges, (*cuts.shape[:-1], 1)), np.ones((*cuts.shape[:-1], 1))
@@ -146,6 +154,8 @@ def _size_edges(law: Any) -> tuple[Doubles, bool]:
     low, high = size_range(law)
     if low == high:
         return np.array([high]), False
+    if parts := parts_of(law):
+        return distinct(np.concatenate([size_edges(part)[0] for _, part in parts])), True
     if high <= _NARROW * low:
         return np.linspace(low, high, _NARROW_PANELS + 1), False
     edges = np.log(np.array([low, high]))

@@ -23,6 +23,7 @@ from rubnoise.analysis.kolmogorov import FEWEST, UniformSample, kolmogorov_figur
 from rubnoise.analysis.records import longer
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Fixed, Law
+from rubnoise.contact.laws.discrete import has_single_values
 from rubnoise.contact.off_centre import half_life
 from rubnoise.model import Model
 from rubnoise.record.rows import JunctionState
@@ -78,7 +79,7 @@ class Marks:
 
     def __init__(self, model: Model) -> None:
         low, high = size_range(model.sizes)
-        self._law = size_distribution(model.sizes) if low < high else None
+        self._law = size_distribution(model.sizes) if low < high and not has_single_values(model.sizes) else None
         self._alike = {"diameter": model.sizes.moment(1)}
         if model.strengths is not None:
             self._alike["shear_strength"] = model.strengths.moment(1)
@@ -115,7 +116,7 @@ def mark_findings(model: Model, marks: Marks) -> list[Finding]:
         found = [_alike("diameter", marks, model.sizes.moment(1), "um")]
     else:
         found = _spread("diameter", marks.moments["diameter"], model.sizes, model)
-        if count >= FEWEST:
+        if count >= FEWEST and not has_single_values(model.sizes):
             found.append(kolmogorov_figure("diameter_kolmogorov", marks.sizes.distance(), count))
     if model.pulse.offset != "none" and count >= FEWEST:
         found.append(kolmogorov_figure("offset_kolmogorov", marks.offsets.distance(), count))
@@ -208,7 +209,7 @@ def start_findings(model: Model, start: Start) -> list[Finding]:
     ages = np.sort(start.ages)
     found.append(kolmogorov_figure("start_age_kolmogorov", sample_distance(ages, ages), ages.size))
     low, high = size_range(model.sizes)
-    if low < high:
+    if low < high and not has_single_values(model.sizes):
         distance = sample_distance(diameters, size_distribution(model.sizes, alive=True)(diameters))
         found.append(kolmogorov_figure("start_diameter_kolmogorov", distance, diameters.size))
     if start.offsets is not None:

@@ -8,7 +8,8 @@ To add a law, write its file, name its entry below, and give tests/unit/test_law
 from dataclasses import dataclass
 from typing import Any, Final
 
-from rubnoise.contact.laws import fixed, gamma, lognormal, normal, power, weibull
+from rubnoise.contact.laws import discrete, fixed, gamma, lognormal, normal, power, weibull
+from rubnoise.contact.laws.discrete import Empirical, Mixture
 from rubnoise.contact.laws.fixed import Fixed
 from rubnoise.contact.laws.gamma import Exponential, Gamma
 from rubnoise.contact.laws.law import Entry, Law, Parameter
@@ -19,12 +20,14 @@ from rubnoise.contact.laws.weibull import Weibull
 
 __all__ = [
     "LAWS",
+    "Empirical",
     "Entry",
     "Exponential",
     "Fixed",
     "Gamma",
     "Law",
     "Lognormal",
+    "Mixture",
     "Normal",
     "Parameter",
     "Power",
@@ -43,6 +46,8 @@ LAWS: Final[dict[str, Entry]] = {
         gamma.GAMMA_ENTRY,
         weibull.ENTRY,
         power.ENTRY,
+        discrete.MIXTURE_ENTRY,
+        discrete.EMPIRICAL_ENTRY,
     )
 }
 """Every law by its name in a scenario."""
@@ -59,7 +64,7 @@ class Spread:
     absolute: float | None = None
     relative: float | None = None
     law: str = "normal"
-    parameters: tuple[tuple[str, float], ...] = ()
+    parameters: tuple[tuple[str, Any], ...] = ()
 
     @property
     def entry(self) -> Entry:

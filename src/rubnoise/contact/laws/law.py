@@ -64,18 +64,20 @@ class Entry:
 
     ``make`` takes centre, standard deviation and the law's own parameters and returns the law; ``moment`` returns
     E[x^n] of the same with mpmath numbers. Parameters named in ``ascending`` have to grow in this order.
-    ``with_spread`` names the law to advise where this one is given a spread.
+    ``with_spread`` names the law to advise where this one is given a spread. A law with ``own_keys``, lists that are no
+    parameters, is for diameters alone.
     """
 
     name: str
     about: str
-    make: Callable[[float, float, dict[str, float]], Law]
-    moment: Callable[[Any, Any, dict[str, float], int], Any]
+    make: Callable[[float, float, dict[str, Any]], Law]
+    moment: Callable[[Any, Any, dict[str, Any], int], Any]
     parameters: tuple[Parameter, ...] = ()
     ascending: tuple[str, ...] = ()
     takes_spread: bool = True
     widest: float = WIDEST
     with_spread: str = ""
+    own_keys: tuple[str, ...] = ()
 
 
 @lru_cache(maxsize=256)

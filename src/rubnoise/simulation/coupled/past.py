@@ -12,10 +12,11 @@ import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import RegularBirths
+from rubnoise.contact.laws.discrete import largest_of
 from rubnoise.model import Model
 from rubnoise.simulation.draws import backward, blocks_drawn_at_once, draw_blocks, first_birth, start
 from rubnoise.simulation.state import LiveRows
-from rubnoise.streams import LARGEST_UNIFORM, Stream, generator, uniforms
+from rubnoise.streams import Stream, generator, uniforms
 
 
 def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
@@ -48,7 +49,7 @@ def lived(model: Model, seed: int, begin: float, end: float) -> LiveRows:
 
 def past(model: Model, seed: int, begin: float) -> LiveRows:
     """Return the junctions that were born and had died before s = 0, back to all that live beyond ``begin`` (um)."""
-    longest = 2.0 * float(model.sizes.draw(np.array([LARGEST_UNIFORM]))[0])
+    longest = 2.0 * largest_of(model.sizes)
     draw = _regular if isinstance(model.births, RegularBirths) else backward
     birth, diameter = draw(model, seed, begin - longest)
     dead = np.flatnonzero(birth + 2.0 * diameter <= 0.0)
