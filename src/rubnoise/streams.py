@@ -34,6 +34,7 @@ class Stream(IntEnum):
     CENTRES = 13
     FAMILIES = 14
     CHILDREN = 15
+    SURFACE = 64
 
 
 def generator(seed: int, stream: Stream, block: int = 0) -> np.random.Generator:

@@ -1,0 +1,166 @@
+"""A map of heights: what a scan measures and what `--synthesise` makes, and how it is laid beside another."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from typing import Final, Self
+
+import numpy as np
+from scipy import ndimage
+
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
+
+FEWEST_POINTS: Final = 16
+"""Points a side below which a map has no spectrum."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HeightMap:
+    """Heights h in um over a grid whose first index runs along the sliding, spacings in um.
+
+    ``periodic`` says that the map repeats itself at its edges, as synthetic surfaces do. ``history`` says what was done
+    to it, in words: missing points filled, form removed, waves cut.
+    """
+
+    heights: Doubles = field(repr=False)
+    spacing: tuple[float, float]
+    periodic: bool = False
+    name: str = "surface"
+    history: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raises Refused for what is no map: too few points, a spacing of 0, a height that is no number."""
+        if self.heights.ndim != 2 or min(self.heights.shape) < FEWEST_POINTS:
+            shape = " x ".join(map(str, self.heights.shape))
+            raise Refused(
+                f"{self.name}: has {shape} points; a map of {FEWEST_POINTS} x {FEWEST_POINTS} or more is needed"
+            )
+        if not all(0.0 < step < np.inf for step in self.spacing):
+            raise Refused(f"{self.name}: its points are {self.spacing} um apart; two lengths above 0 are needed")
+        if not np.isfinite(self.heights).all():
+            raise Refused(f"{self.name}: has heights that are no numbers; fill or leave out its missing points")
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Length along and width across the sliding, in um."""
+        along, across = self.heights.shape
+        return along * self.spacing[0], across * self.spacing[1]
+
+    @property
+    def area(self) -> float:
+        """Nominal area A0 in um^2."""
+        return self.size[0] * self.size[1]
+
+    @property
+    def digest(self) -> str:
+        """The first half of the SHA-256 of shape, spacings and heights: which surface this is, as it came."""
+        content = np.ascontiguousarray(self.heights, dtype="<f8")
+        head = repr((content.shape, tuple(map(float, self.spacing)))).encode()
+        return sha256(head + content.tobytes()).hexdigest()[:32]
+
+    def changed(self, heights: Doubles, done: str) -> Self:
+        """Return the map with other heights, and with what was done to it."""
+        return replace(self, heights=heights, history=(*self.history, done))
+
+    def turned(self) -> Self:
+        """Return the map turned by 180 degrees about its normal: a partner for a surface that slides on its like."""
+        return replace(self, heights=self.heights[::-1, ::-1], name=f"{self.name} turned by 180 degrees")
+
+    def on_grid_of(self, other: "HeightMap") -> Doubles:
+        """Return heights at the points of another map, from the first corner on, as far as both reach.
+
+        Interpolation by cubic splines; a periodic map of the same grid is taken as it is.
+        """
+        if self.heights.shape == other.heights.shape and np.allclose(self.spacing, other.spacing, rtol=1e-6):
+            return self.heights
+        points = [
+            np.arange(min(there, int((here - 1) * own / step) + 1)) * (step / own)
+            for here, there, own, step in zip(
+                self.heights.shape, other.heights.shape, self.spacing, other.spacing, strict=True
+            )
+        ]
+        return ndimage.map_coordinates(self.heights, np.meshgrid(*points, indexing="ij"), order=3, mode="mirror")
+
+
+FORMS: Final[Mapping[str, str]] = {
+    "none": "no form removed",
+    "tilt": "a plane removed",
+    "polynomial": "a polynomial of second degree removed",
+    "cylinder": "a cylinder removed",
+    "sphere": "a sphere removed",
+}
+"""Forms that can be removed, and what is then said of the map."""
+
+
+def without_form(surface: HeightMap, form: str) -> HeightMap:
+    """Return a map without its form, by least squares; see `FORMS`.
+
+    A sphere or cylinder of radius R and centre (x0, y0, z0) is fitted as z = z0 -+ (R - sqrt(R^2 - r^2)), r the
+    distance from the centre or the axis, after its paraboloid. A map that repeats itself has no form, and stays as
+    it is. Raises Refused for a form that the points do not have.
+    """
+    if form == "none" or surface.periodic:
+        return surface
+    along, across = (np.linspace(-1.0, 1.0, n)[index] for n, index in zip(surface.heights.shape, _SIDES, strict=True))
+    fitted = _polynomial(surface.heights, along, across, degree=1 if form == "tilt" else 2)
+    if form in ("cylinder", "sphere"):
+        fitted = _curved(surface, fitted, form)
+    return surface.changed(surface.heights - fitted, FORMS[form])
+
+
+_SIDES: Final = ((slice(None), None), (None, slice(None)))
+
+
+def _polynomial(heights: Doubles, along: Doubles, across: Doubles, degree: int) -> Doubles:
+    """Return the polynomial of least squares in both places."""
+    terms = [along**i * across**j * np.ones_like(heights) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    normal = np.array([[np.vdot(a, b) for b in terms] for a in terms])
+    weights = np.linalg.solve(normal, [np.vdot(term, heights) for term in terms])
+    return sum((weight * term for weight, term in zip(weights, terms, strict=True)), np.zeros_like(heights))
+
+
+_MOST_FITTED: Final = 20_000
+"""Points by which a sphere or a cylinder is fitted."""
+
+
+def _curved(surface: HeightMap, start: Doubles, form: str) -> Doubles:
+    """Return the sphere or the cylinder of least squares, found from the curvature of a polynomial of second degree."""
+    from scipy.optimize import least_squares
+
+    scale = max(surface.size)
+    x, y = (
+        (np.arange(n)[index] - 0.5 * (n - 1)) * (step / scale)
+        for n, step, index in zip(surface.heights.shape, surface.spacing, _SIDES, strict=True)
+    )
+    every = tuple(slice(None, None, max(1, int(n / np.sqrt(_MOST_FITTED)))) for n in surface.heights.shape)
+    unit = float(np.ptp(start)) or 1.0
+
+    def shape(p: Doubles, x: Doubles, y: Doubles) -> Doubles:
+        """Height over ``unit``: level, curvature in units of unit/scale^2, place of the centre, angle of the axis."""
+        level, bend, x0, y0, angle, lean = p
+        a, b = (x - x0) * np.cos(angle) + (y - y0) * np.sin(angle), (y - y0) * np.cos(angle) - (x - x0) * np.sin(angle)
+        square = a * a + (b * b if form == "sphere" else 0.0)
+        steepness = bend * unit / scale  # of the curvature in 1/scale
+        root = np.sqrt(np.maximum(1.0 - steepness * steepness * square, 0.0))
+        return level + bend * square / (1.0 + root) + (lean * b if form == "cylinder" else 0.0)
+
+    # The curvature of the polynomial along its steepest direction is a start for both.
+    second = [
+        np.gradient(np.gradient(start, axis=i), axis=i).mean() / (s / scale) ** 2 for i, s in enumerate(surface.spacing)
+    ]
+    bend = max(second, key=abs) / unit
+    angles = (0.0,) if form == "sphere" else (0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi)
+    wanted = surface.heights[every] / unit
+    fits = [
+        least_squares(
+            lambda p: (shape(p, x[every[0]], y[:, every[1]]) - wanted).ravel(),
+            [float(wanted.mean()), bend, 0.0, 0.0, angle, 0.0],
+            x_scale=[1.0, abs(bend) or 1.0, 1.0, 1.0, 1.0, 1.0],
+        )
+        for angle in angles
+    ]
+    best = min(fits, key=lambda fit: fit.cost)
+    if not np.isfinite(best.cost):
+        raise Refused(f"{surface.name}: no {form} fits it; remove a polynomial instead (--form polynomial)")
+    return unit * shape(best.x, x, y)

@@ -1,0 +1,109 @@
+"""Scans read from files of 42 instruments and formats by SurfaceTopography, or taken from its objects as they are."""
+
+import os
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.errors import ExtraMissing, Refused
+from rubnoise.surface.height_map import HeightMap
+from rubnoise.units import LENGTH, QuantityError, parse_unit
+
+MOST_MISSING: Final = 0.1
+"""Share of missing points above which a map is not filled."""
+
+MOST_BYTES: Final = 1 << 30
+MOST_VALUES: Final = 1 << 26
+"""Bytes of a file and points of a map that are read."""
+
+_REASON: Final = 200
+
+
+def read_surface(path: str | os.PathLike[str], unit: str | None = None) -> HeightMap:
+    """Return the first map of a file in um, missing points filled by a harmonic function of their neighbours.
+
+    The first index of the map is the sliding direction. ``unit`` is that of all lengths if the file names none. Raises
+    Refused for what is no file of a surface, for a profile, a map without a unit, and one with too many missing points.
+    """
+    name = os.fspath(path)
+    if not Path(name).is_file():
+        raise Refused(f"{name}: {'is not a regular file' if Path(name).exists() else 'no such file'}")
+    if (size := Path(name).stat().st_size) > MOST_BYTES:
+        raise Refused(f"{name}: has {size:,} bytes; up to {MOST_BYTES:,} are read")
+    library = _library()
+    try:
+        with np.errstate(all="ignore"):
+            opened = library.open_topography(name).topography()
+    except Exception as problem:  # a reader may raise anything about a damaged file
+        reason = " ".join(str(problem).split())
+        if "tried" in reason:
+            reason = "no reader of SurfaceTopography knows its format"
+        raise Refused(f"{name}: is no surface that can be read: {reason[:_REASON]}") from problem
+    return from_topography(opened, Path(name).name, unit)
+
+
+def from_topography(topography: Any, name: str = "surface", unit: str | None = None) -> HeightMap:
+    """Return a topography of SurfaceTopography as a map in um; raises Refused as `read_surface` does."""
+    if topography.dim != 2 or not topography.is_uniform:
+        raise Refused(f"{name}: is a profile or has uneven points; a map of heights over an even grid is needed")
+    named = getattr(topography, "unit", None) or unit
+    if named is None:
+        raise Refused(f'{name}: names no unit of its lengths; say it: unit="um" (--unit um)')
+    scale = length_scale(str(named), name)
+    points = int(np.prod(topography.nb_grid_pts))
+    if points > MOST_VALUES:
+        raise Refused(f"{name}: has {points:,} points; up to {MOST_VALUES:,} are read")
+    heights, done = _filled(topography, name)
+    return HeightMap(
+        heights=np.ascontiguousarray(heights * scale, dtype=np.float64),
+        spacing=(float(topography.pixel_size[0]) * scale, float(topography.pixel_size[1]) * scale),
+        periodic=bool(topography.is_periodic),
+        name=name,
+        history=done,
+    )
+
+
+def length_scale(unit: str, name: str) -> float:
+    """Return how many um a unit of length is; raises Refused for another unit."""
+    try:
+        size = parse_unit(unit.replace("\u00c5", "angstrom"))
+    except QuantityError as problem:
+        raise Refused(f"{name}: {unit}: {problem}; a unit of length is needed, such as um") from problem
+    if size.dimension != LENGTH.dimension:
+        raise Refused(f"{name}: {unit} is no unit of length; right form: um, nm, mm, m")
+    return float(size.size)
+
+
+def _filled(topography: Any, name: str) -> tuple[Doubles, tuple[str, ...]]:
+    """Return heights without missing points, and what was done about them."""
+    values = topography.heights()
+    heights = np.ma.filled(np.ma.masked_invalid(values), np.nan).astype(np.float64)
+    missing = int(np.isnan(heights).sum())
+    if missing == 0:
+        return heights, ()
+    share = missing / heights.size
+    if share > MOST_MISSING:
+        raise Refused(
+            f"{name}: {100.0 * share:.3g} % of its points are missing; up to {100.0 * MOST_MISSING:g} % are filled;"
+            " cut out a part that was measured"
+        )
+    filled = topography.interpolate_undefined_data_with_harmonic_function().heights()
+    return np.asarray(filled, dtype=np.float64), (f"{missing:,} missing points filled from their neighbours",)
+
+
+def to_file(surface: HeightMap, path: Path) -> None:
+    """Write a map as netCDF, in a form that SurfaceTopography reads again with its unit and its period."""
+    made = _library().Topography(surface.heights, surface.size, unit="um", periodic=surface.periodic)
+    made.to_netcdf(str(path))
+
+
+def _library() -> Any:
+    try:
+        import SurfaceTopography
+    except ImportError as problem:
+        raise ExtraMissing(
+            'scans are read by SurfaceTopography, which is not installed: python3 -m pip install "rubnoise[surface]"'
+        ) from problem
+    return SurfaceTopography
