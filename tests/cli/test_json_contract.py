@@ -14,9 +14,11 @@ import pytest
 
 from rubnoise.analysis.replicates import Estimate
 from rubnoise.api.playing import describe
+from rubnoise.api.surface import Surface
 from rubnoise.claims.claim import Claim, Quantity, Verdict
 from rubnoise.claims.field import FieldClaim, Known, Source
 from rubnoise.cli.claims import claim_as_json, row_as_json
+from rubnoise.cli.surface import contents
 from rubnoise.model import Model
 from rubnoise.scenario import load
 from rubnoise.storage.output import OutputPaths
@@ -214,6 +216,9 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     told.append(("info", call("info", "bare.h5", "--json").json()))
     told.append(("verify", call("verify", "long.h5", "--json").json()))
     told += [("claim", claim_as_json(A_CLAIM)), ("claims", {"claims": [claim_as_json(A_CLAIM)]})]
+    # A scan needs another library; what the command prints of two surfaces is what these are made into.
+    track, slider = (Surface.synthesise(points=64, cutoff="8 um", seed=seed) for seed in (1, 2))
+    told.append(("surface", contents(track.slide(slider, cutoff="8 um", load="20 mN", hardness="1 GPa"))))
     rows = [row_as_json(row) for row in (A_ROW, replace(A_ROW, quantity=None, published=None, scenario=None))]
     return [*told, *(("row", row) for row in rows), ("ledger", {"claims": rows})]
 

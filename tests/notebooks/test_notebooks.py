@@ -15,10 +15,10 @@ from tests.architecture.sources import ROOT
 from tools.export_notebooks import Cell, cells_of, plain_notebook, static_page
 
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
-NEEDED = ("marimo", "matplotlib", "h5netcdf", "xarray")
+NEEDED = ("marimo", "matplotlib", "h5netcdf", "xarray", "SurfaceTopography")
 MISSING = [name for name in NEEDED if find_spec(name) is None]
 
-pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"notebooks need {', '.join(MISSING)} of the extra teach")
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"notebooks need {', '.join(MISSING)}")
 
 
 def _run(script: Path, folder: Path) -> "subprocess.CompletedProcess[str]":
@@ -33,8 +33,8 @@ def _run(script: Path, folder: Path) -> "subprocess.CompletedProcess[str]":
     )
 
 
-def test_there_are_three() -> None:
-    assert [path.stem for path in NOTEBOOKS] == ["first_run", "lifetimes", "noise"]
+def test_there_are_four() -> None:
+    assert [path.stem for path in NOTEBOOKS] == ["first_run", "lifetimes", "noise", "surfaces"]
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
@@ -63,7 +63,7 @@ def test_a_page_of_the_plain_notebook_has_its_results_and_loads_nothing(
     assert page.count("data:image/png;base64,") >= 3
     assert page.count("<pre class=code>") == sum(cell["cell_type"] == "code" for cell in cells)
     assert re.findall(r"""(?:src|href)\s*=\s*["']?(?!data:)[^"' >]+|url\([^)]*\)|@import|<script""", page) == []
-    assert ("data:audio/wav;base64,UklGR" in page) == (notebook.stem == "noise")
+    assert ("data:audio/wav;base64,UklGR" in page) == (notebook.stem in ("noise", "surfaces"))
     assert list(tmp_path.iterdir()) == []
 
 

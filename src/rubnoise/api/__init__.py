@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rubnoise.api.resuming import resume
     from rubnoise.api.running import exact, run, simulate
     from rubnoise.api.scenarios import example, examples, load, load_sweep
+    from rubnoise.api.surface import Surface
     from rubnoise.api.sweep_result import SweepResult, open_sweep
     from rubnoise.api.sweeping import run_sweep
     from rubnoise.api.trace import Trace
@@ -51,6 +52,7 @@ __all__ = [
     "RubnoiseError",
     "Run",
     "Scenario",
+    "Surface",
     "SweepResult",
     "Trace",
     "Verification",
@@ -84,6 +86,7 @@ HOMES: Final = {
     "rubnoise.api.resuming": ("resume",),
     "rubnoise.api.running": ("exact", "run", "simulate"),
     "rubnoise.api.scenarios": ("example", "examples", "load", "load_sweep"),
+    "rubnoise.api.surface": ("Surface",),
     "rubnoise.api.sweep_result": ("SweepResult", "open_sweep"),
     "rubnoise.api.sweeping": ("run_sweep",),
     "rubnoise.api.trace": ("Trace",),

@@ -33,6 +33,7 @@ COMMANDS: Final = {
     "junctions": "junctions.command",
     "compare": "compare.command",
     "infer": "infer.command",
+    "surface": "surface.command",
     "verify": "verify.command",
     "view": "view.command",
     "report": "report.command",

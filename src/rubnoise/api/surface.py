@@ -1,0 +1,194 @@
+"""Measured surfaces in Python: read a scan, slide it on another, and keep the scenario of their noise."""
+
+import os
+from dataclasses import dataclass, field
+from math import sqrt
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from rubnoise.api import keywords
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
+from rubnoise.surface.height_map import FORMS, HeightMap, without_form
+from rubnoise.surface.reading import from_topography, length_scale, read_surface, to_file
+from rubnoise.surface.sliding import SlidingContact, count_over_cutoff, slide
+from rubnoise.surface.synthesis import self_affine
+from rubnoise.surface.waves import Waves, band_limited
+from rubnoise.tables import as_html, shortened
+from rubnoise.units import FORCE, LENGTH, STRESS
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Surface:
+    """A map of heights in um, the first index along the sliding, with its form removed.
+
+    `Surface.read` takes a file of an instrument, `Surface.of` an object of SurfaceTopography or an array, and
+    `Surface.synthesise` makes a self-affine one from a seed.
+
+    >>> import rubnoise
+    >>> track = rubnoise.Surface.synthesise(points=256, cutoff="8 um", rolloff="32 um", seed=1)
+    >>> slider = rubnoise.Surface.synthesise(points=256, cutoff="8 um", rolloff="32 um", seed=2)
+    >>> contact = track.slide(slider, cutoff="8 um", load="0.6 N", hardness="1 GPa")
+    >>> round(contact.gaussian.level, 3), contact.counted.patch_count >= 20
+    (2.361, True)
+    """
+
+    map: HeightMap = field(repr=False)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], *, form: str = "tilt", unit: str | None = None) -> Self:
+        """Read the first map of a file in one of 42 formats; see `rubnoise.surface.reading.read_surface`.
+
+        ``form`` is removed: "none", "tilt", "polynomial", "cylinder" or "sphere". ``unit`` is that of all lengths if
+        the file names none. Raises Refused for what cannot be read.
+        """
+        return cls(without_form(read_surface(path, unit), _form(form)))
+
+    @classmethod
+    def of(
+        cls, source: Any, *, spacing: Any = None, unit: str | None = None, form: str = "tilt", name: str = "surface"
+    ) -> Self:
+        """Take a topography of SurfaceTopography as it is, or an array of heights with a ``spacing``.
+
+        An array is in ``unit``, such as "nm". ``spacing`` is a length such as "0.5 um", or two of them, along and
+        across the sliding. Raises Refused for what is no map.
+        """
+        if hasattr(source, "heights") and hasattr(source, "physical_sizes"):
+            return cls(without_form(from_topography(source, name, unit), _form(form)))
+        if spacing is None or unit is None:
+            raise Refused('an array of heights needs spacing= and unit=; right form: spacing="0.5 um", unit="nm"')
+        steps = tuple(spacing) if isinstance(spacing, list | tuple) else (spacing, spacing)
+        if len(steps) != 2:
+            raise Refused(f"spacing=: {keywords.shown(spacing)} is neither one length nor two")
+        along, across = (_length("spacing", step) for step in steps)
+        try:
+            heights = np.array(source, dtype=np.float64) * length_scale(unit, name)
+        except (TypeError, ValueError) as problem:
+            raise Refused(f"{name}: is no array of heights: {problem}") from problem
+        return cls(without_form(HeightMap(heights=heights, spacing=(along, across), name=name), _form(form)))
+
+    @classmethod
+    def synthesise(
+        cls,
+        *,
+        points: int = 512,
+        spacing: Any = "1 um",
+        roughness: Any = "1 um",
+        hurst: float = 0.8,
+        rolloff: Any = None,
+        cutoff: Any = None,
+        seed: int = 1,
+    ) -> Self:
+        """Make a self-affine periodic surface; equal arguments give equal bits.
+
+        ``roughness`` is the rms height, ``hurst`` the exponent H; waves from ``cutoff`` to ``rolloff`` are
+        self-affine, those above are equally strong: without them, 16 points and a quarter of the side. Raises
+        Refused for a surface that cannot be.
+        """
+        side, step = keywords.count("points", points, 1 << 20), _needed("spacing", spacing, LENGTH)
+        return cls(
+            self_affine(
+                points=side,
+                spacing=step,
+                roughness=_needed("roughness", roughness, LENGTH),
+                hurst=float(hurst),
+                rolloff=_length("rolloff", rolloff) or 0.25 * side * step,
+                cutoff=_length("cutoff", cutoff) or 16.0 * step,
+                seed=keywords.count("seed", seed, 2**53 - 1),
+            )
+        )
+
+    @property
+    def heights(self) -> Doubles:
+        """Heights in um."""
+        return self.map.heights
+
+    def roughness(self, cutoff: Any = None, longest: Any = None) -> dict[str, float]:
+        """Return Sa and Sq in um, Ssk and Sku, and rms slopes along and across the sliding, after the cut-offs.
+
+        Sq is the rms height, Sa the mean distance from the mean, Ssk and Sku the third and fourth moments over Sq^3 and
+        Sq^4 (ISO 25178-2). Slopes are those of the waves, sqrt(sum S (2 pi f)^2).
+        """
+        limits = (_length("cutoff", cutoff), _length("longest", longest))
+        surface = self.map if limits[0] is None else band_limited(self.map, limits[0], limits[1])
+        heights = surface.heights - surface.heights.mean()
+        rms = sqrt(float(np.square(heights).mean()))
+        along, across = Waves.of(surface).slopes
+        return {
+            "Sa": float(np.abs(heights).mean()),
+            "Sq": rms,
+            "Ssk": float((heights**3).mean()) / rms**3,
+            "Sku": float((heights**4).mean()) / rms**4,
+            "slope_along": sqrt(along),
+            "slope_across": sqrt(across),
+        }
+
+    def slide(
+        self,
+        slider: "Surface | None" = None,
+        *,
+        cutoff: Any,
+        load: Any,
+        hardness: Any,
+        longest: Any = None,
+        slider_length: Any = None,
+    ) -> SlidingContact:
+        """Slide another surface on this one, or this one on itself turned by 180 degrees, under a load.
+
+        ``cutoff`` and ``longest`` limit the waves, ``load`` such as "0.2 N" and ``hardness`` such as "1 GPa" give
+        the real contact area, ``slider_length`` is for a slider longer than its scan. Raises Refused without a
+        cut-off, which the number of junctions depends on. Source: docs/surfaces.md.
+        """
+        if cutoff is None:
+            raise Refused('cutoff=: the number of junctions has no value without it; right form: cutoff="5 um"')
+        return slide(
+            self.map,
+            None if slider is None else slider.map,
+            load=_needed("load", load, FORCE),
+            hardness=_needed("hardness", hardness, STRESS),
+            cutoff=_needed("cutoff", cutoff, LENGTH),
+            longest=_length("longest", longest),
+            slider_length=_length("slider_length", slider_length),
+        )
+
+    def count_over_cutoff(
+        self, slider: "Surface | None" = None, *, share: float = 0.01, longest: Any = None
+    ) -> tuple[Doubles, Doubles]:
+        """Return cut-offs in um and N_jm at each, at a share of the area in contact."""
+        return count_over_cutoff(
+            self.map, None if slider is None else slider.map, share=share, longest=_length("longest", longest)
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the map as netCDF, in the form that SurfaceTopography reads."""
+        to_file(self.map, Path(path))
+
+    def __repr__(self) -> str:
+        lines = [f"  {name:<13} {value:.4g}" for name, value in self.roughness().items()]
+        return shortened([self._title(), *(f"  {done}" for done in self.map.history), *lines])
+
+    def _repr_html_(self) -> str:
+        rows = [(name, f"{value:.4g}") for name, value in self.roughness().items()]
+        return as_html(self._title(), ("", "value"), rows, "\n".join(self.map.history))
+
+    def _title(self) -> str:
+        along, across = self.map.size
+        points = " x ".join(map(str, self.map.heights.shape))
+        return f"{self.map.name}: {points} points over {along:.4g} um x {across:.4g} um"
+
+
+def _form(form: str) -> str:
+    return str(keywords.choice("form", form, tuple(FORMS)))
+
+
+def _length(keyword: str, value: Any) -> Any:
+    return keywords.quantity(keyword, value, LENGTH)
+
+
+def _needed(keyword: str, value: Any, kind: Any) -> float:
+    number = keywords.quantity(keyword, value, kind)
+    if number is None:
+        raise Refused(f'{keyword}= is needed; right form: {keyword}="{kind.example}"')
+    return number

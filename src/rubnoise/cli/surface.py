@@ -1,0 +1,307 @@
+"""`rubnoise surface`: from measured surfaces to the junctions that carry a load, and to the scenario of their noise."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from enum import StrEnum
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from rubnoise.cli.layout import line, number, printable, remark, sentence
+from rubnoise.errors import Refused, in_shell
+
+if TYPE_CHECKING:
+    from rubnoise.api.surface import Surface
+    from rubnoise.surface.sliding import SlidingContact
+
+
+class Form(StrEnum):
+    """Forms that can be removed."""
+
+    NONE = "none"
+    TILT = "tilt"
+    POLYNOMIAL = "polynomial"
+    CYLINDER = "cylinder"
+    SPHERE = "sphere"
+
+
+_LAGS: Final = 200
+_WAVES: Final = 120
+
+
+def command(
+    scans: Annotated[
+        list[Path] | None,
+        typer.Argument(help="A scan, or two: the track, then the slider.", metavar="SCAN [SCAN]", show_default=False),
+    ] = None,
+    *,
+    cutoff: Annotated[
+        str | None, typer.Option(help='Shortest wave that counts: "5 um".', metavar="LENGTH", show_default=False)
+    ] = None,
+    load: Annotated[
+        str | None, typer.Option(help='Load of the slider: "0.2 N".', metavar="FORCE", show_default=False)
+    ] = None,
+    hardness: Annotated[
+        str | None, typer.Option(help='Hardness of the softer: "1 GPa".', metavar="PRESSURE", show_default=False)
+    ] = None,
+    longest: Annotated[
+        str | None, typer.Option(help="Longest wave that counts; default: all.", metavar="LENGTH", show_default=False)
+    ] = None,
+    form: Annotated[
+        Form, typer.Option(help="Form to remove: none, tilt, polynomial, cylinder, sphere.", metavar="FORM")
+    ] = Form.TILT,
+    unit: Annotated[
+        str | None, typer.Option(help="Unit of a scan that names none: um.", metavar="UNIT", show_default=False)
+    ] = None,
+    slider_length: Annotated[
+        str | None,
+        typer.Option(help="Length of a slider longer than its scan.", metavar="LENGTH", show_default=False),
+    ] = None,
+    speed: Annotated[
+        str | None, typer.Option(help='Sliding speed of the scenario: "10 mm/s".', metavar="SPEED", show_default=False)
+    ] = None,
+    distance: Annotated[
+        str | None,
+        typer.Option(help="Its sliding distance; default: 1000 mean lives.", metavar="LENGTH", show_default=False),
+    ] = None,
+    mass: Annotated[
+        str | None,
+        typer.Option(help="Let the slider rise and fall on its load: its mass.", metavar="MASS", show_default=False),
+    ] = None,
+    damping_ratio: Annotated[
+        float | None, typer.Option(help="Damping ratio of this motion.", metavar="RATIO", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Write the scenario, or the synthetic surface.", metavar="FILE"),
+    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Write a page with maps and curves.", metavar="HTML")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    synthesise: Annotated[bool, typer.Option("--synthesise", help="Make a self-affine surface instead.")] = False,
+    points: Annotated[int, typer.Option(help="Its points a side.", metavar="N")] = 512,
+    spacing: Annotated[str, typer.Option(help="Their distance.", metavar="LENGTH")] = "1 um",
+    roughness: Annotated[str, typer.Option(help="Its rms height.", metavar="LENGTH")] = "1 um",
+    hurst: Annotated[float, typer.Option(help="Its Hurst exponent.", metavar="H")] = 0.8,
+    rolloff: Annotated[
+        str | None, typer.Option(help="Its longest self-affine wave; default: a quarter of a side.", metavar="LENGTH")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Its seed.", metavar="N")] = 1,
+) -> None:
+    """Say how many junctions of what size carry a load between two measured surfaces, and write their scenario.
+
+    Theory is exact for Gaussian surfaces with the measured spectra; beside it stands what is counted on the maps. The
+    number of junctions depends on the cut-off, so that one has to be given.
+
+    Example: rubnoise surface track.al3d slider.x3p --cutoff "5 um" --load "0.2 N" --hardness "1 GPa" -o scenario.toml
+    """
+    from rubnoise.api.surface import Surface
+    from rubnoise.storage.output import check_output
+
+    for path in (output, report):
+        if path is not None:
+            check_output(path, force=force)
+    if synthesise:
+        if scans or report is not None:
+            raise typer.BadParameter("--synthesise takes no scan and makes no report")
+        made = Surface.synthesise(
+            points=points,
+            spacing=spacing,
+            roughness=roughness,
+            hurst=hurst,
+            rolloff=rolloff,
+            cutoff=cutoff,
+            seed=seed,
+        )
+        _keep_synthetic(made, output or Path(f"surface{seed}.nc"), as_json=as_json, force=force)
+        return
+    if scans is None or len(scans) not in (1, 2):
+        raise typer.BadParameter("one scan or two are needed: the track, then the slider")
+    surfaces = [Surface.read(path, form=form.value, unit=unit) for path in scans]
+    slider = surfaces[1] if len(surfaces) == 2 else None
+    _ask_for_needed(surfaces[0], slider, cutoff, load, hardness, longest)
+    contact = surfaces[0].slide(
+        slider, cutoff=cutoff, load=load, hardness=hardness, longest=longest, slider_length=slider_length
+    )
+    _write(contact, output, report, _wanted(speed, distance, mass, damping_ratio), force=force)
+    _print(contact, as_json=as_json)
+    if contact.refused:
+        raise Refused(f"{printable(str(scans[-1]))}: refused: {'; '.join(contact.refused)}")
+
+
+def _write(
+    contact: "SlidingContact", output: Path | None, report: Path | None, scenario: dict[str, Any], *, force: bool
+) -> None:
+    """Write scenario and report, all or none; nothing of a contact that is refused."""
+    from rubnoise.storage.output import whole_file
+
+    texts: dict[Path, str] = {}
+    if output is not None and not contact.refused:
+        texts[output] = contact.scenario_text(**scenario)
+    if report is not None and not contact.refused:
+        from rubnoise.pages.surface_report import surface_report
+
+        texts[report] = surface_report(contact, list(described(contact)), **scenario)
+    with ExitStack() as files:
+        for path, text in texts.items():
+            files.enter_context(whole_file(path, force=force)).write_text(text, encoding="utf-8")
+
+
+def _print(contact: "SlidingContact", *, as_json: bool) -> None:
+    import json
+
+    print(json.dumps(contents(contact)) if as_json else "\n".join(described(contact)))
+
+
+def _keep_synthetic(made: "Surface", path: Path, *, as_json: bool, force: bool) -> None:
+    import json
+
+    from rubnoise.storage.output import check_output, whole_file
+
+    check_output(path, force=force)
+    with whole_file(path, force=force) as part:
+        made.save(part)
+    facts = {"surface": str(path), "digest": made.map.digest, "roughness": made.roughness()}
+    print(json.dumps(facts) if as_json else "\n".join([sentence(f"{path}: {made.map.history[0]}"), *_roughness(made)]))
+
+
+def _roughness(surface: "Surface") -> Iterator[str]:
+    units = {"Sa": " um", "Sq": " um"}
+    for name, value in surface.roughness().items():
+        yield line(name.replace("_", " "), f"{value:.4g}{units.get(name, '')}")
+
+
+def _ask_for_needed(
+    track: "Surface",
+    slider: "Surface | None",
+    cutoff: str | None,
+    load: str | None,
+    hardness: str | None,
+    longest: str | None,
+) -> None:
+    """Refuse a call without a cut-off after the curve over cut-offs, and one without a load or a hardness."""
+    import sys
+
+    if cutoff is None:
+        lengths, counts = track.count_over_cutoff(slider, longest=longest)
+        print("cut-off (um)  junctions at 1 % of the area", file=sys.stderr)
+        for length, count in zip(lengths, counts, strict=True):
+            print(f"{length:12.4g}  {count:.4g}", file=sys.stderr)
+        raise Refused(
+            '--cutoff is needed: the number of junctions depends on it as above; right form: --cutoff "5 um", a wave'
+            " longer than the noise of the instrument"
+        )
+    for option, value, example in (("--load", load, "0.2 N"), ("--hardness", hardness, "1 GPa")):
+        if value is None:
+            raise Refused(f'{option} is needed; right form: {option} "{example}"')
+
+
+def _wanted(speed: str | None, distance: str | None, mass: str | None, damping_ratio: float | None) -> dict[str, Any]:
+    from rubnoise.api import keywords
+    from rubnoise.units import LENGTH, MASS, SPEED
+
+    if damping_ratio is not None and not (isfinite(damping_ratio) and damping_ratio >= 0.0):
+        raise Refused(f"--damping-ratio: {damping_ratio} is no number from 0 on")
+    return {
+        "speed": keywords.quantity("speed", speed, SPEED),
+        "distance": keywords.quantity("distance", distance, LENGTH),
+        "mass": keywords.quantity("mass", mass, MASS),
+        "damping_ratio": damping_ratio,
+    }
+
+
+def figures(contact: "SlidingContact") -> Iterator[tuple[str, str, str, str, float]]:
+    """Yield every figure of an answer: its table and key in JSON, its label, its unit and its value."""
+    gaussian, counted = contact.gaussian, contact.counted
+    exact = (
+        ("real_contact_area", "real contact area", "um^2", gaussian.real_contact_area),
+        ("junction_count", "junctions", "", gaussian.junction_count),
+        ("count_slope", "  d N / d ln(cut-off)", "", gaussian.count_slope(contact.cutoff)),
+        ("birth_rate", "births", "per um", gaussian.birth_rate),
+        ("mean_life", "mean life", "um", gaussian.mean_life),
+        ("relative_std", "std/mean, long run", "", gaussian.relative_std),
+        ("relative_std_short", "std/mean, short run", "", gaussian.relative_std_short),
+        ("frozen_share", "frozen share of variance", "", gaussian.frozen_share),
+        ("correlation_length", "correlation length", "um", gaussian.correlation_length),
+        ("height_scale", "height scale sigma/u", "um", gaussian.height_scale),
+        ("separation_std", "std of the gap under load", "um", gaussian.load_std),
+    )
+    maps = (
+        ("patch_count", "patches", "", counted.patch_count),
+        ("largest_share", "largest patch over all", "", counted.largest_share),
+        ("real_contact_area", "their area", "um^2", counted.real_contact_area),
+        ("map_area", "area of the map", "um^2", counted.map_area),
+        ("mean_diameter", "mean diameter", "um", counted.mean_diameter),
+        ("relative_spread", "spread of areas over mean", "", counted.relative_spread),
+        ("over_gaussian", "counted over exact", "", contact.honesty),
+    )
+    ours = (
+        ("relative_std", "std/mean", "", contact.scenario_relative_std),
+        ("correlation_length", "correlation length", "um", contact.scenario_correlation_length),
+    )
+    for table, rows in (("gaussian", exact), ("counted", maps), ("scenario", ours)):
+        yield from ((table, *row) for row in rows)
+
+
+HEADINGS: Final = {
+    "gaussian": "exact for Gaussian surfaces with these spectra",
+    "counted": "counted on the maps",
+    "scenario": "in the scenario",
+}
+
+
+def contents(contact: "SlidingContact") -> dict[str, Any]:
+    """Return the answer by name, lengths in um; a number that is none is null."""
+    import numpy as np
+
+    gaussian = contact.gaussian
+    lags = np.linspace(0.0, gaussian.curve[0][-1], _LAGS)
+    waves = np.geomspace(0.02, 20.0, _WAVES) * np.pi / contact.cutoff
+    tables: dict[str, dict[str, float | None]] = {name: {} for name in HEADINGS}
+    for table, key, _, _, value in figures(contact):
+        tables[table][key] = value if isfinite(value) else None
+    return {
+        "track": _map(contact, 0),
+        "slider": _map(contact, 1),
+        **{name: getattr(contact, name) for name in ("cutoff", "longest", "slider_length", "nominal_area", "share")},
+        "level": gaussian.level,
+        **tables,
+        "autocovariance": {"lag": lags.tolist(), "value": gaussian.autocovariance(lags).tolist()},
+        "spectrum": {"wavenumber": waves.tolist(), "value": gaussian.spectrum(waves).tolist()},
+        "remarks": list(contact.remarks),
+        "refused": list(map(in_shell, contact.refused)),
+    }
+
+
+def _map(contact: "SlidingContact", which: int) -> dict[str, Any]:
+    surface = (contact.track, contact.slider)[which]
+    return {
+        "name": surface.name,
+        "points": list(surface.heights.shape),
+        "spacing": list(surface.spacing),
+        "history": list(surface.history),
+        "digest": contact.scans[which].digest,
+    }
+
+
+def described(contact: "SlidingContact") -> Iterator[str]:
+    """Yield the answer, line by line."""
+    for role, surface in (("track", contact.track), ("slider", contact.slider)):
+        along, across = surface.size
+        yield sentence(
+            f"{role}: {printable(surface.name)}, {along:.4g} um along and {across:.4g} um across the sliding"
+        )
+        yield from map(remark, surface.history)
+    yield remark(contact.direction)
+    yield line("share of the nominal area", f"{100.0 * contact.share:.4g} %, level u = {contact.gaussian.level:.4g}")
+    heading = ""
+    for table, _, label, unit, value in figures(contact):
+        if table != heading:
+            heading = table
+            yield HEADINGS[table]
+        yield line(label, f"{number(value) if table == 'counted' else f'{value:.4g}'} {unit}".rstrip())
+    if contact.remarks:
+        yield "what the scenario does not have from the surfaces"
+    yield from map(remark, contact.remarks)

@@ -1,0 +1,62 @@
+"""A report of two surfaces: one page with the answers, the maps and curves, the scenario, and how it sounds."""
+
+from base64 import b64encode
+from html import escape
+from math import sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+import numpy as np
+
+from rubnoise.api.running import simulate
+from rubnoise.figures.surface import contact_picture
+from rubnoise.pages.page import HERE
+from rubnoise.scenario import loads
+from rubnoise.storage.wave_file import write_wave
+from rubnoise.surface.sliding import SlidingContact
+from rubnoise.web_page import part, web_page
+
+RATE: Final = 44_100
+SECONDS: Final = 3.0
+SAMPLES_A_LIFE: Final = 100
+"""A mean life of junctions takes so many samples: its noise then falls off above some 300 Hz."""
+
+_PEAK: Final = 0.7
+
+
+def surface_report(contact: SlidingContact, lines: list[str], **scenario: Any) -> str:
+    """Return the page: the text of the command, five panes, the sound of the area, and the scenario as it is written.
+
+    ``scenario`` are the keywords of `SlidingContact.scenario_text`. Raises PicturesMissing without matplotlib.
+    """
+    title = f"{contact.slider.name} on {contact.track.name}"
+    image = b64encode(contact_picture(contact)).decode("ascii")
+    alt = "Both height maps with patches of contact, bearing curve, spectra, number of junctions over the cut-off,"
+    text = escape("\n".join(lines))
+    sound, words = _sound(contact)
+    body = (
+        f"<main><h1>{escape(title)}</h1><pre>{text}</pre>"
+        f'<figure><img alt="{alt} autocovariance" src="data:image/png;base64,{image}"></figure>'
+        f'<section class="on-screen"><h2>Sound</h2><p>{escape(words)}</p>'
+        f'<audio controls src="data:audio/wav;base64,{sound}"></audio></section>'
+        f"<h2>Scenario</h2><pre>{escape(contact.scenario_text(**scenario))}</pre></main>"
+    )
+    return web_page(body, title=title, styles=[part(HERE, "report.css")])
+
+
+def _sound(contact: SlidingContact) -> tuple[str, str]:
+    """Return a WAV file in base 64, the area of the scenario less its mean, and words that say its speed."""
+    tick = 2.0 * sqrt(contact.gaussian.real_contact_area / contact.gaussian.junction_count) / SAMPLES_A_LIFE
+    samples = int(SECONDS * RATE)
+    text = contact.scenario_text(distance=samples * tick)
+    record = simulate(loads(f'{text}\n[output]\ntick = "{tick:.9g} um"\n\n[run]\nengine = "batch"\n', "surface"))
+    area = np.asarray(record.trace["real_contact_area"][:samples], dtype=np.float64)
+    values = area - area.mean()
+    values *= _PEAK / np.abs(values).max()
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "area.wav"
+        write_wave(path, [values], samples=values.size, rate=RATE, texts={})
+        content = b64encode(path.read_bytes()).decode("ascii")
+    speed = tick * RATE * 1e-3
+    return content, f"The real contact area of the scenario as it changes at a sliding speed of {speed:.3g} mm/s."
