@@ -1,6 +1,7 @@
 """Scans read from files of 42 instruments and formats by SurfaceTopography, or taken from its objects as they are."""
 
 import os
+import warnings
 from pathlib import Path
 from typing import Any, Final
 
@@ -101,7 +102,9 @@ def to_file(surface: HeightMap, path: Path) -> None:
 
 def _library() -> Any:
     try:
-        import SurfaceTopography
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # it tells that it found no MPI, which no scan needs
+            import SurfaceTopography
     except ImportError as problem:
         raise ExtraMissing(
             'scans are read by SurfaceTopography, which is not installed: python3 -m pip install "rubnoise[surface]"'
