@@ -10,8 +10,7 @@ from bench import checks, kernel, motion, ours
 from bench.case import Case, Drawn, Given, Output
 from bench.checks import Truth, judged, relative_error, whole_run
 from bench.entrants import Entrant, areas, runs
-from bench.peers import c_kernel, naive_numpy, naive_simpy, numba_loops, sliders
-from bench.plan import FULL, QUICK
+from bench.peers import c_kernel, naive_numpy, sliders
 
 from rubnoise.simulation.kernels.fine import FINEST
 
@@ -67,14 +66,6 @@ def test_rubnoise_has_to_move_right_to_nine_digits(known: Truth) -> None:
     assert judged("runs", "peer", other, known).passed
 
 
-def test_a_library_of_queues_tells_of_the_dead_only(known: Truth) -> None:
-    death = known.birth + 2.0 * known.diameter
-    dead = death <= known.case.distance
-    assert 0 < dead.sum() < dead.size
-    assert judged("births", "queue", Output(birth=known.birth[dead], death=death[dead]), known).passed
-    assert not judged("births", "queue", Output(birth=known.birth[~dead], death=death[~dead]), known).passed
-
-
 def test_methods_for_the_slider_err_as_they_should(known: Truth) -> None:
     errors = {
         name: relative_error(move(known.case, known.area), known.displacement) for name, move in motion.MOVERS.items()
@@ -90,14 +81,6 @@ def test_the_kernels_in_c_are_right(way: str, known: Truth) -> None:
     total = np.zeros(known.area.size)
     c_kernel.deposit(way)(known.case, known.case.ticks, known.birth, known.diameter, total)
     assert relative_error(total, known.area) < checks.AREA_BOUND
-
-
-def test_square_roots_alone_are_no_area(known: Truth) -> None:
-    if not c_kernel.available():
-        pytest.skip("no gcc")
-    total = np.zeros(known.area.size)
-    c_kernel.deposit("roots")(known.case, known.case.ticks, known.birth, known.diameter, total)
-    assert relative_error(total, known.area) > 0.1
 
 
 def test_kernels_are_fed_alike(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,28 +101,12 @@ def test_the_kernel_adds_every_life_also_those_too_short_for_series(monkeypatch:
     assert not list(found.faults())
 
 
-def test_whole_runs_are_checked_wherever_time_is_taken() -> None:
-    for plan in (FULL, QUICK):
-        points = {(case.mean_count, case.ticks_per_life) for case in checks.cases(plan.counts, plan.ticks)}
-        assert points >= {(count, 221.0) for count in plan.counts} | {(20.0, ticks) for ticks in plan.ticks}
-        assert all(case.junctions >= 3 * case.mean_count for case in checks.cases(plan.counts, plan.ticks))
-
-
 def test_rubnoise_is_right_at_every_number_of_ticks_and_junctions_that_is_timed(tmp_path: Path) -> None:
     ours_alone = runs(("events",))[0]
     for case in (Case(20.0, 30.0, 60), Case(20.0, 2200.0, 20), Case(100.0, 220.0, 300)):
         given = checks.truth(case)
         verdict = judged("runs", ours_alone.name, whole_run(ours_alone, given, tmp_path), given)
         assert verdict.passed, list(verdict.faults())
-
-
-def test_given_junctions_are_the_same_one_by_one_and_at_once() -> None:
-    birth, diameter = Drawn(Case(junctions=50), seed=3).rows()
-    given = Given(birth, diameter)
-    singly = [(given.gap(), given.diameter()) for _ in birth]
-    assert np.allclose(np.cumsum([gap for gap, _ in singly]), birth, rtol=1e-14)
-    assert [d for _, d in singly] == diameter.tolist()
-    assert given.gap() > 1e9
 
 
 @pytest.mark.parametrize("mean_count", [10.0, 1000.0])
@@ -154,22 +121,3 @@ def test_drawn_junctions_are_those_of_the_paper(mean_count: float) -> None:
     for diameters in (many, few):
         assert abs(diameters.mean() - case.mean_diameter) <= 4.0 * case.diameter_std / np.sqrt(diameters.size)
         assert abs(diameters.std() / case.diameter_std - 1.0) <= 4.0 / np.sqrt(2.0 * diameters.size)
-
-
-def test_a_case_says_the_same_to_rubnoise() -> None:
-    for case in (Case(), Case(mean_count=1000.0, ticks_per_life=30.0), Case(ticks_per_life=2200.0)):
-        model = ours.scenario(case, "events").model()
-        assert model.tick_count == case.tick_count
-        assert model.calibrated_diameter == pytest.approx(case.mean_diameter, rel=1e-14)
-        assert model.mean_birth_spacing == pytest.approx(case.mean_gap, rel=1e-14)
-        assert model.mean_life_distance / model.tick == pytest.approx(case.ticks_per_life, rel=1e-3)
-
-
-def test_runge_kutta_in_python_and_in_numba_agree(known: Truth) -> None:
-    x, _ = numba_loops.slider(known.case, known.area)
-    assert np.allclose(sliders.rk4_python(known.case, known.area), x, rtol=1e-12, atol=1e-12)
-
-
-def test_the_tutorials_area_is_a_lens() -> None:
-    assert naive_simpy.lens_area(2.0, 2.0) == pytest.approx(np.pi)
-    assert naive_simpy.lens_area(0.0, 2.0) == naive_simpy.lens_area(4.0, 2.0) == 0.0

@@ -4,29 +4,21 @@ from dataclasses import replace
 from datetime import date
 from itertools import count
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Self
 
 import pytest
 from bench import __main__ as program
 from bench import clock, kernel, motion, off_centre, startup, two_way
 from bench import results as results_module
-from bench.case import Case
 from bench.checks import Verdict, Wrong
 from bench.clock import Task, Timing, interleaved
-from bench.entrants import CIW, areas, births, in_memory, runs
+from bench.entrants import areas, births, in_memory, runs
 from bench.kernel import KernelTimings
 from bench.motion import MotionTimings
 from bench.off_centre import OffCentreTimings
-from bench.page import number, page
-from bench.picture import picture
+from bench.page import page
 from bench.plan import FULL, QUICK
 from bench.results import Results
 from bench.two_way import CoupledTimings
-
-import rubnoise
-from tests.architecture.sources import ROOT
-from tools.studies import sweep_cost
 
 # What the benchmark makes of its numbers: medians, ratios, a page and a picture.
 ENGINES = ("events", "batch")
@@ -109,14 +101,6 @@ def test_what_is_not_measured_is_said_to_be_missing() -> None:
     assert words not in page(right, date(2026, 11, 21))
 
 
-def test_no_time_however_long_fails(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("bench.results.measured", lambda *_: results(batch=1e6))
-    assert program.main(["--quick"]) == 0
-    output, error = capsys.readouterr()
-    assert output.startswith("# Performance\n")
-    assert not error
-
-
 def _wrong_kernel(error: float | None) -> Results:
     right = results()
     errors = right.kernel.errors | {kernel.OURS: error}
@@ -183,39 +167,6 @@ def test_time_is_not_taken_of_what_is_wrong(monkeypatch: pytest.MonkeyPatch, tmp
         results_module.measured(QUICK, tmp_path, lambda _: None)
 
 
-def test_how_wrong_a_motion_is_stands_beside_its_time() -> None:
-    right = results()
-    coarse = [Verdict("runs", each.name, 1e-15, 4e-3, 0.0, Case(ticks_per_life=10.0)) for each in runs(ENGINES)]
-    text = page(replace(right, verdicts=(*right.verdicts, *coarse[2:])), date(2026, 11, 21))
-    assert f"| {coarse[-1].name} | 4e-03 | - | - | - |" in text
-    assert "| rubnoise, batch | - | - | - | - |" in text
-
-
-def test_a_two_way_slider_has_a_row_for_each_and_a_second_of_its_own() -> None:
-    text = page(results(), date(2026, 11, 21))
-    assert "| N_jm = 5 | us a junction | +- | times ours | s a second | junctions | error |" in text
-    assert "| rubnoise, batch | 2.5 | 0 % | 1 | 0.0045 | 1 | 1e-10 | default |" in text
-    assert "| solve_ivp, numpy force | 5e+03 | 0 % | 2e+03 | 9 | 1 | 1e-10 | 1e-13 |" in text
-
-
-def test_junctions_off_the_centre_line_have_a_row_for_each_contact() -> None:
-    text = page(results(), date(2026, 11, 21))
-    assert "| area alone | 20 | 300 | 2 | 2.5 | 1.25 | 1e-15, 1e-11 |" in text
-    wrong = replace(passes(1.25), errors={"area": 1e-11})
-    with pytest.raises(Wrong) as raised:
-        page(replace(results(), off_centre={off_centre.CONTACTS[-1]: wrong}), date(2026, 11, 21))
-    assert [fault.split(": ")[1].split(" ")[1] for fault in raised.value.args] == ["area", "displacement"]
-
-
-def test_the_page_names_the_closest_peer_and_the_largest_memory() -> None:
-    text = page(results(), date(2026, 11, 21))
-    assert "numba loops, RK4 comes closest in a whole run." in text
-    assert "needs at most 150 MB" in text
-    other = results()
-    runs_of = other.runs | {"naive SimPy, RK4": timing(2.0)}
-    assert "naive SimPy, RK4 comes closest" in page(replace(other, runs=runs_of), date(2026, 11, 21))
-
-
 def test_the_page_and_its_picture_are_written_where_asked(
     tmp_path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -227,88 +178,4 @@ def test_the_page_and_its_picture_are_written_where_asked(
     assert "written" in capsys.readouterr().out
 
 
-def test_the_picture_draws_what_it_is_given() -> None:
-    assert picture(results()) == picture(results())
-    assert picture(results()) != picture(results(batch=2.0))
-
-
-def test_a_quick_look_asks_less_of_everybody() -> None:
-    for each in (*runs(ENGINES), *areas(ENGINES), *births()):
-        assert QUICK.junctions(each) <= FULL.junctions(each)
-    assert CIW in {each.name for each in births()}
-
-
-def test_many_ticks_shorten_a_run_and_few_do_not() -> None:
-    entrant = runs(ENGINES)[0]
-    base = FULL.case(entrant)
-    assert base.junctions == entrant.junctions
-    assert FULL.case(entrant, ticks_per_life=2200.0).tick_count <= 2.01 * base.tick_count
-    assert FULL.case(entrant, mean_count=1000.0).junctions == entrant.junctions
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(0.123456, "0.123"), (1234.0, "1234"), (20_000.0, "2.0e+04"), (1e-5, "1.0e-05"), (0.0, "0")]
-)
-def test_numbers_have_three_digits(value: float, text: str) -> None:
-    assert number(value) == text
-
-
 # The cost of a sweep is printed only if all its runs are there and right.
-SCENARIO = ROOT / "scenarios" / "paper" / "fig9.toml"
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A sweep of two points and two replicates."""
-    place = tmp_path_factory.mktemp("sweep") / "folder"
-    counts = "sweep.grid.interface.mean_junction_count=[10, 20]"
-    changes = ["sweep.replicates=2", "sliding.distance=3 mm", "output.tick=0.5 um", counts]
-    sweep = rubnoise.load_sweep(SCENARIO, changes)
-    rubnoise.run_sweep(sweep, place, jobs=1).close()
-    return place
-
-
-def altered(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
-    """Let an opened sweep tell its standard deviations as so many times of what they are."""
-    load = rubnoise.open_sweep
-
-    class Altered:
-        def __init__(self, sweep: rubnoise.SweepResult) -> None:
-            self.sweep = sweep
-
-        def __enter__(self) -> Self:
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            self.sweep.close()
-
-        def to_xarray(self):
-            grid = self.sweep.to_xarray()
-            grid["real_contact_area_std"] = factor * grid["real_contact_area_std"]
-            return grid
-
-    monkeypatch.setattr(rubnoise, "open_sweep", lambda place: Altered(load(place)))
-
-
-def test_right_runs_are_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    sweep_cost.tell_spreads(folder)
-    assert "worst of 2 points: " in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("factor", [3.0, float("nan")])
-def test_wrong_runs_end_the_program(folder: Path, factor: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    altered(monkeypatch, factor)
-    with pytest.raises(SystemExit, match="no costs of wrong runs"):
-        sweep_cost.tell_spreads(folder)
-
-
-def test_a_run_that_is_left_out_ends_the_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    class Made(SimpleNamespace):
-        def __enter__(self) -> Self:
-            return self
-
-        def __exit__(self, *_: object) -> None: ...
-
-    monkeypatch.setattr(rubnoise, "run_sweep", lambda *_, **__: Made(count=lambda state: 9 if state == "done" else 0))
-    with pytest.raises(SystemExit, match="only 9 of 10 runs were made"):
-        sweep_cost.swept(SCENARIO, 2, tmp_path, jobs=1)

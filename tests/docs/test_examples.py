@@ -7,7 +7,6 @@ import subprocess
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
-from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from shlex import shlex, split
@@ -27,7 +26,6 @@ from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call
 from tests.docs.pages import ELSEWHERE, Example, examples, pages
 from tools import generate_gallery as tool
-from tools.small_png import COLOURS, small
 
 # Every example in the README, the docs and the docstrings does what it says, those of all pages in one folder.
 PAGES = {name: list(examples((ROOT / name).read_text(encoding="utf-8"))) for name in pages()}
@@ -146,13 +144,6 @@ def test_examples_are_found_on_a_page() -> None:
     ]
 
 
-def test_a_wrong_docstring_is_noticed() -> None:
-    told: list[str] = []
-    wrong = doctest.DocTestParser().get_doctest(">>> 1 + 1\n3\n", {}, "wrong", None, 0)
-    doctest.DocTestRunner().run(wrong, out=told.append)
-    assert "Expected:\n    3" in "".join(told)
-
-
 # The gallery shows every picture with its command, and is what its tool writes.
 SHOWN = [shown for room in tool.ROOMS for shown in room.pictures]
 COMMAND_LINES = [
@@ -195,19 +186,6 @@ def test_its_pictures_are_there_and_small() -> None:
         Path(name).name for name in files if name.startswith("gallery/")
     }
     assert sum(len(content) for name, content in files.items() if name.startswith("gallery/")) < 1_000_000
-
-
-def test_a_small_picture_looks_like_the_large_one() -> None:
-    across, down = np.meshgrid(np.linspace(0.0, 255.0, 200), np.linspace(0.0, 255.0, 150))
-    many = np.stack([across, down, 0.5 * (across + down)], axis=-1).astype(np.uint8)
-    stream = BytesIO()
-    Image.fromarray(many).save(stream, format="PNG")
-    with Image.open(BytesIO(small(stream.getvalue()))) as less:
-        seen = np.asarray(less.convert("RGB"))
-    assert seen.shape == many.shape
-    assert len(np.unique(seen.reshape(-1, 3), axis=0)) <= COLOURS
-    assert np.abs(seen.astype(int) - many).mean() < 20.0
-    assert np.abs(seen.astype(int) - many[::-1]).mean() > 40.0, "another picture is noticed"
 
 
 def test_its_pictures_are_what_its_commands_draw(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@
 import re
 import sys
 import tomllib
-from itertools import pairwise
 from pathlib import Path
 
 import h5py
@@ -129,36 +128,6 @@ def test_a_sweep_becomes_a_table(tmp_path: Path) -> None:
     assert "2 runs of each" in "\n".join(lines)
 
 
-def test_only_measured_parts_are_replaced() -> None:
-    parts = {name: ["new", name] for name in ("figures", "surprise", "chaos")}
-    page = tool.filled(TEXT, parts)
-    assert page.count("\nnew\n") == 3
-    assert [line for line in page.split("\n") if line.startswith("## ")] == [
-        line for line in TEXT.split("\n") if line.startswith("## ")
-    ]
-    kept = {name: part(name) for name in parts}
-    assert tool.filled(page, kept) == TEXT
-
-
-def test_a_part_that_the_page_has_not_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    page = tmp_path / "two-way.md"
-    page.write_text(TEXT, encoding="utf-8")
-    monkeypatch.setattr(tool, "PAGE", page)
-    monkeypatch.setattr(tool, "PICTURES", tmp_path)
-    monkeypatch.setattr(tool, "made", lambda *_: {"figures": [], "extra": []})
-    monkeypatch.setattr(sys, "argv", ["two_way"])
-    assert tool.main() == 1
-    assert capsys.readouterr().err == "two_way: chaos, extra, reference, surprise: on the page or here alone\n"
-    assert page.read_text(encoding="utf-8") == TEXT
-
-
-def test_speeds_are_in_order() -> None:
-    speeds = [float(row[0]) for row in rows("surprise")]
-    assert all(slower < faster for slower, faster in pairwise(speeds))
-
-
 # The table of what sliding distance shows what follows from the theory, and is written if wrong runs bear it out.
 COMPARING = ROOT / "docs" / "comparing.md"
 BY_NAME = {fault.name: fault for fault in detection.FAULTS}
@@ -174,11 +143,6 @@ def cells(page: str) -> dict[str, list[str]]:
 
 
 ROWS = cells(detection.PAGE.read_text(encoding="utf-8"))
-
-
-def test_every_fault_has_a_row() -> None:
-    assert list(ROWS) == list(BY_NAME)
-    assert len({shown for shown, *_ in ROWS.values()}) > 8
 
 
 @pytest.mark.parametrize("name", BY_NAME)
@@ -243,17 +207,6 @@ def test_a_table_that_runs_do_not_bear_out_is_not_written(
     assert page.read_bytes() == COMPARING.read_bytes()
 
 
-def test_a_table_that_runs_bear_out_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    page = tmp_path / "comparing.md"
-    page.write_bytes(COMPARING.read_bytes())
-    monkeypatch.setattr(detection, "PAGE", page)
-    monkeypatch.setattr(detection, "FAULTS", (BY_NAME["an empty start"],))
-    monkeypatch.setattr(detection, "outside", lambda *_: ["start_count"])
-    monkeypatch.setattr(sys, "argv", ["detection"])
-    assert detection.main() == 0
-    assert cells(page.read_text(encoding="utf-8")) == {"an empty start": ["`start_count`", "0.56 mm", "20 of 20", "-"]}
-
-
 # docs/reproducibility.md promises what the program does, and lists all of it.
 PAGE = (ROOT / "docs" / "reproducibility.md").read_text(encoding="utf-8")
 PROMISED = re.findall(r"^\| `/(\w+)` \| every column", PAGE, re.MULTILINE)
@@ -314,11 +267,3 @@ def test_what_is_promised_is_the_same_and_the_file_is_not(
     assert hashes(again) == hashes(kept)
     assert len(hashes(kept)) > 20
     assert again.read_bytes() != kept.read_bytes()
-
-
-def test_another_seed_has_other_columns(kept: Path, tmp_path: Path) -> None:
-    other = tmp_path / "other.h5"
-    rubnoise.run(scenario("batch", "none", seed=8), other).close()
-    differ = {name for name, value in hashes(kept).items() if hashes(other).get(name) != value}
-    assert differ >= {"/junctions/birth_distance", "/trace/real_contact_area", "/slider/velocity"}
-    assert "/life_curve/area_fraction" not in differ

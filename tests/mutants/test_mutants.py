@@ -1,7 +1,5 @@
 """Faults put into a copy of the program are noticed; all of them are tried by `python3 tools/mutants.py`."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import mutants
@@ -59,41 +57,10 @@ def test_a_text_that_is_not_there_once_is_refused(text: str) -> None:
         mutants.applied(Mutant("nowhere", (Edit(text, ""),), TICKS), TEXTS)
 
 
-@pytest.mark.parametrize("name", ["test_nothing_of_the_kind", "test_other.py::test_area_is_that_of_two_segments"])
-def test_a_test_that_is_not_there_is_refused(name: str) -> None:
-    with pytest.raises(mutants.DoesNotApply, match="0 files, not one, have the test "):
-        mutants.test_of(Mutant("untested", (), name), ROOT)
-
-
-def test_edits_of_one_file_add_up() -> None:
-    edits = (Edit(TITLE, "# the first of two"), Edit("# the first of two", "# the second of two"))
-    assert next(iter(mutants.applied(Mutant("two", edits, TICKS), TEXTS).values())).startswith("# the second of two\n")
-
-
-def test_ten_tenths_are_all_faults_and_each_day_has_one() -> None:
-    parts = [mutants.tenth(str(number), MUTANTS) for number in range(1, 11)]
-    assert sorted(mutant.name for part in parts for mutant in part) == sorted(BY_NAME)
-    assert max(map(len, parts)) - min(map(len, parts)) <= 1
-    assert mutants.tenth("today", MUTANTS) in parts
-
-
-@pytest.mark.parametrize("asked", ["0", "11", "-1", "1.5", "tomorrow", ""])
-def test_a_tenth_that_is_none_is_refused(asked: str) -> None:
-    with pytest.raises(SystemExit, match="is no number from 1 to 10, and not today"):
-        mutants.tenth(asked, MUTANTS)
-
-
 @pytest.mark.parametrize("mutant", mutants.tenth("today", MUTANTS), ids=lambda mutant: mutant.name)
 def test_each_fault_whose_turn_it_is_is_noticed(copy: Path, mutant: Mutant) -> None:
     verdict = mutants.judged(mutant, copy)
     assert verdict.killed, verdict.evidence
-
-
-@pytest.mark.parametrize("name", ["spread 5 % too wide", "off-by-one tick"])
-def test_a_fault_is_noticed(copy: Path, name: str) -> None:
-    verdict = mutants.judged(BY_NAME[name], copy)
-    assert verdict.killed
-    assert verdict.evidence.startswith("z = +3" if BY_NAME[name].chance else "asserted")
 
 
 def test_no_fault_and_no_assertion_are_no_kill(copy: Path) -> None:
@@ -154,10 +121,3 @@ def test_verdicts_are_kept_until_a_file_changes(tmp_path: Path, monkeypatch: pyt
     (tmp_path / "tests" / "file.py").write_text("x = 2\n", encoding="utf-8")
     found("third")
     assert tried == ["first", "second", "third", "third"]
-
-
-def test_a_name_that_is_none_is_refused() -> None:
-    command = [sys.executable, str(ROOT / "tools" / "mutants.py"), "no such fault"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert "no fault is called 'no such fault'; there are: " in done.stderr
