@@ -2,6 +2,7 @@
 
 import gc
 import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,10 +11,7 @@ import pytest
 from hypothesis import settings
 
 from tests import frozen, times, warm
-from tests.browser import browser
-from tests.wishes import Wishes
-
-__all__ = ["browser"]
+from tests.frozen import Wishes
 
 ROOT = Path(__file__).parents[1]
 TIMES = times.Times()
@@ -33,6 +31,22 @@ def warm_workers() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rubnoise.sweep.pool.subprocess", warm.warm_workers())
         yield
+
+
+CHROMIUMS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Return a browser of playwright's, one for all tests."""
+    found = next((path for name in CHROMIUMS if (path := shutil.which(name))), None)
+    if found is None:
+        pytest.skip("NO CHROMIUM FOUND: the page of lessons is not tested; install chromium to test it")
+    api = pytest.importorskip("playwright.sync_api", reason="NO PLAYWRIGHT FOUND: the page of lessons is not tested")
+    with api.sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield started
+        started.close()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -105,9 +119,9 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     if not config.option.slow:
-        left = [item for item in items if times.is_slow(item.nodeid)]
+        left = [item for item in items if times.is_slow(item.nodeid) or "browser" in item.fixturenames]
         config.hook.pytest_deselected(items=left)
-        items[:] = [item for item in items if not times.is_slow(item.nodeid)]
+        items[:] = [item for item in items if item not in set(left)]
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:

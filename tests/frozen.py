@@ -1,8 +1,4 @@
-"""Values that take long to work out, such as quadratures at many digits: kept in tests/reference/frozen.
-
-`.venv/bin/python -m pytest -n 0 --freeze FILES` writes those that the tests in these files ask for, `--all` works each
-of them out anew and compares.
-"""
+"""What the command line asks of the tests, and values that take long to work out, kept in tests/reference/frozen."""
 
 import json
 from collections.abc import Callable
@@ -13,8 +9,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.wishes import Wishes
 
+# What the command line asks of the tests; set by conftest before any of them is loaded.
+class Wishes:
+    """Whether frozen values are to be written, and whether all is to be tried that there is time for."""
+
+    freeze = False
+    everything = False
+
+
+def examples(few: int, many: int) -> int:
+    """Return how many examples to try: few every day, many with --all."""
+    return many if Wishes.everything else few
+
+
+# Values that take long to work out, such as quadratures at many digits: kept in tests/reference/frozen.
 KEPT = Path(__file__).parent / "reference" / "frozen"
 ROUNDING = 1e-13
 WORKED_OUT: dict[Path, dict[str, Any]] = {}

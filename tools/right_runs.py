@@ -25,7 +25,7 @@ from rubnoise.record.memory import MemoryRecord  # noqa: E402
 from rubnoise.scenario import loads  # noqa: E402
 from rubnoise.simulation.extent import extent  # noqa: E402
 from rubnoise.simulation.run import simulate  # noqa: E402
-from tests.verification.fabricated import held  # noqa: E402
+from tests.verification.scores import held  # noqa: E402
 
 Cases = dict[str, tuple[str, ...]]
 

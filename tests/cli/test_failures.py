@@ -22,6 +22,7 @@ from rubnoise.storage.part import Part
 from rubnoise.storage.sandbox import TOO_MUCH, looked_at_by_another
 from tests.cli.tampered import TABLE, tampered
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, command, names, start
+from tests.frozen import examples
 
 # What is left when writing, printing or reading fails: one line, an exit code, no half file.
 SHORT = Path("../given/contact.toml")
@@ -297,7 +298,7 @@ CASES = [
     pytest.param(keep, name, seed, id=f"{name}-{keep}-{seed}")
     for keep in SWEEPS
     for name in COMMANDS
-    for seed in range(12 if name in PICTURES else 60)
+    for seed in range(examples(1, 12) if name in PICTURES else examples(5, 60))
 ]
 
 

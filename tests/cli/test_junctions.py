@@ -13,7 +13,7 @@ import pytest
 from rubnoise import open as open_run
 from tests.cli.terminal import call, names
 from tests.format.runs import describe, random_rows, write_run
-from tests.unit.lives import bare_file, lives_file
+from tests.unit.tampering import bare_file, lives_file
 
 # `rubnoise junction`: one life in words, as a table, as JSON, as a picture.
 SLIDER = Path("../given/slider.toml")

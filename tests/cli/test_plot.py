@@ -11,7 +11,7 @@ from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from tests.cli.terminal import call, names
 from tests.figures.papers import short_papers
-from tests.unit.sweeps import HEAD
+from tests.unit.scenarios import HEAD
 
 # `rubnoise plot`: pictures of a run in files.
 CONTACT = Path("../given/contact.toml")

@@ -13,7 +13,7 @@ import rubnoise
 from rubnoise.claims import catalogue
 from tests.architecture.sources import ROOT
 from tests.cli.test_json_contract import A_CLAIM, A_ROW
-from tests.wishes import Wishes
+from tests.frozen import Wishes
 
 
 @pytest.fixture(scope="session")

@@ -25,8 +25,8 @@ from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import CHUNK_ROWS, HASH, JUNCTIONS, Feature
 from rubnoise.storage.writer import RunWriter
 from tests.format.runs import BARE, EVERYTHING, FEATURES, ORIGIN, Compression, Rows, describe, random_rows, write_run
+from tests.frozen import examples
 from tests.models import bare, model
-from tests.wishes import examples
 
 # What is written is read back, to the bit, however it was cut into panels.
 sizes = st.one_of(st.sampled_from((0, 1, 2)), st.integers(0, 3000))

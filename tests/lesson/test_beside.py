@@ -8,8 +8,7 @@ import pytest
 
 import rubnoise
 from rubnoise.contact.overlap import junction_area
-from tests.lesson.node import scenario_of
-from tests.lesson.teaching import lessons
+from tests.lesson.node import lessons, scenario_of
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until
 
 # Contacts beside each other on equal axes, the trace over itself, thirty swings, and a picture without stripes.

@@ -15,8 +15,7 @@ from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
 from rubnoise.theory.occupancy import mean_count_error
 from rubnoise.theory.sampling import mean_area_error
-from tests.lesson.node import answer, scenario_of, world_with
-from tests.lesson.teaching import lessons
+from tests.lesson.node import answer, lessons, scenario_of, world_with
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until
 from tests.verification.scores import seed_of
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from tests.lesson.teaching import lessons
+from tests.lesson.node import lessons
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened
 
 # The lessons in a real browser: what opens when, which answers are right, and what is kept.

@@ -12,7 +12,7 @@ from rubnoise.lesson.replay import record_of
 from rubnoise.lesson.settings import settings_of
 from rubnoise.scenario import load
 from tests.architecture.sources import ROOT
-from tests.lesson.teaching import pushing_back
+from tests.lesson.node import pushing_back
 from tests.lesson.walk import CALM, Walk, opened, until
 
 TWO_WAY = ROOT / "scenarios" / "paper" / "fig5_two_way.toml"

@@ -16,8 +16,7 @@ from rubnoise.scenario import build
 from rubnoise.scenario import load as load_scenario
 from rubnoise.scenario.reading import load
 from tests.architecture.sources import ROOT
-from tests.lesson.node import PARTS, scenario_of, world_with
-from tests.lesson.teaching import lessons, minutes, other_numbers
+from tests.lesson.node import PARTS, lessons, minutes, other_numbers, scenario_of, world_with
 from tests.lesson.test_beside import IN_SIGHT, LEAST
 from tests.lesson.test_lessons import VERDICTS
 from tests.lesson.walk import CALM, UNHURRIED, Walk, opened, until

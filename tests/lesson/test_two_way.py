@@ -11,8 +11,8 @@ from scipy.linalg import expm
 import rubnoise
 from rubnoise.simulation.coupled.past import lived
 from rubnoise.simulation.state import LiveRows
-from tests.coupled_runs import CoupledRun, coupled
 from tests.lesson.node import answer, scenario_of, world_with
+from tests.models import CoupledRun, coupled
 from tests.verification.scores import seed_of
 
 Doubles = NDArray[np.float64]

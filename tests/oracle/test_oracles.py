@@ -13,8 +13,19 @@ import pytest
 
 from tests.oracle import dop853_slider, straight_slider, theta_slider
 from tests.oracle.oscillator import Doubles, Motion, Oscillator
-from tests.oracle.slow_contact import Rows, junction_area, lens_area, naive_rows, traces, triangle_area
-from tests.oracle.slow_distribution import brackets, davies, lens_age, level, panjer
+from tests.oracle.slow_contact import (
+    Rows,
+    brackets,
+    davies,
+    junction_area,
+    lens_age,
+    lens_area,
+    level,
+    naive_rows,
+    panjer,
+    traces,
+    triangle_area,
+)
 
 # Two references for the slider that share only the list of junctions give the same motion, and see small faults.
 SPEED = 1000.0

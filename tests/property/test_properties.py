@@ -28,10 +28,10 @@ from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
 from rubnoise.storage.reader import open_run
 from rubnoise.units import LENGTH, NUMBER, QuantityError, read_quantity
+from tests.frozen import examples
 from tests.models import UNEQUAL, contents, model, recorded
 from tests.unit.scenarios import BARE, WHOLE
 from tests.unit.tampering import flip, put_text, run_of
-from tests.wishes import examples
 
 # Runs of random contacts: their rows and ticks are right, and they repeat to the bit.
 BRIEF = settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])

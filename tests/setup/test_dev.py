@@ -18,6 +18,14 @@ import pytest
 from tests.setup.sandbox import Sandbox
 
 
+@pytest.fixture
+def sandbox(tmp_path: Path) -> Sandbox:
+    made = Sandbox(folder=tmp_path / "rub noise")
+    made.fill()
+    return made
+
+
+# What tools/dev.py promises, in a folder whose path has a space, with a pip that needs no network.
 # What tools/dev.py promises, in a folder whose path has a space, with a pip that needs no network.
 def test_arguments_reach_rubnoise_untouched(sandbox: Sandbox) -> None:
     arguments = ["--help", "a b.toml", "--set", "run.seed=2", "", "$HOME", "--"]

@@ -1,12 +1,16 @@
-"""Scenario texts for the tests: a whole one, and the same with lines replaced."""
+"""Scenario texts for the tests: a whole one, the same with lines replaced, and sweeps of it."""
 
 import re
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from rubnoise.errors import ScenarioRefused
 from rubnoise.scenario import loads
+from rubnoise.scenario.sweep import Sweep, load_sweep
 
+# Scenario texts for the tests: a whole one, and the same with lines replaced.
 WHOLE = """\
 format = 1
 title = "whole"
@@ -70,3 +74,38 @@ def refusal(text: str, *overrides: str) -> str:
         loads(text, "run.toml", overrides).check_size()
     assert refused.value.exit_code == 2
     return str(refused.value)
+
+
+# Sweep files for the tests.
+HEAD = """\
+format = 1
+title = "swept"
+[interface]
+mean_real_contact_area = "200 um^2"
+mean_junction_count = 20
+[sliding]
+distance = "2 mm"
+"""
+GRID = """\
+[sweep]
+replicates = 2
+[sweep.grid]
+interface.mean_real_contact_area = ["100 um^2", "200 um^2"]
+interface.mean_junction_count = [10, 20, 30]
+"""
+
+Written = Callable[[str], Path]
+
+
+def sweep_of(folder: Path, table: str, *overrides: str, head: str = HEAD) -> Sweep:
+    """Return the sweep of a file that is written for it."""
+    (path := folder / "s.toml").write_text(head + table, encoding="utf-8")
+    return load_sweep(path, overrides)
+
+
+def sweep_refusal(folder: Path, table: str, *overrides: str, head: str = HEAD) -> str:
+    """Return the report on a sweep that must be refused, without the folder's name."""
+    with pytest.raises(ScenarioRefused) as refused:
+        sweep_of(folder, table, *overrides, head=head)
+    assert refused.value.exit_code == 2
+    return str(refused.value).replace(f"{folder}/", "")

@@ -1,6 +1,7 @@
-"""Result files of every kind, and values in them changed behind the back of their hashes."""
+"""Result files of every kind and of given lives, and values changed behind the back of their hashes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,15 @@ import xxhash
 from numpy.typing import NDArray
 
 import rubnoise
+from rubnoise.record.rows import junction_columns
 from rubnoise.scenario import Scenario, build
-from rubnoise.storage.schema import HASH
+from rubnoise.storage.reader import RunFile, open_run
+from rubnoise.storage.schema import HASH, Feature
 from rubnoise.storage.seal import read_provenance, read_root, read_summary, seal_of
+from tests.format.runs import BARE, describe, random_rows, write_run
+from tests.format.runs import EVERYTHING as EVERY_FEATURE
 
+# Result files of every kind, and values in them changed behind the back of their hashes.
 EVERYTHING: dict[str, dict[str, Any]] = {
     "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": 20},
     "diameter": {"law": "normal", "spread": "0.2 um"},
@@ -101,3 +107,134 @@ def put_text(owner: h5py.HLObject, name: str, text: str) -> None:
     """Write a text attribute, in place of an older one, as the program does."""
     raw = text.encode()
     owner.attrs.create(name, np.bytes_(raw), dtype=h5py.string_dtype("utf-8", max(2, len(raw))))
+
+
+# A small result file whose lives are given row by row, for the commands on single junctions.
+SPEED = 1000.0
+RECORD_END = 30.0
+BIRTH = np.array([-9.0, -3.0, 2.0, 4.0, 6.0, 6.0, 20.0, 28.0])
+DIAMETER = np.array([5.0, 4.0, 6.0, 5.0, 4.0, 5.0, 5.0, 7.0])
+STRENGTH = np.array([250.0, 250.0, 100.0, 300.0, 250.0, 250.0, 250.0, 250.0])
+DEPARTURE = np.array([np.inf, np.inf, np.inf, 8.0, 12.0, 11.0, np.inf, np.inf])
+STATE = np.array([1, 1, 0, 4, 4, 4, 0, 2], dtype=np.uint8)
+"""Row 3 is ended before mid-life, row 4 after it, row 5 at mid-life; 0 peaks before the record and 7 after it."""
+
+
+def lives_file(path: Path, features: frozenset[Feature] = EVERY_FEATURE, compression: Any = "none") -> RunFile:
+    """Write the file and open it; the caller closes it."""
+    description = describe(BIRTH.size, 5, features=features, compression=compression)
+    description = replace(description, scenario_resolved={"sliding": {"distance": f"{RECORD_END} um"}})
+    rows: dict[str, Mapping[str, NDArray[Any]]] = dict(random_rows(description))
+    rows["junctions"] = junction_columns(
+        first_row=0,
+        birth=BIRTH,
+        diameter=DIAMETER,
+        strength=STRENGTH if "strength" in features else None,
+        natural=BIRTH + 2.0 * DIAMETER,
+        departure=DEPARTURE,
+        state=STATE,
+        speed=SPEED if "speed" in features else None,
+    )
+    write_run(path, description, {name: dict(columns) for name, columns in rows.items()})
+    return open_run(path)
+
+
+def bare_file(path: Path) -> RunFile:
+    """Write the same without times and forces."""
+    return lives_file(path, BARE)
+
+
+# Contacts and sliders of every kind, as changes of one small scenario: for tests that ask something of each.
+Kind = tuple[tuple[str, ...], dict[str, dict[str, Any]]]
+"""Tables to leave out of the scenario of `tests.unit.tampering`, and what to change in others."""
+
+WITHOUT_STRENGTH = ("strength", "slider")
+SHORT = {"distance": "150 um"}
+NO_SPEED = {"speed": None}
+
+ONE_WAY: dict[str, Kind] = {
+    "everything": ((), {}),
+    "bare": (WITHOUT_STRENGTH, {"sliding": NO_SPEED}),
+    "strength without speed": (("slider",), {"sliding": NO_SPEED}),
+    "speed without strength": (WITHOUT_STRENGTH, {}),
+    "gzip": ((), {"output": {"compression": "gzip"}}),
+    "batch": ((), {"run": {"engine": "batch"}}),
+    "empty start, slider at rest": ((), {"sliding": {"start": "empty"}, "slider": {"start": "rest"}}),
+    "triangles": ((), {"pulse": {"shape": "triangle"}}),
+    "parabolas of Rayleigh sizes": (
+        (),
+        {"pulse": {"shape": "parabola"}, "diameter": {"law": "weibull", "spread": "52.2723 %"}},
+    ),
+    "regular births": ((), {"birth": {"law": "regular"}}),
+    "regular births of unequal sizes": (
+        ("slider",),
+        {"birth": {"law": "regular"}, "diameter": {"law": "lognormal", "spread": "60 %"}},
+    ),
+    "Rabinowicz's": (
+        (),
+        {"birth": {"law": "regular"}, "pulse": {"shape": "triangle"}, "diameter": {"law": "fixed", "spread": None}},
+    ),
+    "lognormal sizes and strengths": (
+        (),
+        {"diameter": {"law": "lognormal", "spread": "70 %"}, "strength": {"law": "lognormal", "spread": "60 %"}},
+    ),
+    "exponential sizes, Weibull strengths": (
+        (),
+        {"diameter": {"law": "exponential", "spread": None}, "strength": {"law": "weibull", "spread": "60 %"}},
+    ),
+    "gamma sizes, normal strengths": (
+        (),
+        {"diameter": {"law": "gamma", "spread": "40 %"}, "strength": {"law": "normal", "spread": "80 MPa"}},
+    ),
+    "overdamped": ((), {"slider": {"damping": "50 N*s/m"}, "sliding": SHORT}),
+    "slow": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}}),
+    "slow triangles": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "pulse": {"shape": "triangle"}}),
+    "slow parabolas": ((), {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "pulse": {"shape": "parabola"}}),
+    "coarse ticks": ((), {"output": {"tick": "10 um"}}),
+    "more ticks than a panel": ((), {"output": {"tick": "0.002 um"}, "sliding": SHORT}),
+    "more rows than a panel": (
+        ("slider",),
+        {
+            "interface": {"mean_junction_count": 2000},
+            "diameter": {"spread": "10 %"},
+            "sliding": {"distance": "50 um"},
+            "run": {"engine": "batch"},
+        },
+    ),
+    "off the centre line": ((), {"pulse": {"offset": "uniform"}}),
+    "thin": ((), {"interface": {"mean_junction_count": 0.02}}),
+    "nobody at all": ((), {"interface": {"mean_junction_count": 0.0001}, "sliding": SHORT}),
+}
+_TWO_WAY: dict[str, dict[str, dict[str, Any]]] = {
+    "figure 5": {},
+    "slow, a slip in a row": {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "output": {"tick": "0.3 um"}},
+    "few and slow, slips of many lives in a row": {
+        "interface": {"mean_junction_count": 5},
+        "sliding": {"speed": "0.1 mm/s", "distance": "3000 um"},
+        "output": {"tick": "1 um"},
+        "run": {"engine": "batch", "seed": 103},
+    },
+    "faster": {"sliding": {"speed": "10 mm/s"}},
+    "fast": {"sliding": {"speed": "1 m/s"}},
+    "few": {"interface": {"mean_junction_count": 0.5}, "sliding": {"distance": "6000 um"}, "output": {"tick": "2 um"}},
+    "many": {"interface": {"mean_junction_count": 300}, "sliding": {"distance": "5 um"}, "output": {"tick": "0.05 um"}},
+    "coarse": {"output": {"tick": "7 um"}},
+    "fine": {"output": {"tick": "0.005 um"}, "sliding": {"distance": "30 um"}},
+    "triangles": {"pulse": {"shape": "triangle"}},
+    "parabolas": {"pulse": {"shape": "parabola"}},
+    "unequal": {"diameter": {"law": "exponential", "spread": None}, "strength": {"law": "normal", "spread": "80 MPa"}},
+    "regular": {"birth": {"law": "regular"}},
+    "empty start, slider at rest": {"sliding": {"start": "empty"}, "slider": {"start": "rest"}},
+    "tight": {"slider": {"tolerance": 1e-12}},
+    "loose": {"slider": {"tolerance": 1e-4}},
+    "soft": {"slider": {"stiffness": "3 N/m"}, "sliding": {"distance": "40 um"}},
+    "damped": {"slider": {"damping": "50 N*s/m"}},
+    "gzip": {"output": {"compression": "gzip"}, "run": {"engine": "batch"}},
+    "nobody at all": {"interface": {"mean_junction_count": 0.0001}, "sliding": {"distance": "150 um"}},
+}
+
+COUPLED: dict[str, Any] = {"coupling": "two-way"}
+
+TWO_WAY: dict[str, Kind] = {
+    name: ((), changes | {"slider": COUPLED | changes.get("slider", {})}) for name, changes in _TWO_WAY.items()
+}

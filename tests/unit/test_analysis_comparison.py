@@ -22,8 +22,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.model import Model, Slider
 from rubnoise.theory.campbell import Cumulants
 from tests.models import bare, model, recorded
-from tests.verification.fabricated import Held, Made, held, made
-from tests.verification.scores import seed_of
+from tests.verification.scores import Held, Made, held, made, seed_of
 
 QUICK = Slider(mass=0.005, stiffness=300.0, damping=0.5)
 RIGHT = {

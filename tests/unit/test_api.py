@@ -22,7 +22,7 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.scenario import build
 from rubnoise.scenario.sweep import expand
 from tests.cli.terminal import CONTACT, WITH_SLIDER, names
-from tests.unit.sweeps import GRID, sweep_of
+from tests.unit.scenarios import GRID, sweep_of
 
 
 # The Python interface, used as a person would.

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests import frozen
-from tests.wishes import Wishes
+from tests.frozen import Wishes
 
 
 @pytest.fixture

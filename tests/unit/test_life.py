@@ -25,7 +25,7 @@ from rubnoise.record.rows import JunctionState
 from rubnoise.storage.reader import RunFile, open_run
 from tests.architecture.sources import ROOT
 from tests.format.runs import describe, random_rows, write_run
-from tests.unit.lives import BIRTH, DEPARTURE, DIAMETER, RECORD_END, SPEED, STRENGTH, bare_file, lives_file
+from tests.unit.tampering import BIRTH, DEPARTURE, DIAMETER, RECORD_END, SPEED, STRENGTH, bare_file, lives_file
 
 # One junction's life as told from its file, held to sums over all rows that are written out here.
 DEATH = np.minimum(DEPARTURE, BIRTH + 2.0 * DIAMETER)

@@ -36,8 +36,7 @@ from rubnoise.theory.response import response
 from rubnoise.theory.sampling import mean_area_error
 from tests.models import FIG5_SLIDER, bare, model, recorded
 from tests.unit.theory_models import model_of
-from tests.verification.fabricated import held
-from tests.verification.scores import seed_of
+from tests.verification.scores import held, seed_of
 
 # The figures of a run beside the exact ones: which there are, and when a standard error is promised.
 AREA = [

@@ -38,7 +38,7 @@ from rubnoise.sweep.pool import Pool, Worker, WorkerDied
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 from tests.unit import errands
-from tests.unit.sweeps import sweep_of
+from tests.unit.scenarios import sweep_of
 
 
 # Every point is run once, also if workers die, in this process and in others.

@@ -20,7 +20,7 @@ from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep.folder import Shard, SweepFolder
 from rubnoise.sweep.journal import Journal, RunRow, entries
 from rubnoise.sweep.run_status import RunStatus, StatusLog, found_run
-from tests.unit.sweeps import GRID, sweep_of
+from tests.unit.scenarios import GRID, sweep_of
 
 
 # A folder belongs to one sweep, and to one writer at a time.

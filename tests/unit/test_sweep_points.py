@@ -10,7 +10,7 @@ from rubnoise.scenario import build, limits, load
 from rubnoise.scenario.points import Point, canonical, run_id
 from rubnoise.scenario.sweep import Sweep, expand, load_either, load_sweep
 from rubnoise.streams import SEED_LIMIT
-from tests.unit.sweeps import GRID, HEAD, sweep_of, sweep_refusal
+from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
 
 # A sweep file stands for the runs that it says, each with a name and a seed that nothing else moves.
 COUNT = "interface.mean_junction_count"

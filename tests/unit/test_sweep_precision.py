@@ -18,7 +18,7 @@ from rubnoise.simulation.run import simulate
 from rubnoise.sweep.execution import Measure, measured
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.models import model
-from tests.unit.sweeps import GRID, HEAD, sweep_of, sweep_refusal
+from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
 from tests.verification.scores import seed_of
 
 # A precision asks for as many replicates as it takes, in a way that only their own figures decide.

@@ -27,7 +27,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.distribution import Distribution, characteristic_function, distribution
 from rubnoise.theory.occupancy import mean_count
 from rubnoise.theory.quadrature import panels
-from tests.oracle.slow_distribution import brackets, davies
+from tests.oracle.slow_contact import brackets, davies
 from tests.unit.theory_models import model_of
 
 Doubles = NDArray[np.float64]

@@ -28,7 +28,7 @@ from rubnoise.theory.spectrum import (
     spectral_density,
     tail,
 )
-from tests.oracle.slow_distribution import level
+from tests.oracle.slow_contact import level
 from tests.unit.theory_models import model_of, one_size, paper_model
 
 ONE_SIZE = Fixed(value=2.0)

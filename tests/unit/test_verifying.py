@@ -15,7 +15,7 @@ from rubnoise.api.verify_sweep import verify_sweep
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH
-from tests.unit.sweeps import sweep_of
+from tests.unit.scenarios import sweep_of
 from tests.unit.tampering import forget, put_seal, put_text, run_of, tell
 
 # What a result says of itself: every attribute, unit, figure and name is asked, and a change of one is named.

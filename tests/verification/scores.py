@@ -1,20 +1,35 @@
-"""How far a run is from theory, in standard errors that theory gives it, and seeds that are not chosen."""
+"""How far a run is from theory; runs and records whose figures are known; seeds that are not chosen."""
 
 import hashlib
 import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cache
 from math import ceil, sqrt
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+import rubnoise
+from rubnoise.api.record import Record
 from rubnoise.contact.laws import Spread
+from rubnoise.contact.overlap import junction_area
 from rubnoise.model import Model
+from rubnoise.record.memory import MemoryRecord
+from rubnoise.record.rows import JunctionState
 from rubnoise.record.tally import Tally
+from rubnoise.scenario import Scenario
 from rubnoise.simulation.run import simulate
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.occupancy import mean_count, mean_count_error
 from rubnoise.theory.sampling import StandardErrors, standard_errors
 from tests.models import bare
 
+# How far a run is from theory, in standard errors; records made by hand; seeds that are not chosen.
+# How far a run is from theory, in standard errors that theory gives it, and seeds that are not chosen.
 # Seeds that are not chosen: the hash of what is tested, so that a lucky seed cannot be picked by hand.
 SALT = os.environ.get("RUBNOISE_TEST_SALT", "")
 
@@ -113,3 +128,166 @@ def outside(found: Figures, bound: float = BOUND) -> Figures:
 def mean_score(values: list[float], value: float, error: float) -> float:
     """Return the score of the mean of independent values, each with a standard error."""
     return (sum(values) / len(values) - value) / (error / sqrt(len(values)))
+
+
+# Records made by hand, right or wrong on purpose, with the face of a result file.
+Doubles = NDArray[np.float64]
+Groups = Mapping[str, Mapping[str, NDArray[Any]]]
+
+
+@dataclass(frozen=True)
+class Held:
+    """Columns in memory, read as a file's are."""
+
+    groups: Groups
+    columns: dict[str, Sequence[str]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", {name: tuple(group) for name, group in self.groups.items()})
+
+    def rows(self, group: str) -> int:
+        return int(next(iter(self.groups[group].values())).size)
+
+    def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
+        return self.groups[group][name][start:stop]
+
+
+def held(record: MemoryRecord) -> Held:
+    """Return a run in memory with the face of a file."""
+    return Held(record.groups)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Made:
+    """How a record is made: everything but what is changed is as in the model.
+
+    ``area`` is that of a life, of the distance since birth and the diameter; ``lives`` its length in diameters, and
+    ``told`` what its row says of it; ``births`` the factor on the birth rate; ``together`` how many are born at a
+    time, as many in all; ``always`` a count that never changes.
+    """
+
+    area: Callable[[Doubles, Doubles], Doubles] = junction_area
+    lives: float = 2.0
+    told: float = 2.0
+    births: float = 1.0
+    empty: bool = False
+    together: int = 1
+    always: int | None = None
+
+
+def made(model: Model, seed: int, how: Made | None = None) -> Held:
+    """Return a record of a contact of one diameter."""
+    how = Made() if how is None else how
+    generator = np.random.default_rng(seed)
+    diameter, life = model.calibrated_diameter, how.lives * model.calibrated_diameter
+    if how.always is not None:
+        birth = _relay(generator, model.distance, life, how.always)
+    else:
+        first = 0.0 if how.empty else -life
+        count = generator.poisson(how.births * model.birth_rate * (model.distance - first) / how.together)
+        birth = np.repeat(np.sort(generator.uniform(first, model.distance, count)), how.together)
+    columns = _rows(birth, diameter, how.told)
+    return Held(
+        {"junctions": columns, "trace": _trace(model, birth, life, lambda age: how.area(age, np.full(1, diameter)))}
+    )
+
+
+def _relay(generator: np.random.Generator, distance: float, life: float, count: int) -> Doubles:
+    """Return births of which each follows a death at once: always as many alive."""
+    phases = generator.uniform(0.0, life, count)
+    births = np.sort((phases - life + life * np.arange(int(distance / life) + 2)[:, None]).ravel())
+    return births[births <= distance]
+
+
+def _rows(birth: Doubles, diameter: float, told: float) -> dict[str, NDArray[Any]]:
+    state = np.where(birth < 0.0, np.uint8(JunctionState.ALIVE_AT_START), np.uint8(0))
+    life = np.full(birth.size, told * diameter)
+    return {
+        "birth_distance": birth,
+        "death_distance": birth + life,
+        "life_distance": life,
+        "diameter": np.full(birth.size, diameter),
+        "state": state,
+    }
+
+
+def _trace(model: Model, birth: Doubles, life: float, area: Callable[[Doubles], Doubles]) -> dict[str, NDArray[Any]]:
+    """Return the sums over the lives at every tick, lives being all equally long."""
+    ticks = model.tick_count + 1
+    first = np.ceil(birth / model.tick).astype(np.int64)
+    total, count = np.zeros(ticks), np.zeros(ticks)
+    for step in range(int(life / model.tick) + 2):
+        age = (first + step) * model.tick - birth
+        there = (age < life) & (first + step >= 0) & (first + step < ticks)
+        total += np.bincount(first[there] + step, area(age[there]), ticks)
+        count += np.bincount(first[there] + step, minlength=ticks)
+    return {
+        "distance": np.arange(ticks) * model.tick,
+        "real_contact_area": total,
+        "junction_count": count.astype(np.uint32),
+    }
+
+
+# Runs of scenarios whose figures are known as plain numbers, and the record of how far off each figure is.
+AREA, COUNT = 200.0, 20
+EXACT_DIAMETER = sqrt(3.0 * AREA / COUNT)
+"""In um: that of the mean life area d^2/3."""
+
+PAPER_DIAMETER = sqrt(AREA / COUNT / 0.327)
+"""In um: that of the paper's Eq. (6)."""
+
+
+def scenario(**tables: Mapping[str, Any]) -> Scenario:
+    """Return a contact of 200 um^2 and 20 junctions, played by the batch engine where nothing else is said."""
+    interface = {"mean_real_contact_area": "200 um^2", "mean_junction_count": COUNT}
+    run = {"engine": "batch"}
+    return rubnoise.build(
+        {"interface": interface | dict(tables.pop("interface", {})), "run": run | dict(tables.pop("run", {}))} | tables
+    )
+
+
+@cache
+def record(name: str, given: Callable[[], Scenario]) -> Record:
+    """Return a run of a scenario, with the seed that belongs to a name."""
+    return rubnoise.simulate(given(), seed_of(f"sentinels/{name}"))
+
+
+def judge(found: Figures) -> None:
+    """Report every score to the caller, and refuse those beyond four standard errors."""
+    if asked := os.environ.get("RUBNOISE_SCORES"):
+        with Path(asked).open("a", encoding="utf-8") as file:
+            file.writelines(f"{z:.2f}\t{name}\n" for name, z in found.items())
+    assert not outside(found, BOUND)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Positive:
+    """A normal law of a positive quantity, drawn again while it is not: its moments by a sum over its density."""
+
+    mean: float
+    std: float
+
+    def moment(self, power: int) -> float:
+        """Return E[d^n]."""
+        low = max(0.0, self.mean - 12.0 * self.std)
+        step = (self.mean + 12.0 * self.std - low) / 400_000
+        d = low + step * (np.arange(400_000) + 0.5)
+        weight = np.exp(-0.5 * ((d - self.mean) / self.std) ** 2)
+        return float(weight @ d**power / weight.sum())
+
+    def scores(self, values: Doubles) -> Figures:
+        """Return how far mean and standard deviation of independent values are from the law's."""
+        first, second, third, fourth = (self.moment(n) for n in range(1, 5))
+        variance = second - first**2
+        kurtosis = (fourth - 4.0 * first * third + 6.0 * first**2 * second - 3.0 * first**4) / variance**2
+        return {
+            "mean": (values.mean() - first) / sqrt(variance / values.size),
+            "std": (values.std() / sqrt(variance) - 1.0) / sqrt((kurtosis - 1.0) / (4.0 * values.size)),
+        }
+
+
+def correlation(one: Doubles, other: Doubles) -> float:
+    """Return the correlation coefficient times sqrt(n), a unit normal for independent values; 0 of a constant."""
+    if one.std() == 0.0 or other.std() == 0.0:
+        return 0.0
+    return float(np.corrcoef(one, other)[0, 1] * np.sqrt(one.size))

@@ -22,8 +22,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.occupancy import mean_count
 from tests.models import bare, recorded
-from tests.verification.fabricated import Made, made
-from tests.verification.scores import REJECTED, seed_of
+from tests.verification.scores import REJECTED, Made, made, seed_of
 from tools import right_runs
 
 # Records that are wrong in one way each are rejected at five standard errors, by the figures that a comparison has.

@@ -17,8 +17,7 @@ from rubnoise.simulation.coupled.field import LENS_SHAPE, gather
 from rubnoise.simulation.coupled.layout import Start, Workspace
 from rubnoise.simulation.coupled.quadrature import BOTH, LEFT, NODES, PLAIN, RIGHT, TABLE
 from rubnoise.simulation.state import LiveRows
-from tests.coupled_runs import CoupledRun, among, coupled, field_of, oscillator_of
-from tests.models import FIG5_SLIDER, model, recorded
+from tests.models import FIG5_SLIDER, CoupledRun, among, coupled, field_of, model, oscillator_of, recorded
 from tests.oracle.coupled_slider import BREAKAWAY, FORWARD, REVERSAL, STICK, frozen
 from tests.oracle.slow_contact import Rows
 from tests.verification.scores import seed_of

@@ -17,11 +17,10 @@ from rubnoise.simulation.coupled.state import CoupledState
 from rubnoise.simulation.draws import start
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
-from tests.coupled_runs import CoupledRun, coupled, field_of, oscillator_of
-from tests.models import UNEQUAL, model
+from tests.frozen import examples
+from tests.models import UNEQUAL, CoupledRun, coupled, field_of, model, oscillator_of
 from tests.oracle import coupled_slider
 from tests.verification.scores import seed_of
-from tests.wishes import examples
 
 # The two-way slider against an adaptive integrator with events that shares no line with it.
 PROMISED = 5e-9

@@ -34,13 +34,13 @@ from rubnoise.theory.response import response
 from rubnoise.theory.sampling import standard_errors
 from tests.models import bare, model, recorded
 from tests.unit.tampering import change, run_of
-from tests.verification.fabricated import held
 from tests.verification.scores import (
     BOUND,
     PRECISION,
     REJECTED,
     errors_of,
     expected,
+    held,
     mean_score,
     measured,
     outside,

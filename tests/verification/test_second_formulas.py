@@ -20,15 +20,13 @@ from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.run import slider_constants
 from rubnoise.simulation.slider import propagator
 from rubnoise.theory.quadrature import panels
-from tests import kinds
 from tests.models import UNEQUAL, bare, model, recorded
 from tests.oracle.second import slips, sums, two_way
 from tests.oracle.second.contact import FORMULA, contact_checks
 from tests.oracle.second.motion import cell_motion, motion_check
 from tests.oracle.slow_contact import Doubles, Rows, lens_area, traces, triangle_area
-from tests.unit.tampering import scenario_of
-from tests.verification.fabricated import Held, held
-from tests.verification.scores import seed_of
+from tests.unit.tampering import ONE_WAY, TWO_WAY, Kind, scenario_of
+from tests.verification.scores import Held, held, seed_of
 
 # Every row of runs of every kind comes out of other formulas, too; and those formulas are right by themselves.
 LIVES = {
@@ -44,7 +42,7 @@ LIVES = {
 }
 
 
-def ran(name: str, of: Mapping[str, kinds.Kind] = kinds.ONE_WAY) -> tuple[Model, Held]:
+def ran(name: str, of: Mapping[str, Kind] = ONE_WAY) -> tuple[Model, Held]:
     """Return a run of a kind, played by the batch engine."""
     left_out, changes = of[name]
     scenario = scenario_of(*left_out, **changes)
@@ -63,7 +61,7 @@ def changed(rows: Held, group: str, column: str, row: int, by: float) -> Held:
     return Held({**rows.groups, group: {**rows.groups[group], column: values}})
 
 
-@pytest.mark.parametrize("name", kinds.ONE_WAY)
+@pytest.mark.parametrize("name", ONE_WAY)
 def test_sums_and_motion_of_every_kind_are_those_of_other_formulas(name: str) -> None:
     model, rows = ran(name)
     checks = contact_checks(model, rows)
@@ -73,9 +71,9 @@ def test_sums_and_motion_of_every_kind_are_those_of_other_formulas(name: str) ->
     assert sum(check.values for check in checks) >= 3 * rows.rows("trace")
 
 
-@pytest.mark.parametrize("name", kinds.TWO_WAY)
+@pytest.mark.parametrize("name", TWO_WAY)
 def test_slips_of_every_kind_are_those_of_other_steps(name: str) -> None:
-    model, rows = ran(name, kinds.TWO_WAY)
+    model, rows = ran(name, TWO_WAY)
     checks, left_out = two_way.motion_checks(model, rows)
     assert [str(check.first) for check in [*checks, *contact_checks(model, rows)] if not check.holds] == []
     assert left_out == []
@@ -103,7 +101,7 @@ def test_a_motion_off_by_a_thousandth_of_a_millionth_is_seen(name: str, column: 
 
 
 def test_a_slip_with_a_thousandth_more_mass_or_damping_is_seen() -> None:
-    model, rows = ran("figure 5", kinds.TWO_WAY)
+    model, rows = ran("figure 5", TWO_WAY)
     assert model.slider is not None
     for key in ("mass", "damping"):
         wrong = replace(model, slider=replace(model.slider, **{key: getattr(model.slider, key) * 1.001}))
@@ -111,7 +109,7 @@ def test_a_slip_with_a_thousandth_more_mass_or_damping_is_seen() -> None:
 
 
 def test_a_row_of_a_slip_moved_in_agreement_with_itself_is_seen() -> None:
-    model, rows = ran("figure 5", kinds.TWO_WAY)
+    model, rows = ran("figure 5", TWO_WAY)
     row = 300 + int(np.argmax(rows.groups["slider"]["phase"][300:] == 0))
     wrong = changed(changed(rows, "slider", "displacement", row, 1e-5), "slider", "distance", row, -1e-5)
     check = two_way.motion_checks(model, wrong)[0][0]

@@ -16,18 +16,20 @@ from rubnoise.theory.sampling import standard_errors
 from tests.oracle import theta_slider
 from tests.oracle.oscillator import Oscillator
 from tests.oracle.slow_contact import Rows, lens_area, traces, triangle_area
-from tests.verification.scores import Figures, outside, seed_of
-from tests.verification.sentinels import (
+from tests.verification.scores import (
     AREA,
     COUNT,
     EXACT_DIAMETER,
     PAPER_DIAMETER,
     Doubles,
+    Figures,
     Positive,
     correlation,
     judge,
+    outside,
     record,
     scenario,
+    seed_of,
 )
 
 # Sentinels: a few long runs that between them notice every statistical fault of `tools/mutants.py` at z = 8 and more.

@@ -24,10 +24,8 @@ from rubnoise.storage.forecast import rows_at_most
 from rubnoise.theory.coupling import coupling, weak_motion
 from rubnoise.theory.motion_errors import mean_force_error
 from rubnoise.theory.response import response
-from tests.coupled_runs import coupled
-from tests.models import UNEQUAL, model, recorded
-from tests.verification.fabricated import Held, held
-from tests.verification.scores import seed_of
+from tests.models import UNEQUAL, coupled, model, recorded
+from tests.verification.scores import Held, held, seed_of
 
 
 def two_way(run: Model, **changes: Any) -> Model:

@@ -41,7 +41,7 @@ from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.motion_errors import MotionErrors, mean_displacement_error, motion_errors
 from rubnoise.theory.response import Response, response
 from rubnoise.theory.sampling import StandardErrors, standard_errors
-from tests.verification.fabricated import Held
+from tests.verification.scores import Held
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 PAGE: Final = ROOT / "docs" / "comparing.md"

@@ -14,8 +14,8 @@ from rubnoise.model import Model, Slider
 from rubnoise.record.reader import Rows
 from rubnoise.theory.motion_cumulants import free_motion
 from rubnoise.theory.quadrature import panels
+from tests.oracle.second.contact import Window
 from tests.oracle.second.sums import force_moments
-from tests.oracle.second.window import Window
 
 _NODES = 20
 _HALVINGS = 60
