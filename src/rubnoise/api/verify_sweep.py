@@ -8,29 +8,39 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rubnoise.analysis.answer import LeftOut
 from rubnoise.analysis.verification import ResultFile, verify
-from rubnoise.analysis.verifying.attributes import shown
+from rubnoise.analysis.verifying.attributes import INDEX_RULES, compare_attributes, compare_structure, shown
 from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verification
-from rubnoise.api.verify_index import index_checks
-from rubnoise.errors import Refused, RunFileRefused
-from rubnoise.scenario.sweep import Sweep
+from rubnoise.analysis.verifying.origin import asked_by
+from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
+from rubnoise.scenario.points import Case, Point, points_of
+from rubnoise.scenario.source import Source
+from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.sweep_table import Keep
-from rubnoise.storage.index_file import name_of
-from rubnoise.storage.reader import open_run
+from rubnoise.storage.index import POINTS, RUNS, seal_of_index
+from rubnoise.storage.index_checks import check_index
+from rubnoise.storage.index_file import IndexFile, name_of, open_index
+from rubnoise.storage.inventory import expected_index
+from rubnoise.storage.reader import Unseen, open_run
+from rubnoise.storage.schema import HASH
 from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text
+from rubnoise.sweep.index import index_of
 from rubnoise.sweep.journal import Entry, numbered
+from rubnoise.sweep.run_status import DONE, PLANNED, RecordedRuns
 
 AS_WRITTEN: Final = "as its checksum was taken of it"
-
 Figures = Mapping[str, Mapping[str, Any]]
-"""The figures of /summary in the files of runs, by the names of runs."""
 
 
 def journal_check(folder: SweepFolder, files: Figures, left_out: list[LeftOut]) -> tuple[Check, frozenset[str]]:
     """Return whether every line is whole, and every run that is done has its file and the figures of that.
 
-    Of the lines of a run that one counts which was written last. Returns the runs that are spoken of, too.
+    ``files`` are the figures of /summary in the files of runs, by name. Of the lines of a run the last one counts.
+    Returns the runs that are spoken of, too.
     """
     notes = Notes("journals")
     entries = list(_entries(notes, folder, left_out))
@@ -90,8 +100,6 @@ SHOWN: Final = 10
 
 UNFINISHED: Final = (".part", ".part.journal", ".part.rows")
 
-Watch = Callable[[int, int], None]
-
 
 @dataclass(slots=True, kw_only=True)
 class Results:
@@ -113,7 +121,7 @@ class Results:
 
 
 def verify_sweep(
-    folder: str | os.PathLike[str], regenerate: int = 0, watch: Watch = lambda _done, _all: None
+    folder: str | os.PathLike[str], regenerate: int = 0, watch: Callable[[int, int], None] = lambda _done, _all: None
 ) -> Verification:
     """Return everything that the folder of a sweep can be asked about itself, and each of its runs as `verify` does.
 
@@ -129,7 +137,7 @@ def verify_sweep(
         raise RunFileRefused(f"{problem.filename or place.root}: {reason}") from problem
 
 
-def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification:
+def _verified(place: SweepFolder, regenerate: int, watch: Callable[[int, int], None]) -> Verification:
     folder = place.root
     if not folder.is_dir() or not (place.manifest.exists() or place.index.exists()):
         raise RunFileRefused(f"{folder}: is not a sweep folder: it has neither {MANIFEST} nor index.h5")
@@ -141,9 +149,12 @@ def _verified(place: SweepFolder, regenerate: int, watch: Watch) -> Verification
     results = _results(place, watch)
     left_out = list(_left_out(place, results))
     journals, known = journal_check(place, results.figures, left_out)
-    index = index_checks(place, sweep, left_out)
-    _unknown_runs(results, known | index.run_ids)
-    checks = [manifest, journals, *index.checks, *results.checks()]
+    index, of_index = index_checks(place, sweep, left_out)
+    for name in results.figures:
+        state = "known" if name in known | of_index else "a run that neither the index nor a journal knows"
+        expected = "known" if state == "known" else "a run of this sweep"
+        results.names.say(f"runs/{name}.h5", found=state, expected=expected)
+    checks = [manifest, journals, *index, *results.checks()]
     return Verification(checks=tuple(checks), omitted=tuple(left_out))
 
 
@@ -194,7 +205,7 @@ def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
     )
 
 
-def _results(folder: SweepFolder, watch: Watch) -> Results:
+def _results(folder: SweepFolder, watch: Callable[[int, int], None]) -> Results:
     """Look at every file in the folder of runs."""
     results = Results(names=Notes("names"))
     runs = folder.root / "runs"
@@ -233,13 +244,6 @@ def _take_in(results: Results, run: ResultFile, path: Path) -> None:
             results.different.append(replace(first, place=f"runs/{path.name} {first.place}"))
 
 
-def _unknown_runs(results: Results, known: frozenset[str]) -> None:
-    """Name results of which neither the index nor a journal knows."""
-    for name in results.figures:
-        state = "known" if name in known else "a run that neither the index nor a journal knows"
-        results.names.say(f"runs/{name}.h5", found=state, expected="known" if name in known else "a run of this sweep")
-
-
 def _left_out(folder: SweepFolder, results: Results) -> Iterator[LeftOut]:
     """Yield what is not compared with anything: what runs leave out, copies, unfinished runs and other files."""
     for (name, reason), count in sorted(results.left_out.items()):
@@ -265,3 +269,125 @@ def _some(names: list[str], reason: str, of: str) -> Iterator[LeftOut]:
 def _one(name: str, place: str, found: str, expected: str) -> Check:
     first = Difference(place=place, row=None, found=found, expected=expected)
     return Check(name=name, values=1, different=1, first=first)
+
+
+INDEX: Final = "index.h5"
+
+
+def index_checks(
+    folder: SweepFolder, sweep: Sweep | None, left_out: list[LeftOut]
+) -> tuple[list[Check], frozenset[str]]:
+    """Return whether the index has its hashes, and whether it is that of the sweep and of what the journals hold.
+
+    Returns the runs that it knows, too. Without a ``sweep``, which sweep.json lacks, its hashes are all that it has.
+    """
+    try:
+        with open_index(folder.index) as index:
+            run_ids = frozenset(map(str, index.read(RUNS, "run_id")))
+            hashes = _hash_check(index)
+            if sweep is None:
+                left_out.append(LeftOut(name="index", reason="sweep.json differs, and the index is made from it"))
+                return [hashes], run_ids
+            return [hashes, _index_check(folder, sweep, index, left_out)], run_ids
+    except Unseen:
+        raise  # it could not be read, which is not its fault
+    except (RunFileRefused, KeyError) as refusal:
+        missing = "missing" if not folder.index.exists() else str(refusal).removeprefix(f"{folder.index}: ")
+        return [_one("index", INDEX, missing, "the index; the same sweep writes it again")], frozenset()
+
+
+def _hash_check(index: IndexFile) -> Check:
+    notes, damaged = Notes("index_hashes", of=INDEX), index.damaged()
+    for path in index.hashes:
+        state = "not what its hash was taken of" if path in damaged else "as it was written"
+        notes.say(path, found=state, expected="as it was written")
+    seal = seal_of_index(dict(index.attributes), {path: each or "" for path, each in index.hashes.items()})
+    notes.say(f"/ {HASH}", found=index.seal or "missing", expected=seal)
+    return notes.check()
+
+
+def _index_check(folder: SweepFolder, sweep: Sweep, index: IndexFile, left_out: list[LeftOut]) -> Check:
+    """Compare an index with one that is made again from the sweep and the journals, unless they know more by now."""
+    try:
+        check_index(index)
+    except RunFileRefused as refusal:
+        reason = str(refusal).removeprefix(f"{index.path}: ")
+        return _one("index", INDEX, reason, "an index as the program writes it")
+    notes, attributes = Notes("index", of=INDEX), index.attributes
+    sides = {name: json.loads(attributes[name]) for name in ("grid", "side_by_side")}
+    notes.say("swept keys", found=[*sides["grid"], *sides["side_by_side"]], expected=[*sweep.keys])
+    cases = _cases(notes, sweep, index)
+    if not notes.check().holds:
+        return notes.check()
+    stored = replace(sweep, text=attributes["scenario_toml"], side_by_side=tuple(sides["side_by_side"]), cases=cases)
+    numbers = index.read(RUNS, "point")
+    counts = np.bincount(numbers[(numbers >= 0) & (numbers < len(cases))], minlength=len(cases)).tolist()
+    points = tuple(point for case, count in zip(cases, counts, strict=True) for point in points_of([case], count))
+    known = RecordedRuns.of(folder, points, counts=lambda _entry: True)
+    before = zip(known.states, map(str, index.read(RUNS, "state")), strict=True)
+    # The journals may call runs done, or failed at all, that an index does not.
+    since = any(now != then and (now == DONE or then == PLANNED) for now, then in before)
+    if len(cases) < len(sweep.cases) or since:
+        reason = "it is older than sweep.json or the journals; the same sweep renews it"
+        left_out.append(LeftOut(name="index", reason=reason))
+        return notes.check()
+    right, values = expected_index(index_of(folder, stored, points, known, attributes["command"]))
+    found = index.inventory()
+    compare_structure(notes, found, right)
+    compare_attributes(notes, INDEX_RULES, found, right)
+    for path, column in values.items():
+        group, _, name = path[1:].partition("/")
+        if any(each.name == name for each in index.columns(group)):
+            _compare_rows(notes, path, index.raw(group, name), column)
+    _compare_text(notes, stored, points, attributes, left_out)
+    return notes.check()
+
+
+def _cases(notes: Notes, sweep: Sweep, index: IndexFile) -> tuple[Case, ...]:
+    """Return the points of an index as sweep.json has them, in the order of the index."""
+    by_values = {json.dumps(dict(case.values)): case for case in sweep.cases}
+    cases = []
+    for row, text in enumerate(map(str, index.read(POINTS, "values"))):
+        known = by_values.get(text)
+        notes.say(f"/points/values row {row}", found=text, expected=text if known else "a point of sweep.json")
+        cases += [known] if known else []
+    return tuple(cases)
+
+
+def _compare_rows(notes: Notes, path: str, found: NDArray[Any], right: NDArray[Any]) -> None:
+    """Compare a column of any kind bit for bit, and name the first row that differs."""
+    if found.shape != right.shape or found.dtype != right.dtype:
+        return  # its structure differs, which is reported already
+    bits = [np.ascontiguousarray(each).view(np.uint8).reshape(len(each), -1) for each in (found, right)]
+    wrong = np.flatnonzero((bits[0] != bits[1]).any(axis=1))
+    row = int(wrong[0]) if wrong.size else 0
+    place = f"{path} row {row}" if wrong.size else path
+    one, other = (shown(str(each[row].tolist())) if wrong.size else "right" for each in (found, right))
+    notes.say(place, found=one, expected=other)
+
+
+def _compare_text(
+    notes: Notes, sweep: Sweep, points: tuple[Point, ...], attributes: Mapping[str, str], left_out: list[LeftOut]
+) -> None:
+    """Compare the file of the sweep, as read, with the sweep that it was made into."""
+    asked = asked_by(attributes["command"])
+    try:
+        again = loads_sweep(sweep.text, "scenario_toml", asked.overrides if asked else ())
+    except ScenarioRefused as refusal:
+        if "extends" in Source("scenario_toml", sweep.text).data:
+            reason = "it extends a file that is not kept, and is not compared"
+            left_out.append(LeftOut(name="index scenario_toml", reason=reason))
+        else:
+            notes.say("/ scenario_toml", found=str(refusal).partition("\n")[0], expected="the file of the sweep")
+        return
+    there, here = (json.loads(json.dumps(identity(each))) for each in (again, sweep))
+    wrong = [key for key in here if there[key] != here[key]]
+    wrong += ["side_by_side"] if again.side_by_side != sweep.side_by_side else []
+    if again.precision is None and len(points) != len(sweep.cases) * again.replicates:
+        wrong.append("replicates")
+    if wrong and asked is None:
+        reason = f"the program that carried it out changed its {', '.join(wrong)}"
+        left_out.append(LeftOut(name="index scenario_toml", reason=reason))
+    else:
+        found = f"another {', '.join(wrong)}" if wrong else "the sweep"
+        notes.say("/ scenario_toml", found=found, expected="the sweep")
