@@ -57,7 +57,8 @@ class Record(MemoryRecord, Contents):
         written = save(self, path, force=force)
         return Run(open_run(path, own=written))
 
-    def _groups(self) -> Mapping[str, Columns]:
+    def groups_by_name(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name."""
         return {group.name: self._columns(group) for group in schema.GROUPS if group.name in self.groups}
 
     @property
@@ -86,10 +87,10 @@ class Record(MemoryRecord, Contents):
         return "the run in memory"
 
     def __repr__(self) -> str:
-        return shortened([self._heading, *listed(self._groups())])
+        return shortened([self._heading, *listed(self.groups_by_name())])
 
     def _repr_html_(self) -> str:
-        return as_html(self._heading, GROUP_HEADS, group_rows(self._groups()))
+        return as_html(self._heading, GROUP_HEADS, group_rows(self.groups_by_name()))
 
     @property
     def _heading(self) -> str:

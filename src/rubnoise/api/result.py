@@ -94,8 +94,8 @@ class Contents(ABC):
     __slots__ = ()
 
     @abstractmethod
-    def _groups(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name."""
+    def groups_by_name(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name, of a run in a file and in memory alike."""
 
     @property
     @abstractmethod
@@ -108,17 +108,17 @@ class Contents(ABC):
     @property
     def junctions(self) -> Columns:
         """One row a junction, in order of birth."""
-        return self._groups()["junctions"]
+        return self.groups_by_name()["junctions"]
 
     @property
     def trace(self) -> Columns:
         """Real contact area, junction count and friction force at every tick."""
-        return self._groups()["trace"]
+        return self.groups_by_name()["trace"]
 
     @property
     def slider(self) -> Columns:
         """The slider's motion at every tick; raises KeyError where the run has no slider."""
-        groups = self._groups()
+        groups = self.groups_by_name()
         if "slider" not in groups:
             raise KeyError("the run has no slider")
         return groups["slider"]
@@ -193,10 +193,6 @@ class Contents(ABC):
 
         return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside)
 
-    def groups_by_name(self) -> Mapping[str, Columns]:
-        """Return every group of columns by name, of a run in a file and in memory alike."""
-        return self._groups()
-
     def model(self) -> "Model":
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
         from rubnoise.scenario.reading import stored
@@ -224,12 +220,12 @@ class Contents(ABC):
         """
         with needing("analysis", "to_xarray"):
             from rubnoise.api import labelled
-        groups = {name: columns.to_xarray(index=index) for name, columns in self._groups().items()}
+        groups = {name: columns.to_xarray(index=index) for name, columns in self.groups_by_name().items()}
         return labelled.tree(groups, self._attributes())
 
     def to_pandas(self) -> "dict[str, pd.DataFrame]":
         """Read every group into a pandas DataFrame; see Columns.to_pandas, which reads one."""
-        return {name: columns.to_pandas() for name, columns in self._groups().items()}
+        return {name: columns.to_pandas() for name, columns in self.groups_by_name().items()}
 
 
 class Opened:
@@ -328,7 +324,8 @@ class Run(Opened, Contents):
     def _called(self) -> str:
         return str(self.path)
 
-    def _groups(self) -> Mapping[str, Columns]:
+    def groups_by_name(self) -> Mapping[str, Columns]:
+        """Return every group of columns by name."""
         return self._found
 
     @cached_property

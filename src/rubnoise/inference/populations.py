@@ -7,7 +7,7 @@ diameter it is a convolution, so that two fast transforms give it at all wavenum
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
-from math import erf, exp, lgamma, log, pi, prod, sqrt
+from math import erf, exp, log, pi, prod, sqrt
 from typing import Final
 
 import numpy as np
@@ -26,6 +26,7 @@ _FOLLOWED, _SETTLED = 400.0, 700.0  # phases between which the swing is faded ou
 _BALANCE = 3.0  # power of k d that keeps all places of the convolution within the digits of a double
 _SHAPE_STEP = 1e-3
 _NEGLIGIBLE = 1e-9
+_TINY = 1e-304
 _SHOT_NODES = 64
 _SHOT_POWER = 12
 
@@ -34,14 +35,12 @@ _SHOT_POWER = 12
 class Population:
     """A law of diameters of unit mean that one shape parameter s describes.
 
-    ``log_density`` is the logarithm of the density of d, up to nothing, at d and s; ``moment`` returns E[d^n] at n and
-    s. ``spread`` is whether there is a shape to be found, between ``narrowest`` and ``widest``; the shape of the normal
-    law is std over centre before drawing again, of the others std over mean.
+    ``moment`` returns E[d^n] at n and s. ``spread`` is whether there is a shape to be found, between ``narrowest`` and
+    ``widest``; the shape of the normal law is std over centre before drawing again, of the others std over mean.
     """
 
     name: str
     spread: bool
-    log_density: Callable[[Doubles, float], Doubles] = field(repr=False)
     moment: Callable[[int, float], float] = field(repr=False)
     narrowest: float = 0.0
     widest: float = 0.0
@@ -55,12 +54,6 @@ class Population:
         """Return the law of `rubnoise.contact.laws` with this mean in um."""
         centre = mean / _normal_mean(shape) if self.name == "normal" else mean
         return LAWS[self.name].make(centre, shape * centre, {})
-
-
-def _normal_log_density(x: Doubles, shape: float) -> Doubles:
-    centre = 1.0 / _normal_mean(shape)
-    std = shape * centre
-    return -0.5 * np.square((x - centre) / std) - log(sqrt(2.0 * pi) * std * _positive_part(shape))
 
 
 def _positive_part(shape: float) -> float:
@@ -82,16 +75,6 @@ def _normal_moment(power: int, shape: float) -> float:
     return here / mean**power if power else 1.0
 
 
-def _lognormal_log_density(x: Doubles, shape: float) -> Doubles:
-    variance = np.log1p(shape**2)
-    return -0.5 * np.square(np.log(x) + 0.5 * variance) / variance - np.log(x * sqrt(2.0 * pi * variance))
-
-
-def _gamma_log_density(x: Doubles, shape: float) -> Doubles:
-    k = 1.0 / shape**2
-    return k * log(k) - lgamma(k) + (k - 1.0) * np.log(x) - k * x
-
-
 def _gamma_moment(power: int, shape: float) -> float:
     return prod(1.0 + n * shape**2 for n in range(power))
 
@@ -104,13 +87,11 @@ POPULATIONS: Final[dict[str, Population]] = {
         Population(
             name="fixed",
             spread=False,
-            log_density=lambda x, _shape: np.zeros_like(x),
             moment=lambda _power, _shape: 1.0,
         ),
         Population(
             name="normal",
             spread=True,
-            log_density=_normal_log_density,
             moment=_normal_moment,
             narrowest=0.005,
             widest=2.0,
@@ -119,7 +100,6 @@ POPULATIONS: Final[dict[str, Population]] = {
         Population(
             name="lognormal",
             spread=True,
-            log_density=_lognormal_log_density,
             moment=lambda power, shape: (1.0 + shape**2) ** (0.5 * power * (power - 1)),
             narrowest=0.005,
             widest=1.2,
@@ -128,14 +108,12 @@ POPULATIONS: Final[dict[str, Population]] = {
         Population(
             name="exponential",
             spread=False,
-            log_density=lambda x, _shape: -x,
             moment=lambda power, _shape: _gamma_moment(power, 1.0),
             starts=(1.0,),
         ),
         Population(
             name="gamma",
             spread=True,
-            log_density=_gamma_log_density,
             moment=_gamma_moment,
             narrowest=0.005,
             widest=1.6,
@@ -224,7 +202,7 @@ def _weights(population: Population, shape: float) -> Doubles:
     y = _log_diameters()
     x = np.exp(y)
     with np.errstate(under="ignore"):
-        return STEP * np.exp(np.maximum(population.log_density(x, shape), -700.0)) * x
+        return STEP * np.maximum(population.law(1.0, shape).density(x), _TINY) * x
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -344,5 +322,6 @@ def shot_sizes(population: Population, shape: float) -> tuple[Doubles, Doubles, 
         ends.append((held[0], held[-1]))
     places = np.linspace(y[ends[0][0]], y[ends[1][1]], _SHOT_NODES)
     x = np.exp(places)
-    probability = np.exp(np.maximum(population.log_density(x, shape), -700.0)) * x
+    with np.errstate(under="ignore"):
+        probability = np.maximum(population.law(1.0, shape).density(x), _TINY) * x
     return x, probability / probability.sum(), float(places[1] - places[0])
