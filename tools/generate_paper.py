@@ -11,7 +11,7 @@ from pathlib import Path
 from small_png import small
 
 from rubnoise.claims.catalogue import evaluate_claims
-from rubnoise.claims.claim import Claim, Quantity, Verdict
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
 from rubnoise.figures.paper import FIGURES, paper_figure
 from rubnoise.figures.paper_sources import Sources
 
@@ -105,7 +105,7 @@ def _claim(claim: Claim) -> Iterator[str]:
     yield f"\n**Verdict: {claim.verdict.value}.** {claim.because} Runs: `scenarios/{claim.scenario}`."
 
 
-def _quantity(quantity: Quantity) -> str:
+def _quantity(quantity: ClaimedNumber) -> str:
     name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.6g}"

@@ -80,11 +80,11 @@ def test_brackets_in_help_are_no_styles(monkeypatch: pytest.MonkeyPatch) -> None
         ("run", "--engine", ENGINES),
         ("sweep", "--engine", ENGINES),
         ("figures", "--format", PICTURES),
-        ("export", "--to", tuple(export.Kind)),
-        ("export", "--group", tuple(export.Group)),
+        ("export", "--to", tuple(export.ExportFormat)),
+        ("export", "--group", tuple(export.ExportedGroup)),
         ("listen", "--what", tuple(listen.What)),
         ("listen", "--rate", tuple(listen.Rate)),
-        ("plot", "WHAT", tuple(plot.What)),
+        ("plot", "WHAT", tuple(plot.Picture)),
     ],
 )
 @pytest.mark.parametrize("columns", [60, 80])

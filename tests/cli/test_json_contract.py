@@ -15,8 +15,8 @@ import pytest
 from rubnoise.analysis.replicates import Estimate
 from rubnoise.api.playing import describe
 from rubnoise.api.surface import Surface
-from rubnoise.claims.claim import Claim, Quantity, Verdict
-from rubnoise.claims.field import FieldClaim, Known, Source
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict
+from rubnoise.claims.field import FieldClaim, Known, Publication
 from rubnoise.cli.claims import claim_as_json, row_as_json
 from rubnoise.cli.surface import contents
 from rubnoise.model import Model
@@ -51,7 +51,7 @@ A_CLAIM = Claim(
     where="Eq. (1)",
     says="It is so.",
     quantities=(
-        Quantity(
+        ClaimedNumber(
             name="mean", unit="um", printed=1.0, simulated=Estimate(value=1.0, standard_error=0.1, runs=8), exact=1.0
         ),
     ),
@@ -62,7 +62,7 @@ A_CLAIM = Claim(
 
 A_ROW = FieldClaim(
     id="someone1956",
-    source=Source(name="Someone 1956", doi=None, known=Known.ABSTRACT),
+    source=Publication(name="Someone 1956", doi=None, known=Known.ABSTRACT),
     statement="It is 1.",
     conditions="dry",
     because="It is.",

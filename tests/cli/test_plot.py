@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli.plot import What
+from rubnoise.cli.plot import Picture
 from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from tests.cli.terminal import call, names
@@ -32,7 +32,7 @@ def bare(here: Path) -> Path:
 
 
 def test_every_picture_can_be_asked_for() -> None:
-    assert list(What) == list(PICTURES)
+    assert list(Picture) == list(PICTURES)
 
 
 def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> None:

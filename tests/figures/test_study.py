@@ -14,7 +14,7 @@ from rubnoise.errors import Refused
 from rubnoise.figures import stretch as stretches
 from rubnoise.figures.axis_labels import QUANTITIES, key_label, quantity_label
 from rubnoise.figures.stretch import MOST_POINTS, Stretch
-from rubnoise.figures.study import Line, PointRuns, Study, exact_at, exact_of, study_of_points
+from rubnoise.figures.study import PointRuns, Study, StudyLine, exact_at, exact_of, study_of_points
 from rubnoise.figures.study_picture import draw_study, study_picture
 from rubnoise.figures.style import house_style
 from rubnoise.scenario import Scenario, build
@@ -80,7 +80,7 @@ def _study(grid: dict[str, Sequence[Any]], quantity: str = STD, side_by_side: Se
     )
 
 
-def _rejected(line: Line) -> bool:
+def _rejected(line: StudyLine) -> bool:
     """Whether an exact value lies far outside of what the runs allow."""
     return any(abs(spot.seen.value - spot.exact) > 5.0 * spot.seen.standard_error for spot in line.spots)
 

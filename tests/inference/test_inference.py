@@ -13,7 +13,7 @@ from rubnoise.contact.laws import LAWS
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.estimates import Estimate, reach_beyond, widened
-from rubnoise.inference.fitting import Place, Problem, climb, starts, whittle
+from rubnoise.inference.fitting import FitPoint, FitProblem, climb, starts, whittle
 from rubnoise.inference.honesty import steadiness_test, third_cumulant, third_test
 from rubnoise.inference.inference import Inference, infer_signal
 from rubnoise.inference.periodogram import Expectation, banded, tukey
@@ -95,8 +95,8 @@ def test_bands_are_expected_as_an_estimate_sees_them() -> None:
 )
 def test_derivatives_are_those_of_the_expectation(name: str, options: dict[str, Any]) -> None:
     bands = banded(np.random.default_rng(1).standard_normal(6400), 32.0)
-    problem = Problem(bands, POPULATIONS[name], drift=True, **options)
-    place = Place(rate=1e-9, diameter=30.0, shape=SHAPES[name], noise=3e-3, drift=1e-6)
+    problem = FitProblem(bands, POPULATIONS[name], drift=True, **options)
+    place = FitPoint(rate=1e-9, diameter=30.0, shape=SHAPES[name], noise=3e-3, drift=1e-6)
     at = problem.expected(place)
     for column, parameter in enumerate(at.names):
         step = 1e-4
@@ -112,10 +112,10 @@ def test_derivatives_are_those_of_the_expectation(name: str, options: dict[str, 
 @pytest.mark.parametrize("name", ["normal", "lognormal", "gamma", "exponential", "fixed"])
 def test_bands_at_their_expectation_give_back_the_population(name: str) -> None:
     bands = banded(np.random.default_rng(1).standard_normal(12800), 32.0)
-    problem = Problem(bands, POPULATIONS[name], drift=False)
-    true = Place(rate=1e-9, diameter=30.0, shape=SHAPES[name], noise=2e-3)
+    problem = FitProblem(bands, POPULATIONS[name], drift=False)
+    true = FitPoint(rate=1e-9, diameter=30.0, shape=SHAPES[name], noise=2e-3)
     given = replace(bands, energy=problem.expected(true).mean)
-    place, deviance = whittle(Problem(given, POPULATIONS[name], drift=False), 35.0, 1e-3)
+    place, deviance = whittle(FitProblem(given, POPULATIONS[name], drift=False), 35.0, 1e-3)
     assert deviance < 1e-4
     assert place.diameter == pytest.approx(30.0, rel=1e-3)
     assert place.rate == pytest.approx(1e-9, rel=1e-2)
@@ -379,7 +379,7 @@ def test_equal_sizes_without_noise_are_found_from_a_far_start() -> None:
     """The swing of equal sizes has a minimum of the deviance at each period; low bands lead to the right one."""
     made = signal(contact("fixed", 0.0, 20, 450), 4, noise=0.0)
     values = made.values / made.values.std()
-    problem = Problem(banded(values, 30.0), POPULATIONS["fixed"], drift=False)
+    problem = FitProblem(banded(values, 30.0), POPULATIONS["fixed"], drift=False)
     noise = 0.5 * float(np.median(problem.bands.energy[-10:]))
     for far in (0.7, 1.0, 1.4):
         place, deviance = whittle(problem, far * 32.0, noise)

@@ -27,8 +27,8 @@ from rubnoise.storage.journal import (
     state_at,
 )
 from rubnoise.sweep import journal as journals
-from rubnoise.sweep.journal import Entry, RunRow, entries, numbered
-from rubnoise.sweep.journal import Journal as RunJournal
+from rubnoise.sweep.journal import JournalEntry, RunRow, entries, numbered
+from rubnoise.sweep.journal import SweepJournal as RunJournal
 from tests.format.runs import describe
 
 # Records of a journal: whole or not there at all.
@@ -169,13 +169,13 @@ def test_runs_are_told_from_each_other() -> None:
 
 # What was written down of a run is read back as it was, whatever happened to the file's end.
 FIGURES = {"real_contact_area_mean": pi, "real_contact_area_std": 0.1 + 0.2, "far": 1e-300}
-DONE = Entry(
+DONE = JournalEntry(
     run_id="0123456789abcdef", state="done", row=RunRow(run_id="0123456789abcdef", file="runs/a.h5", figures=FIGURES)
 )
-FAILED = Entry(run_id="fedcba9876543210", state="failed", reason='no room: "a\nb" \u00b5')
+FAILED = JournalEntry(run_id="fedcba9876543210", state="failed", reason='no room: "a\nb" \u00b5')
 
 
-def _written(path: Path, *told: Entry) -> bytes:
+def _written(path: Path, *told: JournalEntry) -> bytes:
     with RunJournal(path) as journal:
         for entry in told:
             journal.add(entry)
@@ -191,7 +191,7 @@ def test_entries_come_back_to_the_last_bit(tmp_path: Path) -> None:
 def test_arrays_come_back_too(tmp_path: Path) -> None:
     arrays = {"spectrum": np.array([1.5, np.nan, inf]), "counts": np.arange(6, dtype=np.int64).reshape(2, 3)}
     row = RunRow(run_id="a", arrays=arrays, of_point={"place": np.linspace(0.0, 1.0, 3)})
-    _written(tmp_path / "j", Entry(run_id="a", state="done", row=row))
+    _written(tmp_path / "j", JournalEntry(run_id="a", state="done", row=row))
     [found] = entries(tmp_path / "j")
     assert found.row is not None
     for kept, asked in ((found.row.arrays, row.arrays), (found.row.of_point, row.of_point)):
@@ -238,7 +238,7 @@ def test_a_bit_that_turned_is_told_from_a_line_that_was_cut_short(tmp_path: Path
 def test_a_line_without_an_end_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journals, "LINE_BYTES", 1 << 16)
     path = tmp_path / "runs.jsonl"
-    _written(path, Entry(run_id="a", state="failed", reason="x"))
+    _written(path, JournalEntry(run_id="a", state="failed", reason="x"))
     with path.open("ab") as stream:
         stream.truncate(1 << 24)
     tracemalloc.start()

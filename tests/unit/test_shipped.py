@@ -15,7 +15,7 @@ from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import points_of
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import Sweep, load_sweep
-from rubnoise.sweep.execution import Measure, run_points
+from rubnoise.sweep.execution import Measurement, run_points
 from rubnoise.theory.exact import Exact
 from tests.architecture.sources import ROOT
 
@@ -178,7 +178,7 @@ def _tally(_extent: object) -> Tally:
 
 def _pooled(study: Sweep, count: int) -> Estimate:
     [case] = [case for case in study.cases if case.values[COUNT] == count]
-    runs = run_points(points_of([case], 12), Measure(sink=_tally, read=_spread))
+    runs = run_points(points_of([case], 12), Measurement(sink=_tally, read=_spread))
     return pooled(FORCE, [value for _, value in runs])
 
 

@@ -20,9 +20,9 @@ from rubnoise.simulation import draws
 from rubnoise.storage import disk, writer
 from rubnoise.storage.disk import write_all
 from rubnoise.storage.output import OutputAppearedError, whole_file
-from rubnoise.storage.pages import PAGE, Overlay, Unfailing
+from rubnoise.storage.pages import PAGE, PagedFile, Unfailing
 from rubnoise.storage.reader import open_run
-from rubnoise.sweep.journal import Entry, Journal, entries
+from rubnoise.sweep.journal import JournalEntry, SweepJournal, entries
 from tests.format.runs import Compression, attempt, describe, names, random_rows, write_run
 
 
@@ -173,7 +173,7 @@ def test_overlay_reads_as_the_changed_file_and_commits_to_it(
     with TemporaryFile() as disk:
         disk.write(beneath)
         disk.flush()
-        overlay = Overlay(disk.fileno())
+        overlay = PagedFile(disk.fileno())
         for file in (expected, overlay):
             for offset, data in changes:
                 file.seek(offset)
@@ -187,7 +187,7 @@ def test_overlay_reads_as_the_changed_file_and_commits_to_it(
 
 
 def test_overlay_of_nothing_costs_only_what_is_written() -> None:
-    overlay = Overlay()
+    overlay = PagedFile()
     overlay.truncate(10**15)
     overlay.seek(10**14)
     overlay.write(b"far")
@@ -318,9 +318,9 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_bits(
 
 
 def test_the_journal_of_a_sweep_has_whole_lines(tmp_path: Path, short: Shorten) -> None:
-    told = [Entry(run_id=f"{n:016x}", state="failed", reason="no room " * n) for n in range(20)]
+    told = [JournalEntry(run_id=f"{n:016x}", state="failed", reason="no room " * n) for n in range(20)]
     for some in (told[:7], told[7:]):
-        with Journal(tmp_path / "j") as journal:
+        with SweepJournal(tmp_path / "j") as journal:
             journal.add(*some)
     assert list(entries(tmp_path / "j")) == told
 

@@ -27,7 +27,7 @@ from rubnoise.sweep.execution import (
     Attempt,
     Execution,
     Here,
-    Measure,
+    Measurement,
     MessageSize,
     Outcome,
     WorkLost,
@@ -275,8 +275,8 @@ def _std(model: Model, tally: Tally) -> float:
     return tally.moments["real_contact_area"].std
 
 
-TRACES = Measure(sink=MemoryRecord, read=_area)
-STDS = Measure(sink=lambda extent: Tally(), read=_std)
+TRACES = Measurement(sink=MemoryRecord, read=_area)
+STDS = Measurement(sink=lambda extent: Tally(), read=_std)
 
 
 def test_a_point_is_the_run_of_its_scenario(tmp_path: Path) -> None:

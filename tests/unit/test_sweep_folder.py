@@ -18,7 +18,7 @@ from rubnoise.storage import disk, writer
 from rubnoise.storage import read_structure as structure_module
 from rubnoise.storage.output import OutputPaths, sole_writer
 from rubnoise.sweep.folder import Shard, SweepFolder
-from rubnoise.sweep.journal import Journal, RunRow, entries
+from rubnoise.sweep.journal import RunRow, SweepJournal, entries
 from rubnoise.sweep.run_status import RunStatus, StatusLog, found_run
 from tests.unit.scenarios import GRID, sweep_of
 
@@ -118,7 +118,7 @@ def test_pipes_in_a_folder_are_refused_and_not_waited_for(sweep: Sweep, folder: 
     with pytest.raises(OutputRefused, match=r"runs\.jsonl: is not a regular file"):
         list(folder.entries())
     with pytest.raises(OutputRefused, match=r"runs\.jsonl: exists and is not a regular file"):
-        Journal(journal)
+        SweepJournal(journal)
     (folder.root / "sweep.json").unlink()
     os.mkfifo(folder.root / "sweep.json")
     with pytest.raises(OutputRefused, match=r"sweep\.json: cannot be read: is not a regular file"):
@@ -205,7 +205,7 @@ def claimed(tmp_path: Path) -> SweepFolder:
 
 @pytest.fixture
 def ledger(claimed: SweepFolder) -> Iterator[StatusLog]:
-    with Journal(claimed.journal(None)) as journal:
+    with SweepJournal(claimed.journal(None)) as journal:
         yield StatusLog(claimed, journal, RunStatus.of(claimed, None))
 
 

@@ -15,7 +15,7 @@ from rubnoise.scenario.points import Point, points_of
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.scenario.sweep_table import FEWEST, QUANTITIES, Precision
 from rubnoise.simulation.run import simulate
-from rubnoise.sweep.execution import Measure, measured
+from rubnoise.sweep.execution import Measurement, measured
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from tests.models import model
 from tests.unit.scenarios import GRID, HEAD, sweep_of, sweep_refusal
@@ -158,7 +158,7 @@ def _tally(_extent: object) -> Tally:
     return Tally()
 
 
-MEASURE = Measure(sink=_tally, read=_std)
+MEASURE = Measurement(sink=_tally, read=_std)
 
 
 def _figures(point: Point) -> dict[str, float]:

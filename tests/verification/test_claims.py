@@ -14,8 +14,8 @@ import scipy.special
 
 from rubnoise.analysis.replicates import Estimate, difference, estimate, ratio
 from rubnoise.claims import catalogue
-from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
-from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Source, exponent, exponent_of
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
+from rubnoise.claims.field import FieldClaim, FieldVerdict, Known, Publication, exponent, exponent_of
 from rubnoise.claims.field_page import agreement, as_range, page
 from rubnoise.cli.claims import row_as_json
 from rubnoise.figures.paper import FIGURES
@@ -316,12 +316,12 @@ def test_errors_of_differences_and_ratios_add_up() -> None:
 @pytest.mark.parametrize(("exact", "verdict"), [(1.0, Verdict.HOLDS), (2.0, Verdict.UNSETTLED)])
 def test_a_verdict_needs_simulation_and_theory_to_agree(exact: float, verdict: Verdict) -> None:
     simulated = Estimate(value=1.0, standard_error=0.01, runs=50)
-    quantity = Quantity(name="mean", unit="um", printed=1.0, simulated=simulated, exact=exact)
+    quantity = ClaimedNumber(name="mean", unit="um", printed=1.0, simulated=simulated, exact=exact)
     assert verdict_if_agreed(quantities=(quantity,), verdict=Verdict.HOLDS) is verdict
 
 
 # How a verdict on a published statement follows from numbers and from how well the statement is known.
-NEAR_2 = Quantity(
+NEAR_2 = ClaimedNumber(
     name="exponent", unit="", printed=None, simulated=Estimate(value=2.1, standard_error=0.1, runs=8), exact=2.0
 )
 
@@ -329,7 +329,7 @@ NEAR_2 = Quantity(
 def claim(known: Known = Known.ORIGINAL, **changes: object) -> FieldClaim:
     row = FieldClaim(
         id="row",
-        source=Source(name="Someone 1956", doi=None, known=known),
+        source=Publication(name="Someone 1956", doi=None, known=known),
         statement="It is 2.",
         conditions="dry",
         because="It is.",

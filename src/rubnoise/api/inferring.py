@@ -213,7 +213,7 @@ def _masked(mask: list[float], speed: float | None, along: str, tick: float) -> 
     return tuple(((1.0 - _MASK) * each / velocity, (1.0 + _MASK) * each / velocity) for each in mask)
 
 
-class _Trace:
+class _KeptColumn:
     """Keeps one column of a run in memory."""
 
     def __init__(self, name: str, rows: int) -> None:
@@ -269,7 +269,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
         tick_count=rows - 1,
         pulse=fit.problem.pulse,
     )
-    sink = _Trace("friction_force", rows)
+    sink = _KeptColumn("friction_force", rows)
     simulate(model, seed, sink, engine="batch")
     scale = float(signal.values.std())
     noise = np.random.default_rng(seed).standard_normal(rows) * np.sqrt(contact.place.noise)

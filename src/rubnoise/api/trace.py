@@ -20,7 +20,7 @@ from rubnoise.api.estimates import Autocovariance, PowerSpectrum, power_spectrum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, needing
 from rubnoise.storage.measured import refusing_files
-from rubnoise.storage.measured_text import Table
+from rubnoise.storage.measured_text import TextTable
 from rubnoise.storage.samples import EvenSteps, check_values, chosen_column, even_step, real_numbers
 from rubnoise.storage.text_heads import NONE, OTHERS, Head, check_unit, head_of
 from rubnoise.tables import as_html, shortened
@@ -75,7 +75,7 @@ class Trace:
         without names, and for gaps and uneven steps. Source: docs/your-data.md.
         """
         with refusing_files(path):
-            table = Table(Path(path))
+            table = TextTable(Path(path))
             if not table.layout.head_line:
                 raise Refused(
                     f'{path}: has no line of names above its numbers; write one, such as "time (s),force (mN)"'

@@ -29,7 +29,7 @@ from rubnoise.storage.reader import Unseen, open_run
 from rubnoise.storage.schema import HASH
 from rubnoise.sweep.folder import SweepFolder, cases_of, identity, manifest_text
 from rubnoise.sweep.index import index_of
-from rubnoise.sweep.journal import Entry, numbered
+from rubnoise.sweep.journal import JournalEntry, numbered
 from rubnoise.sweep.run_status import DONE, PLANNED, RecordedRuns
 
 AS_WRITTEN: Final = "as its checksum was taken of it"
@@ -54,7 +54,7 @@ def journal_check(folder: SweepFolder, files: Figures, left_out: list[LeftOut]) 
     return notes.check(), frozenset(entry.run_id for _, entry in entries)
 
 
-def _entries(notes: Notes, folder: SweepFolder, left_out: list[LeftOut]) -> Iterator[tuple[str, Entry]]:
+def _entries(notes: Notes, folder: SweepFolder, left_out: list[LeftOut]) -> Iterator[tuple[str, JournalEntry]]:
     """Yield every sound line with its place, and note the others."""
     own, cut = folder.journals(), 0
     for path in own:
@@ -64,7 +64,7 @@ def _entries(notes: Notes, folder: SweepFolder, left_out: list[LeftOut]) -> Iter
                 cut += 1
                 continue
             notes.say(place, found="damaged" if entry == "damaged" else AS_WRITTEN, expected=AS_WRITTEN)
-            if isinstance(entry, Entry):
+            if isinstance(entry, JournalEntry):
                 yield place, entry
     for path in sorted((folder.root / "journal").glob("*")):
         if path not in own and not path.name.startswith("."):
@@ -74,7 +74,7 @@ def _entries(notes: Notes, folder: SweepFolder, left_out: list[LeftOut]) -> Iter
         left_out.append(LeftOut(name="lines of journals", reason=reason))
 
 
-def _compare(notes: Notes, place: str, entry: Entry, files: Figures, folder: SweepFolder) -> None:
+def _compare(notes: Notes, place: str, entry: JournalEntry, files: Figures, folder: SweepFolder) -> None:
     """Compare a line that says done with the file of its run; a sweep that keeps none has none to compare."""
     row = entry.row
     if row is None or not row.file:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import sqrt
 
 from rubnoise.analysis.replicates import difference
-from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.contact.laws import Fixed
 from rubnoise.model import Model
@@ -52,9 +52,9 @@ def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
     return {"std": float(record["trace"]["real_contact_area"].std())}
 
 
-def _drop(found: Evidence, area: float, printed: float | None, few: int, many: int) -> Quantity:
+def _drop(found: Evidence, area: float, printed: float | None, few: int, many: int) -> ClaimedNumber:
     first, second = found.at(area=area, count=few), found.at(area=area, count=many)
-    return Quantity(
+    return ClaimedNumber(
         name=f"drop of the std from {few} to {many} junctions at {area:g} um^2",
         unit="um^2",
         printed=printed,

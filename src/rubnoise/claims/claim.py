@@ -20,7 +20,7 @@ class Verdict(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class ClaimedNumber:
     """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
     None is printed where the paper gives no number; exact is nan where theory has none, as of a slider that pushes
@@ -51,18 +51,18 @@ class Claim:
     name: str
     where: str
     says: str
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[ClaimedNumber, ...]
     verdict: Verdict
     because: str
     scenario: str
 
 
-def verdict_if_agreed(*, quantities: tuple[Quantity, ...], verdict: Verdict) -> Verdict:
+def verdict_if_agreed(*, quantities: tuple[ClaimedNumber, ...], verdict: Verdict) -> Verdict:
     """Return the verdict, or unsettled where simulation and theory disagree about any number it rests on."""
     return verdict if all(quantity.agrees for quantity in quantities) else Verdict.UNSETTLED
 
 
-def nearness(quantity: Quantity, step: float) -> Verdict:
+def nearness(quantity: ClaimedNumber, step: float) -> Verdict:
     """Compare a printed number with the exact one; ``step`` is the unit of its last digit."""
     printed = quantity.printed or 0.0
     if abs(quantity.exact - printed) <= 0.5 * step:

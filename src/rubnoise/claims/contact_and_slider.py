@@ -6,7 +6,7 @@ from math import nan, sqrt
 import numpy as np
 
 from rubnoise.analysis.replicates import ratio
-from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, nearness, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -43,7 +43,7 @@ def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
 
 
 def _life_mean(paper: Found) -> Claim:
-    quantity = Quantity(
+    quantity = ClaimedNumber(
         name="mean area over a life, over d^2",
         printed=0.327,
         simulated=paper.numbers["life_mean"],
@@ -62,7 +62,7 @@ def _life_mean(paper: Found) -> Claim:
 
 
 def _mean_area(paper: Found) -> Claim:
-    quantity = Quantity(
+    quantity = ClaimedNumber(
         name="mean real contact area",
         unit="um^2",
         printed=paper.model.mean_real_contact_area,
@@ -84,7 +84,7 @@ def _mean_area(paper: Found) -> Claim:
 def _live_count(paper: Found) -> Claim:
     mean = exact(paper.model).count_mean
     quantities = tuple(
-        Quantity(
+        ClaimedNumber(
             name=f"{name} of the number of junctions",
             printed=paper.model.mean_junction_count,
             simulated=paper.numbers[f"count_{name}"],
@@ -108,17 +108,17 @@ def _live_count(paper: Found) -> Claim:
 
 def _few_or_many(found: Evidence) -> Claim:
     many, few = found.at(count=50), found.at(count=10)
-    force = Quantity(
+    force = ClaimedNumber(
         name="std of the friction force, 50 junctions over 10",
         simulated=ratio(many.numbers["force_std"], few.numbers["force_std"]),
         exact=_force_std(many.model) / _force_std(few.model),
     )
-    motion = Quantity(
+    motion = ClaimedNumber(
         name="std of the displacement, 50 junctions over 10",
         simulated=ratio(many.numbers["displacement_std"], few.numbers["displacement_std"]),
         exact=response(many.model).displacement_std / response(few.model).displacement_std,
     )
-    pushing_back = Quantity(
+    pushing_back = ClaimedNumber(
         name="the same, with two-way coupling",
         simulated=ratio(*(found.at(count=count, coupling="two-way").numbers["displacement_std"] for count in (50, 10))),
         exact=nan,
@@ -142,22 +142,22 @@ def _few_or_many(found: Evidence) -> Claim:
 def _constant_speed(found: Evidence) -> Claim:
     paper, two_way = found.at(count=20), found.at(count=20, coupling="two-way")
     name = "std of the slider's velocity over the sliding speed"
-    one_way = Quantity(
+    one_way = ClaimedNumber(
         name=name,
         simulated=paper.numbers["velocity_ratio"],
         exact=response(paper.model).one_way_validity,
     )
-    pushing_back = Quantity(
+    pushing_back = ClaimedNumber(
         name="the same, with two-way coupling",
         simulated=two_way.numbers["velocity_ratio"],
         exact=nan,
     )
-    stuck = Quantity(
+    stuck = ClaimedNumber(
         name="fraction of the time in which it then sticks",
         simulated=two_way.numbers["stuck"],
         exact=nan,
     )
-    change = Quantity(
+    change = ClaimedNumber(
         name="std of its displacement, two-way over one-way",
         simulated=ratio(two_way.numbers["displacement_std"], paper.numbers["displacement_std"]),
         exact=nan,

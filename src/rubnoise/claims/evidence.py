@@ -9,7 +9,7 @@ from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.execution import Measure, run_points
+from rubnoise.sweep.execution import Measurement, run_points
 
 Read = Callable[[Model, MemoryRecord], dict[str, float]]
 """Finds named numbers in the record of one run."""
@@ -69,7 +69,7 @@ def gather(name: str, read: Read, report: Report) -> Evidence:
     """Run every point of a sweep that comes with rubnoise, in memory, and measure each run."""
     found: dict[int, list[dict[str, float]]] = {}
     cases: dict[int, tuple[Model, Mapping[str, Any]]] = {}
-    measure = Measure(sink=MemoryRecord, read=read)
+    measure = Measurement(sink=MemoryRecord, read=read)
     points = expand(load_sweep(shipped(name)))
     for number, (point, numbers) in enumerate(run_points(points, measure), 1):
         report(f"{name}: run {number} of {len(points)}")

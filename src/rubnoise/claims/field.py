@@ -5,7 +5,7 @@ from enum import StrEnum
 from math import isnan, log
 
 from rubnoise.analysis.replicates import Estimate, ratio
-from rubnoise.claims.claim import Quantity
+from rubnoise.claims.claim import ClaimedNumber
 
 Range = tuple[float, float]
 """The numbers that a source allows, from the lowest to the highest, both among them."""
@@ -35,7 +35,7 @@ _SHOWS_ITS_SUBJECT = (*_CARRIES_A_VERDICT, Known.ABSTRACT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Source:
+class Publication:
     """A publication: author and year, its DOI where it was found, and how well what it says is known."""
 
     name: str
@@ -53,11 +53,11 @@ class FieldClaim:
     """
 
     id: str
-    source: Source
+    source: Publication
     statement: str
     conditions: str
     because: str
-    quantity: Quantity | None = None
+    quantity: ClaimedNumber | None = None
     published: Range | None = None
     lacks: str | None = None
     scenario: str | None = None
@@ -115,13 +115,13 @@ def exponent(near: Estimate, far: Estimate, factor: float) -> Estimate:
 
 def exponent_of(
     name: str, near: tuple[Estimate, float], far: tuple[Estimate, float], factor: float, *, times: float = 1.0
-) -> Quantity:
+) -> ClaimedNumber:
     """Return an exponent, simulated and exact, times a number that turns one variable into another.
 
     ``near`` and ``far`` are estimates with their exact values, nan where theory has none.
     """
     simulated = exponent(near[0], far[0], factor).times(times)
-    return Quantity(
+    return ClaimedNumber(
         name=name,
         simulated=simulated,
         exact=times * log(far[1] / near[1]) / log(factor),

@@ -5,7 +5,7 @@ from math import inf, log10, nan
 
 from rubnoise.analysis.replicates import Estimate, ratio
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Quantity
+from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.claims.field_peaks import FAST, NORMAL, SLOW, frequencies, jerks
@@ -63,20 +63,20 @@ def _amplitude(point: Found, of: str = "velocity") -> tuple[Estimate, float]:
     return point.numbers[f"{of}_std"], exact
 
 
-def _of_speed(found: Evidence, name: str, coupling: str = "one-way") -> Quantity:
+def _of_speed(found: Evidence, name: str, coupling: str = "one-way") -> ClaimedNumber:
     points = [point for point in found.points if _is(point, 20, coupling)]
     near, far = sorted(points, key=_speed)
     return exponent_of(name, _amplitude(near), _amplitude(far), _speed(far) / _speed(near))
 
 
-def _of_diameter(found: Evidence, name: str, times: float = 1.0) -> Quantity:
+def _of_diameter(found: Evidence, name: str, times: float = 1.0) -> ClaimedNumber:
     slowest = min(map(_speed, found.points))
     small, large = found.at(count=20, speed=slowest), found.at(count=5, speed=slowest)
     factor = large.model.calibrated_diameter / small.model.calibrated_diameter
     return exponent_of(name, _amplitude(small), _amplitude(large), factor, times=times)
 
 
-def _sum_of_exponents(found: Evidence, coupling: str) -> Quantity:
+def _sum_of_exponents(found: Evidence, coupling: str) -> ClaimedNumber:
     """Return the sum of both exponents, from two points that differ in V and d by one factor."""
     speeds = sorted({_speed(point) for point in found.points})
     small = found.at(count=20, speed=speeds[0], coupling=coupling)
@@ -284,7 +284,7 @@ def _damping(found: Evidence) -> FieldClaim:
         source=sources.DANG_2013,
         statement="Ten times the modal damping takes 10 dB from the level.",
         conditions="simulated rough surfaces, damping ratio 0.02 and more; here 0.0204 and 0.204",
-        quantity=Quantity(
+        quantity=ClaimedNumber(
             name="level of velocity at ten times the damping",
             unit="dB",
             simulated=Estimate(

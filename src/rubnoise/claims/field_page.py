@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite, isnan
 
-from rubnoise.claims.claim import Quantity
+from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.field import FieldClaim, Range
 
 _HEAD = """\
@@ -162,7 +162,7 @@ def _row(claim: FieldClaim) -> Iterator[str]:
     yield f"\n**Verdict: {claim.verdict.value}.** {claim.because}{lacks}{missing}{scenario}"
 
 
-def _numbers(quantity: Quantity, published: Range | None) -> str:
+def _numbers(quantity: ClaimedNumber, published: Range | None) -> str:
     name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.5g}"
     low, high = quantity.simulated.interval

@@ -4,7 +4,7 @@ from math import nan
 
 from rubnoise.analysis.replicates import ratio
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Quantity
+from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Evidence, Found
 from rubnoise.claims.field import FieldClaim
 from rubnoise.theory.response import response
@@ -18,13 +18,13 @@ def frequencies(fast: Evidence) -> list[FieldClaim]:
     """Return the rows on natural and dominating frequencies, from runs at 20 mm/s with 5 and 20 junctions."""
     fine, rough = fast.at(count=20, speed=20_000.0), fast.at(count=5, speed=20_000.0)
     pairs = [(point.numbers["frequency"], _frequency(point)) for point in (fine, rough)]
-    moved = Quantity(
+    moved = ClaimedNumber(
         name="mean frequency of motion, 5 junctions over 20",
         simulated=ratio(pairs[1][0], pairs[0][0]),
         exact=pairs[1][1] / pairs[0][1],
     )
     natural = fine.model.slider.natural_angular_frequency if fine.model.slider else nan
-    own = Quantity(
+    own = ClaimedNumber(
         name="mean frequency of motion over the natural one",
         simulated=pairs[0][0].times(1.0 / natural),
         exact=pairs[0][1] / natural,
@@ -89,7 +89,7 @@ def jerks(slow: Evidence) -> FieldClaim:
         source=sources.BOWDEN_LEBEN_1939,
         statement="Metals do not slide steadily but by jerks (stick-slip).",
         conditions="slow sliding",
-        quantity=Quantity(name="share of the time stuck, two-way, 1 mm/s", unit="", simulated=stuck, exact=nan),
+        quantity=ClaimedNumber(name="share of the time stuck, two-way, 1 mm/s", unit="", simulated=stuck, exact=nan),
         because="One-way coupling cannot stick. Two-way coupling sticks most of the time, without a static friction "
         "above the kinetic one. The source gives no share of the time, so no share could disagree.",
         scenario=SLOW,

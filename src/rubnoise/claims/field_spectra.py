@@ -8,7 +8,7 @@ import numpy as np
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Quantity
+from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Found, Report, gather
 from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.model import Model
@@ -73,7 +73,7 @@ def _bins(model: Model, segment: float, band: Band) -> Doubles:
     return places[(places >= band[0]) & (places <= band[1])]
 
 
-def _fall(point: Found, segment: float, bands: tuple[Band, Band], name: str) -> Quantity:
+def _fall(point: Found, segment: float, bands: tuple[Band, Band], name: str) -> ClaimedNumber:
     """Return the exponent with which the spectrum of the area falls from one band to the other."""
     places = [_bins(point.model, segment, band) for band in bands]
     exact = [float(spectral_density(point.model, place).mean()) for place in places]
@@ -168,7 +168,7 @@ def _blocks(free: Found) -> list[FieldClaim]:
         _FREE_BANDS[1][0] / _FREE_BANDS[0][0],
         times=-1.0,
     )
-    quantity = Quantity(
+    quantity = ClaimedNumber(
         name=of_velocity.name,
         simulated=of_velocity.simulated.plus(2.0),
         exact=of_velocity.exact + 2.0,

@@ -10,7 +10,7 @@ from rubnoise.analysis.covariance import autocovariance as sample_autocovariance
 from rubnoise.analysis.replicates import Estimate
 from rubnoise.arrays import Doubles
 from rubnoise.claims import sources
-from rubnoise.claims.claim import Quantity
+from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Found, Report, gather
 from rubnoise.claims.field import FieldClaim, exponent_of
 from rubnoise.contact.births import PoissonBirths
@@ -86,7 +86,7 @@ def _rabinowicz_1956(strengths: Found, paper: Found) -> list[FieldClaim]:
             statement="The size of junctions of equal size and unequal strength follows from the autocorrelation of "
             "the friction trace.",
             conditions="artificial trace; here triangles of 9 um at regular spacing, strengths that spread by 20 %",
-            quantity=Quantity(
+            quantity=ClaimedNumber(
                 name="diameter read from the half-width",
                 unit="um",
                 simulated=strengths.numbers["half_width"].times(1.0 / per_diameter),
@@ -102,7 +102,7 @@ def _rabinowicz_1956(strengths: Found, paper: Found) -> list[FieldClaim]:
             source=sources.RABINOWICZ_1956,
             statement="Real traces give a mean junction diameter of 9 um by autocorrelation, and 5 um in another way.",
             conditions="slow sliding; the metal is not in the abstract; here the contact of Figure 5",
-            quantity=Quantity(
+            quantity=ClaimedNumber(
                 name="diameter read from the half-width",
                 unit="um",
                 simulated=paper.numbers["half_width"].times(1.0 / lens),
@@ -173,7 +173,7 @@ def _kilburn(paper: Found, loaded: Found) -> list[FieldClaim]:
             source=sources.KILBURN_1974,
             statement="The instantaneous coefficient of friction is normally distributed.",
             conditions=f"{conditions}, test of Kolmogorov and Smirnov; here 20 junctions",
-            quantity=Quantity(
+            quantity=ClaimedNumber(
                 name="skewness of the area",
                 simulated=paper.numbers["skewness"],
                 exact=area_cumulants(paper.model).skewness,
@@ -214,7 +214,7 @@ def _holm(paper: Found) -> FieldClaim:
         source=sources.HOLM_1958,
         statement="Fluctuations of conduction and friction come mainly from the random appearance of spots.",
         conditions="sliding electric contacts",
-        quantity=Quantity(
+        quantity=ClaimedNumber(
             name="variance over mean of the count",
             simulated=paper.numbers["count_dispersion"],
             exact=1.0,
@@ -232,7 +232,7 @@ def _campbell(paper: Found) -> FieldClaim:
         source=sources.CAMPBELL_RICE,
         statement="Pulses F at a rate nu have the variance nu int F^2.",
         conditions="births at random, linear superposition; here lenses of one size",
-        quantity=Quantity(
+        quantity=ClaimedNumber(
             name="N_jm times the relative variance",
             simulated=paper.numbers["relative_variance"],
             exact=paper.model.mean_junction_count * area.variance / area.mean**2,

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -49,11 +49,11 @@ def _measured(model: Model, record: MemoryRecord) -> dict[str, float]:
     return {"ripple": float(area.std() / area.mean())}
 
 
-def _ripple(found: Evidence, shape: str, count: int, words: str) -> Quantity:
+def _ripple(found: Evidence, shape: str, count: int, words: str) -> ClaimedNumber:
     point = found.at(shape=shape, count=count)
     area = area_cumulants(point.model)
     ripple = area.std / area.mean
-    return Quantity(
+    return ClaimedNumber(
         name=f"std over mean: {words}",
         printed=0.0,
         simulated=point.numbers["ripple"],

@@ -1,10 +1,10 @@
 """The publications of the field's ledger, each with how well it is known."""
 
-from rubnoise.claims.field import Known, Source
+from rubnoise.claims.field import Known, Publication
 
 
-def _source(name: str, doi: str | None, known: Known) -> Source:
-    return Source(name=name, doi=doi, known=known)
+def _source(name: str, doi: str | None, known: Known) -> Publication:
+    return Publication(name=name, doi=doi, known=known)
 
 
 THIS_MODEL = _source("rubnoise, docs/field.md", None, Known.PROOF)
@@ -14,7 +14,9 @@ BA_2008 = _source("Proc. IJTC2008, p. 533 ff.", None, Known.ABSTRACT)
 BA_2010 = _source("Ben Abdelounis, Le Bot, Perret-Liaudet, Zahouani 2010", "10.1016/j.wear.2009.08.024", Known.ABSTRACT)
 BA_2010_NUMBERS = _source(BA_2010.name, BA_2010.doi, Known.SECOND_HAND)
 BA_2011 = _source(
-    "Ben Abdelounis, Zahouani, Le Bot, Perret-Liaudet, Ben Tkaya 2011", "10.1016/j.wear.2010.07.014", Known.SECOND_HAND
+    "Ben Abdelounis, Zahouani, Le Bot, Perret-Liaudet, Ben Tkaya 2011",
+    "10.1016/j.wear.2010.07.014",
+    Known.SECOND_HAND,
 )
 BOWDEN_LEBEN_1939 = _source("Bowden and Leben 1939", None, Known.MEMORY)
 BREWER_2016 = _source("Brewer, Meyer, Peshkin, Colgate 2016", None, Known.ABSTRACT)

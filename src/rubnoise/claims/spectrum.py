@@ -8,7 +8,7 @@ import numpy as np
 from rubnoise.analysis.replicates import ratio
 from rubnoise.analysis.spectra import welch
 from rubnoise.arrays import Doubles
-from rubnoise.claims.claim import Claim, Quantity, Verdict, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
@@ -80,7 +80,7 @@ def _exact_power(model: Model, band: tuple[float, float]) -> float:
 def _decay(paper: Found) -> Claim:
     low = _exact_power(paper.model, _BANDS["low"])
     half, corner = (
-        Quantity(
+        ClaimedNumber(
             name=name,
             # Of means, since the mean of ratios is too large; bands that do not touch are independent to first order.
             simulated=ratio(paper.numbers[key], paper.numbers["low"]),
@@ -107,7 +107,7 @@ def _decay(paper: Found) -> Claim:
 
 
 def _floor(paper: Found) -> Claim:
-    quantity = Quantity(
+    quantity = ClaimedNumber(
         name="exponent of S from k L_jm = 42 to 170",
         printed=0.0,
         simulated=paper.numbers["exponent"],
@@ -128,11 +128,11 @@ def _floor(paper: Found) -> Claim:
     )
 
 
-def power_ratio(one: Found, other: Found, name: str, band: str = "low", *, scaled: bool = False) -> Quantity:
+def power_ratio(one: Found, other: Found, name: str, band: str = "low", *, scaled: bool = False) -> ClaimedNumber:
     """Return the power of one point over that of another in a band, ``scaled`` by variance and life of each."""
     factor = variance_and_life(other.model) / variance_and_life(one.model) if scaled else 1.0
     exact = _exact_power(one.model, _BANDS[band]) / _exact_power(other.model, _BANDS[band])
-    return Quantity(
+    return ClaimedNumber(
         name=name,
         printed=None if scaled else 1.0,
         simulated=ratio(one.numbers[band], other.numbers[band]).times(factor),

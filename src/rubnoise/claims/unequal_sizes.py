@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rubnoise.claims.claim import Claim, Quantity, Verdict, nearness, verdict_if_agreed
+from rubnoise.claims.claim import Claim, ClaimedNumber, Verdict, nearness, verdict_if_agreed
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.spectrum import SAME, in_bands, power_ratio
 from rubnoise.model import Model
@@ -49,9 +49,9 @@ def _present_mean(found: Evidence) -> Claim:
     )
 
 
-def _present(point: Found, spread: str) -> Quantity:
+def _present(point: Found, spread: str) -> ClaimedNumber:
     moment = point.model.sizes.moment
-    return Quantity(
+    return ClaimedNumber(
         name=f"mean over junctions present, over that of lives, spread {spread}",
         printed=1.0,
         simulated=point.numbers["present"],

@@ -12,7 +12,7 @@ from rubnoise.cli.layout import remark, table_row
 from rubnoise.cli.progress import StatusLine, on_terminal
 
 if TYPE_CHECKING:
-    from rubnoise.claims.claim import Claim, Quantity
+    from rubnoise.claims.claim import Claim, ClaimedNumber
     from rubnoise.claims.field import FieldClaim
 
 _LABEL = 38
@@ -102,7 +102,7 @@ def claim_as_json(claim: "Claim") -> dict[str, Any]:
     }
 
 
-def _quantity(quantity: "Quantity") -> dict[str, Any]:
+def _quantity(quantity: "ClaimedNumber") -> dict[str, Any]:
     low, high = quantity.simulated.interval
     return {
         "name": quantity.name,
@@ -125,7 +125,7 @@ def format_claims(claims: tuple["Claim", ...]) -> list[str]:
     return lines[:-1]
 
 
-def _lines(quantity: "Quantity") -> list[str]:
+def _lines(quantity: "ClaimedNumber") -> list[str]:
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     printed = "" if quantity.printed is None else f"{quantity.printed:g}"
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.4g}"
@@ -135,7 +135,7 @@ def _lines(quantity: "Quantity") -> list[str]:
     return [f"  {label}", table_row(f"  {'':<{_LABEL}}", numbers)]
 
 
-def _with_interval(quantity: "Quantity") -> str:
+def _with_interval(quantity: "ClaimedNumber") -> str:
     low, high = quantity.simulated.interval
     return f"{quantity.simulated.value:.4g} +- {0.5 * (high - low):.1g}"
 
@@ -216,7 +216,7 @@ def _number(value: float | None) -> float | None:
     return value if value is not None and isfinite(value) else None
 
 
-def _numbers(quantity: "Quantity") -> str:
+def _numbers(quantity: "ClaimedNumber") -> str:
     label = quantity.name + (f" ({quantity.unit})" if quantity.unit else "")
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.4g}"
     return table_row(f"  {label:<{_FIELD_LABEL}}", f"{exact:>9} {_with_interval(quantity):>20}")

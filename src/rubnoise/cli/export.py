@@ -13,7 +13,7 @@ from rubnoise.cli.progress import watching
 STANDARD_OUTPUT = Path("-")
 
 
-class Kind(StrEnum):
+class ExportFormat(StrEnum):
     """The formats there are."""
 
     CSV = "csv"
@@ -21,7 +21,7 @@ class Kind(StrEnum):
     NETCDF = "netcdf"
 
 
-class Group(StrEnum):
+class ExportedGroup(StrEnum):
     """The groups of a run that are tables."""
 
     JUNCTIONS = "junctions"
@@ -33,9 +33,11 @@ class Group(StrEnum):
 def command(
     file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
     *,
-    kind: Annotated[Kind, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT", show_default=False)],
+    kind: Annotated[
+        ExportFormat, typer.Option("--to", help="csv, parquet or netcdf.", metavar="FORMAT", show_default=False)
+    ],
     group: Annotated[
-        Group | None,
+        ExportedGroup | None,
         typer.Option(
             help="One group of the run: junctions, trace, slider or landmarks; default: all.", metavar="GROUP"
         ),
@@ -62,7 +64,7 @@ def command(
 
     printed = output == STANDARD_OUTPUT
     if printed:
-        if kind is not Kind.CSV:
+        if kind is not ExportFormat.CSV:
             raise typer.BadParameter(
                 f"-o -: only CSV goes to standard output; {kind} is binary, and its readers move about in it:"
                 " name a file"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rubnoise.figures.style import Format
 
 
-class What(StrEnum):
+class Picture(StrEnum):
     """The pictures of a run."""
 
     TRACE = "trace"
@@ -35,7 +35,7 @@ class What(StrEnum):
     LIFELINES = "lifelines"
 
 
-class Spectrum(StrEnum):
+class SpectrumOf(StrEnum):
     """What a spectrum can be of."""
 
     AREA = "area"
@@ -55,7 +55,7 @@ def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
     from rubnoise.figures.axis_labels import ALL
 
-    return [name for name in (*What, *ALL) if name.startswith(incomplete)]
+    return [name for name in (*Picture, *ALL) if name.startswith(incomplete)]
 
 
 def command(
@@ -65,7 +65,7 @@ def command(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"Of a run, the picture: {', '.join(What)}. Of a sweep, the quantity, such as displacement_std.",
+            help=f"Of a run, the picture: {', '.join(Picture)}. Of a sweep, the quantity, such as displacement_std.",
             metavar="WHAT",
             autocompletion=complete,
             show_default="trace, or displacement_std or real_contact_area_std",
@@ -84,12 +84,12 @@ def command(
         str | None, typer.Option("--to", help="Where the stretch ends.", metavar="S", show_default=False)
     ] = None,
     of: Annotated[
-        Spectrum,
+        SpectrumOf,
         typer.Option(
             help="Whose spectrum psd draws: area, over wavenumber; force, displacement or velocity, in Hz.",
             metavar="QUANTITY",
         ),
-    ] = Spectrum.AREA,
+    ] = SpectrumOf.AREA,
     beside: Annotated[
         Path | None,
         typer.Option(
@@ -117,25 +117,25 @@ def command(
         reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
         raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     if is_folder(file):
-        if ends != (None, None) or beside is not None or of != Spectrum.AREA:
+        if ends != (None, None) or beside is not None or of != SpectrumOf.AREA:
             raise typer.BadParameter("--from, --to, --of and --with are for the pictures of one run")
         _plot_sweep(file, what, output, force=force)
     else:
         _plot_run(file, _picture(what), of, ends, beside, output, force=force)
 
 
-def _picture(what: str | None) -> What:
+def _picture(what: str | None) -> Picture:
     try:
-        return What(what or What.TRACE)
+        return Picture(what or Picture.TRACE)
     except ValueError:
-        known = ", ".join(f"'{name}'" for name in What)
+        known = ", ".join(f"'{name}'" for name in Picture)
         raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'") from None
 
 
 def _plot_run(
     file: Path,
-    what: What,
-    of: Spectrum,
+    what: Picture,
+    of: SpectrumOf,
     ends: tuple[float | None, float | None],
     beside: Path | None,
     output: Path | None,
@@ -149,11 +149,11 @@ def _plot_run(
     from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
 
-    heard = None if of is Spectrum.AREA else cast("Heard", of.value)
+    heard = None if of is SpectrumOf.AREA else cast("Heard", of.value)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
-    if heard is not None and what is not What.PSD:
+    if heard is not None and what is not Picture.PSD:
         raise typer.BadParameter(f"--of is for psd, not for {what.value}")
-    if has_measured and what is not What.PSD:
+    if has_measured and what is not Picture.PSD:
         raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what.value}")
     if beside is not None and not has_measured and what not in OVERLAID and heard is None:
         raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")

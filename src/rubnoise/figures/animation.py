@@ -106,7 +106,7 @@ class Film:
                 for each in drawn:
                     each.remove()
 
-    def _draw(self, axes: "Axes", traces: tuple["_Trace", "_Trace"], distance: float, label: str) -> list[Any]:
+    def _draw(self, axes: "Axes", traces: tuple["_Growing", "_Growing"], distance: float, label: str) -> list[Any]:
         alive = self.stage.junctions.alive(distance)
         area, count = float(alive.area(distance).sum()), alive.rows.size
         traces[0].show(distance, area, f"{area:.0f} µm² in contact")
@@ -115,7 +115,7 @@ class Film:
         return self.stage.draw(axes, distance)
 
 
-class _Trace:
+class _Growing:
     """A column of the trace up to a distance, over its exact mean and spread."""
 
     def __init__(self, axes: "Axes", stretch: Stretch, name: str, mean: float, std: float, **look: Any) -> None:
@@ -142,17 +142,17 @@ class _Trace:
         self._words.set_text(words)
 
 
-def _area_trace(axes: "Axes", stretch: Stretch) -> _Trace:
+def _area_trace(axes: "Axes", stretch: Stretch) -> _Growing:
     law = area_cumulants(stretch.model)
-    trace = _Trace(axes, stretch, "real_contact_area", law.mean, law.std)
+    trace = _Growing(axes, stretch, "real_contact_area", law.mean, law.std)
     axes.set_ylabel(AREA)
     legend_above(axes)
     return trace
 
 
-def _count_trace(axes: "Axes", stretch: Stretch) -> _Trace:
+def _count_trace(axes: "Axes", stretch: Stretch) -> _Growing:
     law = exact(stretch.model)
-    trace = _Trace(axes, stretch, "junction_count", law.count_mean, law.count_std, drawstyle="steps-post")
+    trace = _Growing(axes, stretch, "junction_count", law.count_mean, law.count_std, drawstyle="steps-post")
     axes.locator_params(axis="y", integer=True)
     axes.set_ylabel(COUNT)
     return trace

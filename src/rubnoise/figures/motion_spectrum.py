@@ -52,7 +52,7 @@ POINTS: Final = 1500
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
+class Audible:
     """A column of /slider as a spectrum shows it: factor to the unit on the axis, and the exact two-sided density.
 
     ``still`` is how much of it a slider at rest has, in units of its deflection under the mean force.
@@ -71,18 +71,18 @@ def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
     return force_spectral_density(model, drive.strengths, angular_frequency / drive.speed) / drive.speed
 
 
-QUANTITIES: Final[dict[Heard, Quantity]] = {
-    "displacement": Quantity(
+QUANTITIES: Final[dict[Heard, Audible]] = {
+    "displacement": Audible(
         column="displacement", scale=1.0, unit="µm²/Hz", exact=displacement_spectrum, still=lambda _: 1.0
     ),
-    "velocity": Quantity(
+    "velocity": Audible(
         column="velocity",
         scale=1e-3,
         unit="(mm/s)²/Hz",
         exact=velocity_spectrum,
         still=lambda model: drive_of(model).slider.natural_angular_frequency,
     ),
-    "force": Quantity(
+    "force": Audible(
         column="friction_force",
         scale=1e-3,
         unit="mN²/Hz",
@@ -193,7 +193,7 @@ def draw_spectra(axes: "Axes", found: Sequence[tuple[Motion, Spectrum]], heard: 
     legend_above(axes)
 
 
-def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Quantity, lowest: float, highest: float) -> None:
+def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowest: float, highest: float) -> None:
     """Draw the exact density of one-way coupling where theory knows one, and regular births leave one."""
     shown = next((motion for motion in motions if not motion.model.is_two_way), motions[0])
     natural = shown.slider.natural_frequency

@@ -12,7 +12,7 @@ from rubnoise.scenario import Scenario, load
 from rubnoise.scenario.points import Point
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import expand, load_sweep
-from rubnoise.sweep.execution import Measure, run_points
+from rubnoise.sweep.execution import Measurement, run_points
 
 FOLDER: Final = "paper"
 
@@ -45,7 +45,7 @@ class Sources:
         """Return the points of a sweep; raises ScenarioRefused."""
         return expand(load_sweep(self.path(name)))
 
-    def results(self, name: str, measure: Measure[Kept, Result]) -> Iterator[tuple[Point, Result]]:
+    def results(self, name: str, measure: Measurement[Kept, Result]) -> Iterator[tuple[Point, Result]]:
         """Run a sweep, and yield its points with their results."""
         points = self.points(name)
         for done, result in enumerate(run_points(points, measure), 1):

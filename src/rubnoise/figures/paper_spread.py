@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.figures.paper_sources import Sources
-from rubnoise.figures.study import Line, PointRuns, Study, study_of_points
+from rubnoise.figures.study import PointRuns, Study, StudyLine, study_of_points
 from rubnoise.figures.study_picture import LOOK, draw_exact, draw_points
 from rubnoise.figures.style import INK, SERIES, VERMILION, logarithmic, new_figure
 from rubnoise.model import Model
 from rubnoise.record.sink import Extent
 from rubnoise.record.tally import Tally
 from rubnoise.scenario.points import Point
-from rubnoise.sweep.execution import Measure
+from rubnoise.sweep.execution import Measurement
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.sampling import standard_errors
 
@@ -60,7 +60,7 @@ def _variance(model: Model, tally: Tally) -> float:
     return tally.moments["real_contact_area"].variance
 
 
-VARIANCE: Final = Measure(sink=_tally, read=_variance)
+VARIANCE: Final = Measurement(sink=_tally, read=_variance)
 
 LAW: Final = 1.5 * sqrt(2.0 * pi / 3.0 - 64.0 / 45.0)
 """std/mean times sqrt(N) for lenses of one size: sqrt(c_2) / (c_1 sqrt(2 / N)) with c_1 = 2/3, c_2 = pi/3 - 32/45."""
@@ -92,7 +92,7 @@ def _place(factor: float, place: float) -> float:
     return factor * place
 
 
-def _over_mean(line: Line) -> Line:
+def _over_mean(line: StudyLine) -> StudyLine:
     """Return a line whose standard deviations are over the exact mean areas."""
     means = [area_cumulants(spot.scenario.model()).mean for spot in line.spots]
     spots = [replace(spot, seen=spot.seen.times(1.0 / mean)) for spot, mean in zip(line.spots, means, strict=True)]

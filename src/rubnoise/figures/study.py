@@ -49,7 +49,7 @@ Curve = Callable[[Sequence[Spot]], tuple[Doubles, Doubles]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Line:
+class StudyLine:
     """The points that belong together, and the exact curve through them; without one, their exact values alone."""
 
     label: str
@@ -72,7 +72,7 @@ class Study:
     scale: float
     others: tuple[str, ...]
     numeric: bool
-    lines: tuple[Line, ...]
+    lines: tuple[StudyLine, ...]
 
     @property
     def logarithmic(self) -> bool:
@@ -139,10 +139,10 @@ def _as_written(scenario: Scenario, table: str, name: str, value: float) -> Any:
     return Quantity(Fraction(repr(value)), there.kind) if isinstance(there, Quantity) else value
 
 
-def line_of(label: str, spots: Sequence[Spot], *, curve: Curve | None) -> Line:
+def line_of(label: str, spots: Sequence[Spot], *, curve: Curve | None) -> StudyLine:
     """Return a line through points, which are put in order; no curve goes through a single one."""
     inorder = sorted(spots, key=lambda spot: spot.place)
-    return Line(label=label, spots=tuple(inorder), curve=curve(inorder) if curve and len(inorder) > 1 else None)
+    return StudyLine(label=label, spots=tuple(inorder), curve=curve(inorder) if curve and len(inorder) > 1 else None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,7 +215,7 @@ def _written_unit(points: Sequence[PointRuns], key: str, unit: str) -> tuple[str
 
 def _lines(
     points: Sequence[PointRuns], quantity: str, number: str, key: str, others: tuple[str, ...], curve: Curve | None
-) -> tuple[Line, ...]:
+) -> tuple[StudyLine, ...]:
     """Return the lines in the order of the file; places are those of the key ``number``, or 0, 1, 2, ... without."""
     words = {text: float(n) for n, text in enumerate(dict.fromkeys(str(point.values[key]) for point in points))}
     spots: dict[str, list[Spot]] = {}

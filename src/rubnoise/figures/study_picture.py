@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rubnoise.figures.axis_labels import key_label, key_words, quantity_label, quantity_words
-from rubnoise.figures.study import Line, Study
+from rubnoise.figures.study import Study, StudyLine
 from rubnoise.figures.style import (
     SERIES,
     VERMILION,
@@ -63,7 +63,7 @@ def _place(scale: float, shift: float, place: float) -> float:
     return scale * place + shift
 
 
-def draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, named: bool) -> None:
+def draw_points(axes: "Axes", line: StudyLine, look: dict[str, Any], at: Place, *, named: bool) -> None:
     """Draw points; a point without a known interval is hollow."""
     known = [spot for spot in line.spots if isfinite(spot.seen.value)]
     if not known:
@@ -81,7 +81,7 @@ def draw_points(axes: "Axes", line: Line, look: dict[str, Any], at: Place, *, na
     axes.plot([at(spot.place) for spot in bare], [spot.seen.value for spot in bare], **hollow)
 
 
-def draw_exact(axes: "Axes", line: Line, at: Place, dashes: Any) -> None:
+def draw_exact(axes: "Axes", line: StudyLine, at: Place, dashes: Any) -> None:
     """Draw the exact curve, or, where between points there is nothing, a dash at each of them."""
     if not _has_exact(line):
         return
@@ -94,12 +94,12 @@ def draw_exact(axes: "Axes", line: Line, at: Place, dashes: Any) -> None:
         axes.errorbar([at(spot.place)], [spot.exact], marker="_", ms=14.0, mew=1.4, color=VERMILION, zorder=2)
 
 
-def _has_exact(line: Line) -> bool:
+def _has_exact(line: StudyLine) -> bool:
     """Whether theory knows the quantity anywhere on a line: of a two-way slider's motion it knows nothing."""
     return any(isfinite(spot.exact) for spot in line.spots)
 
 
-def _dashes(line: Line, quantity: str) -> Any:
+def _dashes(line: StudyLine, quantity: str) -> Any:
     """Return how the curve of a line is dashed: of a two-way motion it is the law of weak coupling, not exact."""
     moving = quantity.startswith(("displacement", "velocity"))
     return (0, (4, 2)) if moving and line.spots[0].scenario.model().is_two_way else "-"

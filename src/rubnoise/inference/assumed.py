@@ -7,7 +7,7 @@ from typing import Final
 
 from rubnoise.contact.pulses import LENS, Pulse
 from rubnoise.inference.estimates import Estimate
-from rubnoise.inference.scoring import Fit, Known
+from rubnoise.inference.scoring import Fit, Given
 from rubnoise.inference.sensor import Sensor
 from rubnoise.inference.signal import Signal
 
@@ -53,12 +53,12 @@ class IfSpread:
     shear_strength: float | None
 
 
-def moves_with_spread(known: Known) -> bool:
+def moves_with_spread(known: Given) -> bool:
     """Return whether a number is told that leans on the spread of strengths, which is not told itself."""
     return "inequality" not in known.free and known.free != ("strength",)
 
 
-def by_spread(estimates: Mapping[str, Estimate], known: Known) -> tuple[IfSpread, ...]:
+def by_spread(estimates: Mapping[str, Estimate], known: Given) -> tuple[IfSpread, ...]:
     """Return how number and strength move with the spread of strengths; nothing where they do not lean on it.
 
     Mean and spectrum give A = lam E[psi] and B = lam E[psi^2]: the strength is B / (A (1 + v)), the number goes as

@@ -29,7 +29,7 @@ _REACHES = (8.0, 30.0)  # of k d: the swing of equal sizes has a minimum of the 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
+class FitPoint:
     """Where a fit stands, lengths in ticks and the trace in its own unit.
 
     ``rate`` is lam E[psi^2], ``diameter`` the mean one, ``shape`` that of the population, ``noise`` the variance of
@@ -56,7 +56,7 @@ class Expected:
     signal: Doubles
 
 
-class Problem:
+class FitProblem:
     """Bands and a population whose parameters are wanted, with the pulse of a life and the filter of the sensor."""
 
     def __init__(
@@ -71,11 +71,11 @@ class Problem:
         self.floor = FLOOR * float(bands.energy.max())
         self.walk = self.expectation.drift() if drift else None
 
-    def table(self, place: Place) -> EnergyTable:
+    def table(self, place: FitPoint) -> EnergyTable:
         """Return the energies of the population at a place."""
         return energy_table(self.population.name, place.shape, self.pulse)
 
-    def expected(self, place: Place) -> Expected:
+    def expected(self, place: FitPoint) -> Expected:
         """Return what is expected of each band at a place; what lies at a bound is not among the derivatives."""
         energy, slope, by_shape = self.expectation.population(self.table(place), place.diameter) * place.rate
         mean = energy + place.noise
@@ -93,16 +93,16 @@ class Problem:
                 by.append(place.drift * self.walk)
         return Expected(mean=mean, by=np.stack(by, axis=-1), names=tuple(names), signal=energy)
 
-    def longest_waves(self, place: Place) -> float:
+    def longest_waves(self, place: FitPoint) -> float:
         """Return S(0) of junctions and noise, lam E[psi^2] E[(int A ds)^2] + noise: n times the variance of a mean."""
         sixth = self.population.moment(6, place.shape) * place.diameter**6
         return place.rate * self.pulse.squared_integral * sixth + place.noise
 
-    def is_widest(self, place: Place) -> bool:
+    def is_widest(self, place: FitPoint) -> bool:
         """Return whether the shape is at its upper bound: a step beyond would move the others alone, and wrongly."""
         return self.population.spread and place.shape >= self.population.widest
 
-    def moved(self, place: Place, names: tuple[str, ...], step: Doubles) -> Place:
+    def moved(self, place: FitPoint, names: tuple[str, ...], step: Doubles) -> FitPoint:
         """Return a place a step in logarithms away, kept within bounds."""
         move = dict(zip(names, np.clip(step, -1.0, 1.0).tolist(), strict=True))
         values = {name: getattr(place, name) for name in NAMES}
@@ -115,7 +115,7 @@ class Problem:
             values["noise"] = 0.0
         if values["drift"] is not None and self.walk is not None:
             values["drift"] = 0.0 if values["drift"] * float(self.walk.max()) < self.floor else values["drift"]
-        return Place(**values)
+        return FitPoint(**values)
 
 
 def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> float:
@@ -128,7 +128,7 @@ def deviance(bands: Bands, mean: Doubles, weight: Doubles | None = None) -> floa
     return float(2.0 * np.sum(worth * (ratio - 1.0 - np.log(np.maximum(ratio, 1e-300)))))
 
 
-def climb(problem: Problem, start: Place, reach: float = inf) -> tuple[Place, float]:
+def climb(problem: FitProblem, start: FitPoint, reach: float = inf) -> tuple[FitPoint, float]:
     """Return the place of least Whittle deviance near a start, and the deviance: scoring with Levenberg's damping.
 
     Bands beyond ``reach`` of k d are left out; those below say nothing of the noise, which then stays as it is.
@@ -170,7 +170,7 @@ def climb(problem: Problem, start: Place, reach: float = inf) -> tuple[Place, fl
     return place, best
 
 
-def _within(problem: Problem, place: Place, reach: float) -> Doubles:
+def _within(problem: FitProblem, place: FitPoint, reach: float) -> Doubles:
     """Return the worth of the bands up to a reach of k d, and of a tenth of all bands at least."""
     bands = problem.bands
     kept = bands.wavenumber * place.diameter <= reach
@@ -178,7 +178,7 @@ def _within(problem: Problem, place: Place, reach: float) -> Doubles:
     return np.where(kept, bands.weight, 0.0)
 
 
-def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
+def starts(problem: FitProblem, diameter: float, noise: float) -> list[FitPoint]:
     """Return places from which to climb: each shape, with diameters about one that is known to a factor of some.
 
     ``rate`` is chosen so that the low bands have their energy.
@@ -198,11 +198,11 @@ def starts(problem: Problem, diameter: float, noise: float) -> list[Place]:
             ]
             level = float(np.sum(weights * low) / np.sum(weights * energy[: low.size]))
             drift = None if problem.walk is None else 1e-3 * float(low.mean()) / float(problem.walk[0])
-            found.append(Place(rate=level, diameter=size, shape=shape, noise=noise, drift=drift))
+            found.append(FitPoint(rate=level, diameter=size, shape=shape, noise=noise, drift=drift))
     return found
 
 
-def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, float]:
+def whittle(problem: FitProblem, diameter: float, noise: float) -> tuple[FitPoint, float]:
     """Return the best place of several starts, and its deviance.
 
     Each climbs by the low bands first and takes the rest in as it comes closer: far from the right diameter the swing
@@ -213,7 +213,7 @@ def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, flo
         for place in starts(problem, diameter, noise)
     ]
     begun.sort(key=lambda each: each[0])
-    arrived: list[Place] = []
+    arrived: list[FitPoint] = []
     for _, place in begun[:_STARTS_REFINED]:
         for reach in _REACHES:
             place, _ = climb(problem, place, reach)  # noqa: PLW2901  (each stage begins where the last one ended)
@@ -222,6 +222,6 @@ def whittle(problem: Problem, diameter: float, noise: float) -> tuple[Place, flo
     return min((climb(problem, place) for place in arrived), key=lambda each: each[1])
 
 
-def _is_same(one: Place, other: Place) -> bool:
+def _is_same(one: FitPoint, other: FitPoint) -> bool:
     """Return whether two places lead to one minimum: within a small part of a period of the swing."""
     return abs(log(one.diameter / other.diameter)) < _SAME and abs(one.shape - other.shape) <= _SAME * other.shape

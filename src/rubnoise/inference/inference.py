@@ -13,12 +13,12 @@ from rubnoise.contact.pulses import LENS, Offset, Pulse
 from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
-from rubnoise.inference.fitting import Place, Problem, deviance, whittle
+from rubnoise.inference.fitting import FitPoint, FitProblem, deviance, whittle
 from rubnoise.inference.honesty import HonestyTest, honesty_tests, spectrum_test, third_cumulant
 from rubnoise.inference.passes import passed
 from rubnoise.inference.periodogram import banded
 from rubnoise.inference.populations import POPULATIONS, shot_sizes
-from rubnoise.inference.scoring import STEPS, Fit, Known, covariance, score
+from rubnoise.inference.scoring import STEPS, Fit, Given, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, ramp_of, strokes
 
 LAWS: Final = tuple(POPULATIONS)
@@ -143,7 +143,7 @@ def infer_signal(
     sensor = assumed.sensor(signal.tick)
 
     def fitted(pulse: Pulse) -> list[Fit]:
-        problems = [Problem(bands, POPULATIONS[name], drift=drift, pulse=pulse, sensor=sensor) for name in names]
+        problems = [FitProblem(bands, POPULATIONS[name], drift=drift, pulse=pulse, sensor=sensor) for name in names]
         return _fitted(problems, half_width, known, third)
 
     fits = fitted(assumed.pulse)
@@ -200,17 +200,17 @@ def _known(
     assumed: Assumed,
     *,
     drift: bool,
-) -> Known:
+) -> Given:
     """Return what is known beside the bands, in the units of the fit: values over ``scale``, lengths in ticks."""
     given = 1.0 if signal.is_area else strength
     unit = None if signal.scale is None else signal.scale * scale
     inside = None if given is None or unit is None else given * signal.tick**2 / unit
     mean = float(values.mean()) if zero == "known" else None
     ramp = 0.0 if mean is None or drift else ramp_of(values)
-    return Known(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality, ramp=ramp)
+    return Given(mean=mean, strength=inside, births=0.0, inequality=assumed.inequality, ramp=ramp)
 
 
-def _fitted(problems: list[Problem], half_width: float, known: Known, third: float) -> list[Fit]:
+def _fitted(problems: list[FitProblem], half_width: float, known: Given, third: float) -> list[Fit]:
     """Return the fit of each law; one that is hopeless by its Whittle deviance stays where that is least."""
     bands = problems[0].bands
     floor = 10.0 * max(problem.floor for problem in problems)
@@ -229,7 +229,7 @@ def _fitted(problems: list[Problem], half_width: float, known: Known, third: flo
     return fits
 
 
-def _births_by_skewness(problem: Problem, place: Place, third: float, inequality: float) -> float:
+def _births_by_skewness(problem: FitProblem, place: FitPoint, third: float, inequality: float) -> float:
     """Return lam per tick for which the third cumulant lam psi^3 w^3 c_3 E[d^7] is as measured, given lam psi^2 w."""
     sizes, probability, _ = shot_sizes(problem.population, place.shape)
     seen = passed(problem.pulse, problem.sensor, place.diameter * sizes, probability)[1]
@@ -277,7 +277,7 @@ def _too_little(fit: Fit, signal: Signal) -> str:
     return ""
 
 
-def _walk_alone(problem: Problem, flat: float) -> Doubles:
+def _walk_alone(problem: FitProblem, flat: float) -> Doubles:
     """Return the bands of the random walk and white noise that fit best, by a few scoring steps."""
     bands = problem.bands
     assert problem.walk is not None  # noqa: S101  (asked for with a drift alone)

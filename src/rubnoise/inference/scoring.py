@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.inference.fitting import Expected, Place, Problem
+from rubnoise.inference.fitting import Expected, FitPoint, FitProblem
 from rubnoise.inference.passes import energies, first_integrals, offsets
 from rubnoise.inference.populations import moment_slope, shot_sizes
 
@@ -30,14 +30,14 @@ class Contact:
     ``births`` is lam per tick, ``strength`` E[psi] (trace unit per tick^2), ``inequality`` E[psi^2] / E[psi]^2.
     """
 
-    place: Place
+    place: FitPoint
     births: float
     strength: float
     inequality: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Known:
+class Given:
     """What is given beside the bands: the ``mean`` of the record over a trusted zero, the ``strength`` of junctions.
 
     Strength in the trace's unit per tick^2. ``births`` per tick stands in where neither is known: it sets the size of
@@ -70,9 +70,9 @@ class Fit:
     ``residual`` is of mean (where known) and bands, ``scatter`` the covariance of these, ``by`` their derivatives.
     """
 
-    problem: Problem
+    problem: FitProblem
     contact: Contact
-    known: Known
+    known: Given
     names: tuple[str, ...]
     covariance: Doubles
     expected: Expected
@@ -96,19 +96,19 @@ class Fit:
         return shape * moment_slope(self.problem.population, shape, power) / self.moment(power)
 
 
-def _third_slope(problem: Problem, shape: float) -> float:
+def _third_slope(problem: FitProblem, shape: float) -> float:
     """Return d ln E[x^3] / d ln s."""
     population = problem.population
     return shape * moment_slope(population, shape, 3) / population.moment(3, shape)
 
 
-def expected_mean(problem: Problem, contact: Contact) -> float:
+def expected_mean(problem: FitProblem, contact: Contact) -> float:
     """Return lam E[psi] c_1 E[d^3], Campbell's mean."""
     third = problem.population.moment(3, contact.place.shape)
     return contact.births * contact.strength * problem.pulse.life_integral(1) * third * contact.place.diameter**3
 
 
-def covariance(problem: Problem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
+def covariance(problem: FitProblem, contact: Contact, bands: Doubles, ramp: float = 0.0) -> Doubles:
     """Return the covariance of the mean of the record (row 0) and of its bands, which are expected to be ``bands``.
 
     Gaussian: E[P]^2 over the worth of the band, on the diagonal. Shot noise: (lam / T) E[f f'] over single junctions,
@@ -145,7 +145,7 @@ def covariance(problem: Problem, contact: Contact, bands: Doubles, ramp: float =
     return total
 
 
-def score(problem: Problem, start: Place, known: Known, deviance: float, *, steps: int = STEPS) -> Fit:
+def score(problem: FitProblem, start: FitPoint, known: Given, deviance: float, *, steps: int = STEPS) -> Fit:
     """Return the contact whose quasi-score D' Sigma^-1 (z - E[z]) is zero, from a start near it.
 
     z are the bands, and the mean where it is known; D the derivatives of E[z], Sigma its covariance at the place
@@ -191,7 +191,7 @@ def score(problem: Problem, start: Place, known: Known, deviance: float, *, step
     )
 
 
-def _begun(problem: Problem, place: Place, known: Known) -> Contact:
+def _begun(problem: FitProblem, place: FitPoint, known: Given) -> Contact:
     """Return the contact that a place means with what is known."""
     third = problem.pulse.life_integral(1) * problem.population.moment(3, place.shape) * place.diameter**3
     w = known.inequality
@@ -211,7 +211,7 @@ def _begun(problem: Problem, place: Place, known: Known) -> Contact:
 
 
 def _derivatives(
-    problem: Problem, contact: Contact, expected: Expected, known: Known
+    problem: FitProblem, contact: Contact, expected: Expected, known: Given
 ) -> tuple[tuple[str, ...], Doubles]:
     """Return the names of the parameters, and the derivatives of mean and bands by their logarithms."""
     own = known.free
@@ -228,7 +228,7 @@ def _derivatives(
     return names, by
 
 
-def _moved(problem: Problem, contact: Contact, names: tuple[str, ...], step: Doubles) -> Contact:
+def _moved(problem: FitProblem, contact: Contact, names: tuple[str, ...], step: Doubles) -> Contact:
     own = {name: float(np.exp(by)) for name, by in zip(names, step, strict=True) if name in _IN_BANDS}
     births = contact.births * own.get("births", 1.0)
     strength = contact.strength * own.get("strength", 1.0)

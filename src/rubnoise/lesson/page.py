@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rubnoise.api.running import simulate
 from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal
-from rubnoise.lesson.settings import Settings
+from rubnoise.lesson.settings import LessonSettings
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import load
 from rubnoise.scenario.shipped import shipped
@@ -47,7 +47,7 @@ _LAST: Final = "main.js"
 """Parts of the script that others build on come first, and the one that begins comes last."""
 
 
-def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -> str:
+def page(title: str, settings: LessonSettings, record: dict[str, Any] | None = None) -> str:
     """Return the text of the page for a title, settings, and the junctions of a run if there is one.
 
     It makes no requests: styles, script and data stand in it, and its policy forbids every request.
@@ -69,7 +69,7 @@ def page(title: str, settings: Settings, record: dict[str, Any] | None = None) -
     return web_page(body, title=title, styles=styles, scripts=scripts, data=data)
 
 
-def _subtitle(settings: Settings) -> str:
+def _subtitle(settings: LessonSettings) -> str:
     if not settings.borrowed:
         return ""
     return f"The scenario has no {' and no '.join(settings.borrowed)}: that of the paper's Figure 5 stands in."

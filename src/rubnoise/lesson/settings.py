@@ -16,7 +16,7 @@ LESSON_SLIDER: Final = {"mass": 0.005, "stiffness": 300.0, "damping": 0.05}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class LessonSettings:
     """The knobs of the page as a scenario sets them, the distance of its run in um, and where its slider starts.
 
     ``coupling`` is "one-way" or "two-way": whether the slider pushes back.
@@ -30,7 +30,7 @@ class Settings:
     borrowed: tuple[str, ...]
 
 
-def settings_of(scenario: Scenario) -> Settings:
+def settings_of(scenario: Scenario) -> LessonSettings:
     """Return the settings of a scenario for the page.
 
     Raises Refused for sizes that are neither equal nor normal, for strengths that differ, and for births that are
@@ -39,7 +39,7 @@ def settings_of(scenario: Scenario) -> Settings:
     model = scenario.model()
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
     slider = model.slider
-    return Settings(
+    return LessonSettings(
         world={
             "meanArea": model.mean_real_contact_area,
             "meanCount": model.mean_junction_count,

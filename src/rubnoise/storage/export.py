@@ -30,7 +30,7 @@ TABLES: Final = ("junctions", "trace", "slider", "landmarks")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
+class ExportTable:
     """One group of an open run file: its columns in order, the first one being that on which the others depend."""
 
     file: RunFile
@@ -81,7 +81,9 @@ def heading(column: Column) -> str:
     return column.name if unit == "1" else f"{column.name}_{unit}"
 
 
-def write_csv(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+def write_csv(
+    path: Path, tables: Sequence[ExportTable], origin: dict[str, Scalar], between: Callable[[], None]
+) -> None:
     """Write one table; CSV has no place for its origin."""
     del origin
     (table,) = tables
@@ -89,7 +91,7 @@ def write_csv(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], be
         write_lines(stream, table, between)
 
 
-def write_lines(stream: TextIO, table: Table, between: Callable[[], None]) -> None:
+def write_lines(stream: TextIO, table: ExportTable, between: Callable[[], None]) -> None:
     """Write the lines of one table to an open text stream, a chunk of rows at a time."""
     row = ",".join(["%r"] * len(table.columns)) + "\n"
     stream.write(",".join(map(heading, table.columns)) + "\n")
@@ -98,7 +100,9 @@ def write_lines(stream: TextIO, table: Table, between: Callable[[], None]) -> No
         between()
 
 
-def write_netcdf(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+def write_netcdf(
+    path: Path, tables: Sequence[ExportTable], origin: dict[str, Scalar], between: Callable[[], None]
+) -> None:
     """Write tables with units at their variables and their origin at the root: of one, or of several in groups."""
     with needing("analysis", "export --to netcdf"):
         import h5netcdf
@@ -108,7 +112,7 @@ def write_netcdf(path: Path, tables: Sequence[Table], origin: dict[str, Scalar],
             _write_table(file.create_group(table.group.name) if len(tables) > 1 else file, table, between)
 
 
-def _write_table(owner: Any, table: Table, between: Callable[[], None]) -> None:
+def _write_table(owner: Any, table: ExportTable, between: Callable[[], None]) -> None:
     dimension = table.columns[0].name
     owner.attrs["long_name"] = table.group.long_name
     owner.dimensions = {dimension: table.rows}
@@ -129,7 +133,9 @@ def _variable(owner: Any, column: Column, dimension: str) -> Any:
     return variable
 
 
-def write_parquet(path: Path, tables: Sequence[Table], origin: dict[str, Scalar], between: Callable[[], None]) -> None:
+def write_parquet(
+    path: Path, tables: Sequence[ExportTable], origin: dict[str, Scalar], between: Callable[[], None]
+) -> None:
     """Write one table, a chunk to a row group; its origin goes into the metadata of the schema."""
     with needing("tables", "export --to parquet"):
         import pyarrow as pa
@@ -153,7 +159,7 @@ def _field(column: Column) -> Any:
     return pa.field(column.name, pa.from_numpy_dtype(column.dtype), nullable=False, metadata=about)
 
 
-Write = Callable[[Path, Sequence[Table], dict[str, Scalar], Callable[[], None]], None]
+Write = Callable[[Path, Sequence[ExportTable], dict[str, Scalar], Callable[[], None]], None]
 WRITERS: Final[Mapping[Kind, Write]] = {"csv": write_csv, "parquet": write_parquet, "netcdf": write_netcdf}
 
 
@@ -197,7 +203,7 @@ def export(file: RunFile, exports: Sequence[Export], *, force: bool, between: Ca
         _check(file, each, force=force)
     with whole_files([each.path for each in exports], force=force) as parts:
         for part, each in zip(parts, exports, strict=True):
-            tables = [Table.of(file, name) for name in each.groups]
+            tables = [ExportTable.of(file, name) for name in each.groups]
             with naming_file(each.path):
                 WRITERS[each.kind](part, tables, origin(file), between)
 
@@ -206,13 +212,13 @@ def print_csv(file: RunFile, group: str, stream: TextIO, *, between: Callable[[]
     """Write one group of an open run as CSV to a text stream, such as standard output; Refused as by ``export``."""
     if not file.provenance["finished"]:
         raise refusal(file.path)
-    write_lines(stream, Table.of(file, group), between)
+    write_lines(stream, ExportTable.of(file, group), between)
 
 
 def _check(file: RunFile, each: Export, *, force: bool) -> None:
     paths = check_output(each.path, force=force)
     if paths.final.exists() and paths.final.samefile(file.path):
         raise OutputRefused(f"{each.path}: is the run itself")
-    needed, free = sum(Table.of(file, name).bytes for name in each.groups), disk_usage(paths.final.parent).free
+    needed, free = sum(ExportTable.of(file, name).bytes for name in each.groups), disk_usage(paths.final.parent).free
     if each.kind == "netcdf" and needed > free:
         raise OutputRefused(f"{each.path}: needs {needed:,} bytes, and the disk has {free:,} free")

@@ -16,7 +16,7 @@ from rubnoise.errors import RunFileRefused
 from rubnoise.storage.checks import ATTRIBUTE_BYTES
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, Index, compose_index
 from rubnoise.storage.layout import Name, RunDescription
-from rubnoise.storage.pages import Overlay
+from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.read_structure import structure_read_by
 from rubnoise.storage.schema import Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, put_text
@@ -49,7 +49,7 @@ def expected_inventory(
     description: RunDescription, *, compressed: bool, ending: Ended | None = None
 ) -> dict[str, dict[str, Any]]:
     """Return what the file of a run holds beside its rows, before the first or at the end: it is made in memory."""
-    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+    with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         compose(file, description, compressed=compressed)
         if ending is not None:
             complete(file, *ending)
@@ -58,7 +58,7 @@ def expected_inventory(
 
 def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, NDArray[Any]]]:
     """Return what the file of an index holds, and the values of its columns by paths such as /runs/seed."""
-    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+    with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         compose_index(file, index)
         owners = [file[name] for name in (POINTS, RUNS, SUMMARIES) if name in file]
         return inventory_of(file), {dataset.name: dataset[()] for owner in owners for dataset in owner.values()}
@@ -66,7 +66,7 @@ def expected_index(index: Index) -> tuple[dict[str, dict[str, Any]], dict[str, N
 
 def stored_texts(texts: Mapping[str, str]) -> dict[str, Any]:
     """Return texts by name as the attributes of our files hold them."""
-    with h5py.File(Overlay(), "w", libver=LIBRARY_VERSIONS) as file:
+    with h5py.File(PagedFile(), "w", libver=LIBRARY_VERSIONS) as file:
         for name, text in texts.items():
             put_text(file, name, text)
         return _attributes(file)

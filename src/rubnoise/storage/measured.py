@@ -211,10 +211,10 @@ def read_dataset(descriptor: int, name: str, first: int = 0) -> bytes:
     """Return a line of JSON and a piece of a dataset as doubles, then that of its dimension scale; or why not."""
     import h5py
 
-    from rubnoise.storage.pages import Overlay
+    from rubnoise.storage.pages import PagedFile
 
     try:
-        with h5py.File(Overlay(descriptor), "r") as file:
+        with h5py.File(PagedFile(descriptor), "r") as file:
             dataset = file.get(name)
             if not isinstance(dataset, h5py.Dataset):
                 return _no(f"{name} is no dataset in it; it has {', '.join(_datasets(file)) or 'none'}")

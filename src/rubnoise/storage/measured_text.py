@@ -23,7 +23,7 @@ _BEGUN: Final = 4 * 1024**2  # characters that are looked at for a layout
 _SEEN: Final = 50  # rows at either end of a piece whose digits are counted
 
 
-class Table:
+class TextTable:
     """A table of text: the names and units of its columns, and its rows, which are read once and in pieces."""
 
     def __init__(self, path: Path) -> None:
@@ -37,7 +37,7 @@ class Table:
             self._begun += more
         if not self._begun:
             raise Refused(f"{path}: has 0 lines; a line of names and a row for each sample are needed")
-        self.layout: Layout = layout_of(path, self._begun)
+        self.layout: TextLayout = layout_of(path, self._begun)
         longest = max(len(head.written) for head in self.heads)
         if longest > LONGEST_NAME:
             raise Refused(f"{self.where}: a name of {longest:,} characters; up to {LONGEST_NAME} are read")
@@ -68,7 +68,7 @@ class Table:
 class Piece:
     """Some rows of a table: ``numbers`` are those of their lines, ``values`` has a row for each."""
 
-    def __init__(self, table: Table, rows: Sequence[Line]) -> None:
+    def __init__(self, table: TextTable, rows: Sequence[Line]) -> None:
         """Read the rows."""
         self._layout, self._rows = table.layout, rows
         self.numbers = [number for number, _ in rows]
@@ -92,7 +92,7 @@ class Piece:
         return (max if any(each[2] for each in digits) else min)(powers, default=0.0)
 
 
-def _read(table: Table, rows: Sequence[Line]) -> Doubles:
+def _read(table: TextTable, rows: Sequence[Line]) -> Doubles:
     layout = table.layout
     texts = [text for _, text in rows]
     if texts[0].count(layout.separator) == len(layout.heads):  # one more behind the last cell
@@ -115,7 +115,7 @@ def read_text(path: Path, wanted: str | None, rate: float | None = None) -> Meas
 
     With a ``rate`` in Hz a column of times has to agree with it, to the digits that are written.
     """
-    table = Table(path)
+    table = TextTable(path)
     heads = table.heads
     if not table.layout.head_line and wanted is None and len(heads) > 1:
         raise Refused(
@@ -167,7 +167,7 @@ _QUOTED: Final = 100_000  # characters of names that are read as CSV quotes them
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
+class TextLayout:
     """What parts the cells of a table, whether a comma stands before decimals, and its columns.
 
     ``first`` is the line where its rows begin; ``head_line`` is that of the names, 0 where there are none and columns
@@ -204,11 +204,11 @@ class Layout:
             raise Refused(f"{path}: line {line[0]}: {len(cells)} cells; there are {len(self.heads)} {what}")
 
 
-def layout_of(path: Path, begun: Sequence[Line]) -> Layout:
+def layout_of(path: Path, begun: Sequence[Line]) -> TextLayout:
     """Return how a table is laid out, by its first lines; raises Refused where no rows of numbers are found."""
     lines = begun[:LOOKED_AT]
     ways = [
-        Layout(separator=mark, comma=comma, heads=(), head_line=0, first=0)
+        TextLayout(separator=mark, comma=comma, heads=(), head_line=0, first=0)
         for comma in (False, True)
         for mark in _SEPARATORS
         if not (comma and mark == ",")
@@ -224,11 +224,11 @@ def layout_of(path: Path, begun: Sequence[Line]) -> Layout:
 class _Tried:
     """A way to part the cells: whether there are as many names as cells then, how many rows of numbers, how wide."""
 
-    layout: Layout
+    layout: TextLayout
     worth: tuple[bool, int, int]
 
 
-def _tried(way: Layout, lines: Sequence[Line]) -> _Tried | None:
+def _tried(way: TextLayout, lines: Sequence[Line]) -> _Tried | None:
     cells = [way.cells(text) for _, text in lines]
     numbers = [sum(way.number(cell) is not None for cell in row) for row in cells]
     widths = Counter(len(row) for row, count in zip(cells, numbers, strict=True) if count == len(row))

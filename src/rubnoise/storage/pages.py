@@ -55,7 +55,7 @@ class _Positioned(io.RawIOBase):
         return count
 
 
-class Overlay(_Positioned):
+class PagedFile(_Positioned):
     """A file whose changes stay in memory until ``commit``: pages never touched are read from the descriptor beneath.
 
     Without a descriptor the file is new. Memory is that of the pages written, so columns that are allocated but not

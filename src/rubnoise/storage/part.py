@@ -25,7 +25,7 @@ from rubnoise.storage.journal import Commit, Ending
 from rubnoise.storage.layout import Name, Place, RunDescription, between, digest_of, grows, stored_groups
 from rubnoise.storage.life_curve import LIFE_TABLES, life_tables, pulse_of, stored_pulse
 from rubnoise.storage.output import OutputPaths, is_file, reserve
-from rubnoise.storage.pages import Overlay, Unfailing
+from rubnoise.storage.pages import PagedFile, Unfailing
 from rubnoise.storage.reader import RunFile, open_run, refusing
 from rubnoise.storage.schema import CHUNK_ROWS, Feature, Scalar
 from rubnoise.storage.structure import LIBRARY_VERSIONS, complete, compose, enlarge
@@ -42,7 +42,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
     Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
     Raises OSError, and OutputRefused where the disk has no room; nothing is left behind then.
     """
-    structure = Overlay()
+    structure = PagedFile()
     with h5py.File(structure, "w", libver=LIBRARY_VERSIONS) as file:
         columns = compose(file, description, compressed=False)
     groups = _growing_groups(columns, description.features, description.extent)
@@ -88,7 +88,7 @@ def _growing_groups(columns: Iterable[Name], features: frozenset[Feature], exten
     return {name: [column for group, column in columns if group == name] for name in growing}
 
 
-def _structure(path: Path, descriptor: int, run: RunFile) -> Overlay:
+def _structure(path: Path, descriptor: int, run: RunFile) -> PagedFile:
     """Return all of an open part that is no row."""
     if not is_file(path, os.fstat(run.descriptor)) or not is_file(path, os.fstat(descriptor)):
         raise RunFileRefused("another file has taken its place just now")
@@ -100,7 +100,7 @@ def _structure(path: Path, descriptor: int, run: RunFile) -> Overlay:
     pieces = [(place.start, disk.read(descriptor, len(place), place.start)) for place in rest]
     if digest_of(pieces) != run.structure:
         raise RunFileRefused("was changed just now")
-    return Overlay.of(pieces, size)
+    return PagedFile.of(pieces, size)
 
 
 @contextmanager
@@ -130,7 +130,7 @@ class Part:
         self,
         descriptor: int,
         columns: Mapping[Name, Place],
-        structure: Overlay,
+        structure: PagedFile,
         pulse: Pulse,
         growing: GrowingFile | None = None,
         *,

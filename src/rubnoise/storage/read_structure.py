@@ -16,7 +16,7 @@ from rubnoise.storage import index
 from rubnoise.storage.checks import has_hard_link, read_attribute, read_integer, read_text, sound_dataset, sound_group
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES, TEXTS
 from rubnoise.storage.layout import stored_columns, stored_groups
-from rubnoise.storage.pages import Overlay
+from rubnoise.storage.pages import PagedFile
 from rubnoise.storage.rows import REMEDY
 from rubnoise.storage.schema import FORMAT, FORMAT_VERSION, HASH, Column, Feature, Scalar
 from rubnoise.storage.seal import read_provenance, read_root, read_seal, read_summary
@@ -30,7 +30,7 @@ def read_structure(descriptor: int) -> bytes:
 def structure_read_by(descriptor: int, find: Callable[[h5py.File], dict[str, Any]]) -> bytes:
     """Return, as JSON, what is found in an open file, or why it is refused."""
     try:
-        with h5py.File(Overlay(descriptor), "r") as file:
+        with h5py.File(PagedFile(descriptor), "r") as file:
             found = find(file)
     except (RunFileRefused, OSError, RuntimeError, LookupError, ValueError, TypeError, MemoryError) as problem:
         found = {"refused": _reason(problem)}

@@ -11,7 +11,7 @@ from rubnoise.scenario.sweep import Sweep
 from rubnoise.sweep.execution import Execution, Outcome, Workers
 from rubnoise.sweep.folder import Shard, SweepFolder
 from rubnoise.sweep.index import IndexRefresh
-from rubnoise.sweep.journal import Journal, RunRow
+from rubnoise.sweep.journal import RunRow, SweepJournal
 from rubnoise.sweep.run_status import RecordedRuns, RunStatus, StatusLog
 from rubnoise.sweep.stopping_rule import AdaptiveReplicates, Unmet
 
@@ -82,7 +82,7 @@ def conduct(
         folder.claim(sweep)
         adaptive = AdaptiveReplicates(sweep)
         refresh = IndexRefresh(folder, sweep, adaptive, command, alone=shard is None)
-        with Journal(folder.journal(shard)) as journal:
+        with SweepJournal(folder.journal(shard)) as journal:
             log = StatusLog(folder, journal, RunStatus.of(folder, sweep.precision))
             conductor = _Conductor(_part(adaptive, sweep, shard), means, log, refresh, shard)
             try:

@@ -274,7 +274,7 @@ Kept = TypeVar("Kept", bound=Sink)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measure(Generic[Kept, Result]):
+class Measurement(Generic[Kept, Result]):
     """What a run is measured by: ``sink`` keeps its rows as they come, ``read`` says in the end what they were.
 
     The result is all that is left of a run. Give functions of a module, which other processes can import.
@@ -284,7 +284,7 @@ class Measure(Generic[Kept, Result]):
     read: Callable[[Model, Kept], Result]
 
 
-def run_points(points: Iterable[Point], measure: Measure[Kept, Result]) -> Iterator[tuple[Point, Result]]:
+def run_points(points: Iterable[Point], measure: Measurement[Kept, Result]) -> Iterator[tuple[Point, Result]]:
     """Run points in their order, and yield each with its result as soon as it is there."""
     for outcome in Execution(points, partial(measured, measure=measure), Here()).outcomes():
         if outcome.problem is not None:
@@ -292,7 +292,7 @@ def run_points(points: Iterable[Point], measure: Measure[Kept, Result]) -> Itera
         yield outcome.point, cast(Result, outcome.result)
 
 
-def measured(point: Point, measure: Measure[Kept, Result]) -> Result:
+def measured(point: Point, measure: Measurement[Kept, Result]) -> Result:
     """Run one point and return its result, which is the same wherever and whenever it is run."""
     model = point.scenario.model()
     sink = measure.sink(extent(model, point.seed))

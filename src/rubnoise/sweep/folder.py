@@ -18,7 +18,7 @@ from rubnoise.scenario.sweep import Sweep, in_words
 from rubnoise.storage import lock
 from rubnoise.storage.output import whole_file
 from rubnoise.streams import STREAM_VERSION
-from rubnoise.sweep.journal import Entry, Stamp, entries
+from rubnoise.sweep.journal import JournalEntry, Stamp, entries
 
 FORMAT: Final = "rubnoise-sweep"
 FORMAT_VERSION: Final = 1
@@ -171,7 +171,7 @@ class SweepFolder:
             return None
         return about.st_size, about.st_mtime_ns
 
-    def holds(self, entry: Entry) -> bool:
+    def holds(self, entry: JournalEntry) -> bool:
         """Whether what an entry says is done is there: no file is kept of it, or the file that was written then."""
         row = entry.row
         return row is not None and (not row.file or entry.stamp == self.stamp(row.run_id) is not None)
@@ -185,7 +185,7 @@ class SweepFolder:
         """Return all journals, in the order in which they are read."""
         return sorted((self.root / "journal").glob("runs*.jsonl"))
 
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[JournalEntry]:
         """Yield all that is known of runs; of two entries of one run that counts which says that it is done."""
         for path in self.journals():
             try:

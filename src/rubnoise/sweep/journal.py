@@ -68,7 +68,7 @@ _NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,99}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class JournalEntry:
     """What happened to one run: it is done, with what is left of it, or failed, with the reason; or is to be made.
 
     One that was ``begun`` had no file in its place: what is found there, torn, is its own. ``stamp`` is that of the
@@ -82,7 +82,7 @@ class Entry:
     stamp: Stamp | None = None
 
 
-class Journal:
+class SweepJournal:
     """Lines appended to a file, each behind its checksum; a line that was cut short is as if it had never been."""
 
     def __init__(self, path: Path) -> None:
@@ -105,7 +105,7 @@ class Journal:
         os.fsync(self._descriptor)
         os.close(self._descriptor)
 
-    def add(self, *entries: Entry) -> None:
+    def add(self, *entries: JournalEntry) -> None:
         """Append entries; raises OSError where the disk fails."""
         self._write(b"".join(map(_line, entries)))
         if time.monotonic() - self._synced >= SYNC_EVERY:
@@ -123,12 +123,12 @@ class Journal:
             raise OSError(problem.errno, problem.strerror, str(self._path)) from problem
 
 
-def entries(path: Path) -> Iterator[Entry]:
+def entries(path: Path) -> Iterator[JournalEntry]:
     """Yield every sound entry of a journal, the oldest first; nothing where there is none."""
-    return (entry for _, entry in numbered(path) if isinstance(entry, Entry))
+    return (entry for _, entry in numbered(path) if isinstance(entry, JournalEntry))
 
 
-def numbered(path: Path) -> Iterator[tuple[int, Entry | Fault]]:
+def numbered(path: Path) -> Iterator[tuple[int, JournalEntry | Fault]]:
     """Yield the entries of a journal with the numbers of their lines, and what is wrong with a line in place of one."""
     try:
         with open_stream(path) as lines:
@@ -163,12 +163,12 @@ def _is_cut_short(digest: bytes, text: bytes) -> bool:
     return True
 
 
-def _line(entry: Entry) -> bytes:
+def _line(entry: JournalEntry) -> bytes:
     text = json.dumps(_packed(entry), separators=(",", ":")).encode()
     return xxhash.xxh3_64_hexdigest(text).encode() + b" " + text + b"\n"
 
 
-def _packed(entry: Entry) -> dict[str, Any]:
+def _packed(entry: JournalEntry) -> dict[str, Any]:
     fields: dict[str, Any] = {"run": entry.run_id, "state": entry.state}
     if entry.reason:
         fields["reason"] = entry.reason
@@ -182,7 +182,7 @@ def _packed(entry: Entry) -> dict[str, Any]:
     return fields
 
 
-def _entry(text: bytes) -> Entry | None:
+def _entry(text: bytes) -> JournalEntry | None:
     """Return the entry that a line holds; None for one that this program has not written, whatever its checksum."""
     try:
         fields: Any = json.loads(text)
@@ -206,7 +206,7 @@ def _is_right(fields: Any) -> bool:
     )
 
 
-def _unpacked(fields: Mapping[str, Any]) -> Entry:
+def _unpacked(fields: Mapping[str, Any]) -> JournalEntry:
     row = None
     if fields["state"] == "done":
         arrays, of_point = (
@@ -217,7 +217,9 @@ def _unpacked(fields: Mapping[str, Any]) -> Entry:
             run_id=fields["run"], file=fields["file"], figures=fields["figures"], arrays=arrays, of_point=of_point
         )
     stamp = tuple(fields["stamp"]) if "stamp" in fields else None
-    return Entry(run_id=fields["run"], state=fields["state"], row=row, reason=fields.get("reason", ""), stamp=stamp)
+    return JournalEntry(
+        run_id=fields["run"], state=fields["state"], row=row, reason=fields.get("reason", ""), stamp=stamp
+    )
 
 
 def _as_text(values: NDArray[Any]) -> tuple[str, list[int], str]:

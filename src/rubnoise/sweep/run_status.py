@@ -24,7 +24,7 @@ from rubnoise.storage.seal import INTERVENTION
 from rubnoise.storage.sync_many import clear_unsynced, is_of_truncated, sync_many
 from rubnoise.streams import STREAM_VERSION
 from rubnoise.sweep.folder import SweepFolder
-from rubnoise.sweep.journal import SYNC_EVERY, Entry, Journal, RunRow
+from rubnoise.sweep.journal import SYNC_EVERY, JournalEntry, RunRow, SweepJournal
 
 Figures = Mapping[str, float]
 
@@ -90,7 +90,9 @@ class RecordedRuns:
     arrays: bool = False
 
     @classmethod
-    def of(cls, folder: SweepFolder, points: Sequence[Point], counts: Callable[[Entry], bool] | None = None) -> Self:
+    def of(
+        cls, folder: SweepFolder, points: Sequence[Point], counts: Callable[[JournalEntry], bool] | None = None
+    ) -> Self:
         """Read the journals; of one run an entry that says done counts more than one that says failed.
 
         One that says done ``counts`` where its file is the one that was written then, unless asked otherwise.
@@ -104,7 +106,7 @@ class RecordedRuns:
                 known._take(place, entry)
         return known
 
-    def _take(self, place: int, entry: Entry) -> None:
+    def _take(self, place: int, entry: JournalEntry) -> None:
         if entry.row is None and self.states[place] == DONE:
             return
         self.states[place], self.reasons[place] = entry.state, entry.reason
@@ -182,7 +184,7 @@ class StatusLog:
     hashes. A power cut may leave files that are torn; those of runs that had been begun here are cleared away.
     """
 
-    def __init__(self, folder: SweepFolder, journal: Journal, status: RunStatus) -> None:
+    def __init__(self, folder: SweepFolder, journal: SweepJournal, status: RunStatus) -> None:
         """Continue with what is there."""
         self.status: Final = status
         self._folder = folder
@@ -195,7 +197,7 @@ class StatusLog:
         names = [point.run_id for point in points]
         fresh = [name for name in names if name not in self.status.begun and not self._folder.run(name).exists()]
         self.status.begun.update(fresh)
-        self._journal.add(*(Entry(run_id=name, state="begun") for name in fresh))
+        self._journal.add(*(JournalEntry(run_id=name, state="begun") for name in fresh))
         self._journal.sync()
 
     def done(self, row: RunRow, *, synced: bool) -> None:
@@ -209,7 +211,7 @@ class StatusLog:
     def failed(self, run_id: str, reason: str) -> None:
         """Take in a run that could not be made."""
         self.status.fail(run_id)
-        self._journal.add(Entry(run_id=run_id, state="failed", reason=reason))
+        self._journal.add(JournalEntry(run_id=run_id, state="failed", reason=reason))
 
     def sync_if_due(self) -> bool:
         """Settle what waits, when the last time is long enough ago; return whether runs turned out to have failed."""
@@ -231,6 +233,6 @@ class StatusLog:
         self._synced_at = time.monotonic()
         return bool(wrong)
 
-    def _entry(self, row: RunRow) -> Entry:
+    def _entry(self, row: RunRow) -> JournalEntry:
         stamp = self._folder.stamp(row.run_id) if row.file else None
-        return Entry(run_id=row.run_id, state="done", row=row, stamp=stamp)
+        return JournalEntry(run_id=row.run_id, state="done", row=row, stamp=stamp)

@@ -27,7 +27,7 @@ _FEWEST_TICKS = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
+class TraceLayout:
     """Where a pass looks: ``stationary_from`` is the first stationary tick, ``apart`` ticks separate independent ones.
 
     Spectrum and autocovariance take every ``stride``-th tick, so that fine ticks cost no more than they are worth;
@@ -41,7 +41,7 @@ class Layout:
     lags: tuple[int, ...]
 
     @classmethod
-    def of(cls, model: Model) -> "Layout":
+    def of(cls, model: Model) -> "TraceLayout":
         """Return the layout that suits a model."""
         longest = longest_life(model)
         stride = max(1, int(longest / model.tick) // _MOST_TICKS_A_LIFE)
@@ -66,7 +66,7 @@ class TraceSums:
     totals (um^3, um) and the distances, areas and counts sampled at ``apart`` ticks' distance are of the whole trace.
     """
 
-    layout: Layout
+    layout: TraceLayout
     area: Moments
     count: Moments
     force: Moments
@@ -128,7 +128,7 @@ class TraceSums:
 
 def read_trace(model: Model, rows: Rows) -> TraceSums:
     """Read /trace once, from its first tick to its last."""
-    layout = Layout.of(model)
+    layout = TraceLayout.of(model)
     sums = TraceSums(
         layout=layout,
         area=Moments(),
