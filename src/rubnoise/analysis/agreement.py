@@ -11,7 +11,7 @@ FAMILY_WISE_ERROR = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """One measured figure of a run; expected and standard_error are None where the theory promises nothing.
+    """One measured figure of a run; expected and standard_error are None if the theory promises nothing.
 
     ``deviate`` is there for a figure whose law is known and far from normal, such as a small count: the value of a unit
     normal that is as improbable as the figure (see `normal_deviate`).
@@ -31,7 +31,7 @@ class Agreement:
 
     @property
     def z(self) -> float | None:
-        """Distance from the expected value in standard errors, or the deviate; None where it is not known."""
+        """Distance from the expected value in standard errors, or the deviate; None if it is not known."""
         if self.deviate is not None:
             return self.deviate
         if self.expected is None or not self.standard_error:

@@ -56,7 +56,7 @@ class Answer(ABC):
     @property
     @abstractmethod
     def rows(self) -> tuple[Mapping[str, Any], ...]:
-        """The rows of the table, each a dictionary of the same names; None where there is no value."""
+        """The rows of the table, each a dictionary of the same names; None if there is no value."""
 
     def to_pandas(self) -> "pd.DataFrame":
         """Return the table as a pandas DataFrame; raises ExtraMissing without pandas."""

@@ -60,7 +60,7 @@ class Life:
 
     @property
     def mid_life_distance(self) -> float | None:
-        """Sliding distance of the largest area, birth + d (paper Eq. 5), or None where the life was ended before.
+        """Sliding distance of the largest area, birth + d (paper Eq. 5), or None if the life was ended before.
 
         Off the centre line it is birth + sqrt(d^2 - b^2).
         """
@@ -192,7 +192,7 @@ def life_of(file: Reader, number: int) -> Life:
 def record_end(file: Reader) -> float:
     """Return the sliding distance in um at which a run stopped, from its own scenario; the last tick may lie before.
 
-    Raises RunFileRefused where its scenario does not say.
+    Raises RunFileRefused if its scenario does not say.
     """
     try:
         return float(

@@ -25,7 +25,7 @@ class Chunk(Mapping[str, NDArray[Any]]):
         self._read: dict[str, NDArray[Any]] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the rows of one column; raises KeyError where the group does not have it."""
+        """Return the rows of one column; raises KeyError if the group does not have it."""
         if name not in self:
             raise KeyError(name)
         if name not in self._read:

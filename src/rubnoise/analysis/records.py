@@ -16,7 +16,7 @@ from rubnoise.errors import Refused
 class RecordTooShort(Refused):
     """A record from which a number can be taken, but not defended; the number is in ``estimate`` all the same.
 
-    ``length`` and ``needed`` are sliding distances in um; needed is inf where no length would do.
+    ``length`` and ``needed`` are sliding distances in um; needed is inf if no length would do.
     """
 
     def __init__(self, what: str, estimate: object, *, length: float, needed: float) -> None:
@@ -53,7 +53,7 @@ def integrated_autocorrelation(values: Doubles) -> float:
     """Return 1 + 2 sum of the autocorrelation, in ticks: how many ticks say as much about the mean as one alone.
 
     The sum ends at the first lag beyond five times itself, where noise would only add up; 1 for values that do not
-    vary, inf where the record ends before that lag.
+    vary, inf if the record ends before that lag.
     Source: Sokal (1997), doi:10.1007/978-1-4899-0319-8_6.
     """
     reach = min(_FIRST_REACH, values.size - 1)

@@ -16,7 +16,7 @@ _FOUR_SIGMA = 3.1671241833119857e-05
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimate:
-    """A number that so many runs give, and its standard error in the same unit; inf where it is not known.
+    """A number that so many runs give, and its standard error in the same unit; inf if it is not known.
 
     ``from_theory`` says that theory knows the error, and not the scatter of the runs.
     """

@@ -200,7 +200,7 @@ FEWEST_TICKS_A_LIFE = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CurveTheory:
-    """Places of a curve, its expected values, and the standard error of one run's; nan where theory is silent.
+    """Places of a curve, its expected values, and the standard error of one run's; nan if theory is silent.
 
     In um^2, rad/um and um; in um^-2, um^4 per rad/um and um^4.
     """

@@ -129,7 +129,7 @@ def _gathered(
 class Neighbours:
     """Some rows of /junctions in order of birth: row numbers, um, MPa (None without strengths), the shape of all.
 
-    offset (um): by how much each misses the centre line; None where all pass through both centres.
+    offset (um): by how much each misses the centre line; None if all pass through both centres.
     """
 
     rows: NDArray[np.int64]
@@ -186,7 +186,7 @@ def neighbours(file: Reader, number: int, start: float, stop: float) -> Neighbou
     """Return all rows but ``number`` that live anywhere between two distances in um; a chunk is held at a time.
 
     Every row is looked at: the longest life is not known beforehand, and a file may come from elsewhere. Raises
-    RunFileRefused where one of the rows found is no life.
+    RunFileRefused if one of the rows found is no life.
     """
     total = file.rows("junctions")
     found = [np.zeros(0, dtype=np.int64)]

@@ -97,7 +97,7 @@ class Sound:
     def of(cls, file: Reader, what: What, *, rate: int, speed_up: float, seconds: float | None) -> Self:
         """Return the sound of an open run, of ``seconds`` from its start or of all of it.
 
-        Raises Refused where the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
+        Raises Refused if the run has nothing of the kind, where it is too short for the seconds, and for a speed-up
         that makes more than 4096 ticks of a sample or the other way round.
         """
         group, model = _group(file, what), stored(file.provenance["scenario_resolved"]).model()
@@ -154,7 +154,7 @@ class Sound:
 class Level:
     """What the samples of a sound are measured in: sample = (value - mean) / full_scale, in the unit of the column.
 
-    ``spectrum`` is that of the run over w in rad/s as heard, None where it is too short for one.
+    ``spectrum`` is that of the run over w in rad/s as heard, None if it is too short for one.
     """
 
     mean: float
@@ -198,7 +198,7 @@ def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles
 
 
 def _group(file: Reader, what: What) -> str:
-    """Return the group that holds a quantity; raises Refused where the run has none."""
+    """Return the group that holds a quantity; raises Refused if the run has none."""
     if "slider" in file.columns:
         return "slider"
     if what != "force":

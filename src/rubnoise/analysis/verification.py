@@ -28,7 +28,7 @@ class ResultFile(HashedReader, Protocol):
 def verify(run: ResultFile, regenerate: int = 0) -> Verification:
     """Return everything that a file can be asked about itself; a longer run needs no more memory.
 
-    Every row is made again from the seed. ``regenerate`` asks for nothing more, but raises Refused where the seed
+    Every row is made again from the seed. ``regenerate`` asks for nothing more, but raises Refused if the seed
     stands for other numbers. Checks that build on what has been found different are left out.
     """
     streams = other_streams(run)

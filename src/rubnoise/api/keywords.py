@@ -28,7 +28,7 @@ def shown(value: Any) -> str:
 
 
 def quantity(keyword: str, value: Any, kind: Kind) -> float | None:
-    """Return a positive quantity in working units, None where none is given; raises Refused for anything else."""
+    """Return a positive quantity in working units, None if none is given; raises Refused for anything else."""
     if value is None:
         return None
     form = f'right form: {keyword}="{kind.example}"'

@@ -76,9 +76,9 @@ def _begun(part: str | os.PathLike[str]) -> RunDescription:
 
 
 def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescription | None:
-    """Return the run that was begun at an output path and did not finish, or None where there is none.
+    """Return the run that was begun at an output path and did not finish, or None if there is none.
 
-    Raises OutputRefused where it is not a run of this scenario, whatever the engine, or cannot be read.
+    Raises OutputRefused if it is not a run of this scenario, whatever the engine, or cannot be read.
     """
     paths = OutputPaths.of(path)
     if not paths.part.exists():
@@ -157,7 +157,7 @@ def _reached(state: State | None, tick: float) -> tuple[float, int, int]:
 
 
 def _scenario(description: RunDescription, part: str, engine: str | None) -> Scenario:
-    """Return the scenario of a run; raises Refused where going on with it here would not give the same numbers."""
+    """Return the scenario of a run; raises Refused if going on with it here would not give the same numbers."""
     scenario = _stored(description, part)
     for reason in _obstacles(scenario, description):
         made_by = description.provenance.software.get("rubnoise", "of another version")
@@ -168,7 +168,7 @@ def _scenario(description: RunDescription, part: str, engine: str | None) -> Sce
 
 
 def _stored(description: RunDescription, part: str) -> Scenario:
-    """Return the scenario that a part keeps; raises RunFileRefused where it is none."""
+    """Return the scenario that a part keeps; raises RunFileRefused if it is none."""
     scenario = stored(description.scenario_resolved, what := f"{part}: the scenario in the file")
     try:
         scenario.check_size()

@@ -181,7 +181,7 @@ def _manifest_check(folder: SweepFolder) -> tuple[Check, Sweep | None]:
 
 
 def _sweep(kept: Mapping[str, Any], notes: Notes) -> Sweep | None:
-    """Return the sweep that is described; None where a point does not have the name of its scenario."""
+    """Return the sweep that is described; None if a point does not have the name of its scenario."""
     cases = cases_of(kept)
     for number, (point, case) in enumerate(zip(kept["points"], cases, strict=True)):
         right = "the name of its scenario" if case is None else point["name"]

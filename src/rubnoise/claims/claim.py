@@ -23,7 +23,7 @@ class Verdict(StrEnum):
 class ClaimedNumber:
     """One number of a claim: as printed, as simulated, and exact, all in ``unit``.
 
-    None is printed where the paper gives no number; exact is nan where theory has none, as of a slider that pushes
+    None is printed where the paper gives no number; exact is nan if theory has none, as of a slider that pushes
     back. ``rounding`` is the agreement to ask for where the runs do not scatter, in the same unit.
     """
 

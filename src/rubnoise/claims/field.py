@@ -47,8 +47,8 @@ class Publication:
 class FieldClaim:
     """A published statement with the model's numbers.
 
-    ``quantity`` is None where the model has no such number, ``published`` where the source gives none. ``lacks`` says
-    what the model would need to speak of the subject at all, and is None where it does. ``scenario`` is that of the
+    ``quantity`` is None if the model has no such number, ``published`` where the source gives none. ``lacks`` says
+    what the model would need to speak of the subject at all, and is None if it does. ``scenario`` is that of the
     runs. ``cannot_fail`` marks numbers that agree by assumption, whatever is measured: they test nothing.
     """
 
@@ -86,7 +86,7 @@ class FieldClaim:
 
     @property
     def missing(self) -> str | None:
-        """What a verdict waits for; None where there is one."""
+        """What a verdict waits for; None if there is one."""
         if self.verdict is not FieldVerdict.NOT_YET:
             return None
         if self.cannot_fail:
@@ -118,7 +118,7 @@ def exponent_of(
 ) -> ClaimedNumber:
     """Return an exponent, simulated and exact, times a number that turns one variable into another.
 
-    ``near`` and ``far`` are estimates with their exact values, nan where theory has none.
+    ``near`` and ``far`` are estimates with their exact values, nan if theory has none.
     """
     simulated = exponent(near[0], far[0], factor).times(times)
     return ClaimedNumber(

@@ -137,7 +137,7 @@ def agreement(claim: FieldClaim) -> str:
 
 
 def as_range(published: Range | None) -> str:
-    """Return a published range in words; empty where the source gives no number."""
+    """Return a published range in words; empty if the source gives no number."""
     if published is None:
         return ""
     low, high = published

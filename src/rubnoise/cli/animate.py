@@ -54,7 +54,7 @@ def command(
 
 
 def _kind(path: Path, *, force: bool) -> "Kind":
-    """Return what a path's ending names; raises Refused where it can't be made, or nothing may be written there."""
+    """Return what a path's ending names; raises Refused if it can't be made, or nothing may be written there."""
     from rubnoise.figures.film import KINDS, check_film
     from rubnoise.storage.output import check_output
 

@@ -145,7 +145,7 @@ _FILES = ("field.md", "field.json")
 
 
 def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
-    """Return a row by name, numbers in the unit of its quantity; None where there is no number."""
+    """Return a row by name, numbers in the unit of its quantity; None if there is no number."""
     from rubnoise.claims.field_page import agreement
 
     quantity, published = claim.quantity, claim.published

@@ -209,7 +209,7 @@ def distance(option: str, text: str | None) -> float | None:
 
 
 def check_picture(path: Path, *, force: bool) -> "Format":
-    """Return the format that a path's ending names; raises Refused where nothing may or can be written there."""
+    """Return the format that a path's ending names; raises Refused if nothing may or can be written there."""
     from rubnoise.figures.style import FORMATS
     from rubnoise.storage.output import check_output
 

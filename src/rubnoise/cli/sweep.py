@@ -112,7 +112,7 @@ def command(
 
 
 def _security(authority: Path | None, certificate: Path | None, key: Path | None, cluster: str | None) -> Any:
-    """Return how to speak with a cluster, None where no option says anything of it."""
+    """Return how to speak with a cluster, None if no option says anything of it."""
     if authority is None and certificate is None and key is None:
         return None
     if cluster is None:

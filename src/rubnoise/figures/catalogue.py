@@ -62,7 +62,7 @@ def drawing(
     """Return a picture of a run as a figure, which a notebook shows, or draw it in the place of ``ax``.
 
     heard: whose spectrum `psd` shows, in place of the area's; beside: a run that is laid over the first; measured: a
-    spectrum of the user's own. Raises Refused where a run has not what is shown.
+    spectrum of the user's own. Raises Refused if a run has not what is shown.
     """
     with house_style(), in_place_of(ax):
         return _figure(name, stretch, heard, beside, measured)

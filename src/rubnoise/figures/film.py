@@ -24,7 +24,7 @@ Between = Callable[[], None]
 
 
 def check_film(kind: Kind) -> None:
-    """Raise Refused where a film of this kind cannot be made here, PicturesMissing without matplotlib."""
+    """Raise Refused if a film of this kind cannot be made here, PicturesMissing without matplotlib."""
     house_style()
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise Refused("an mp4 needs ffmpeg, which is not installed here; a gif needs nothing more")
@@ -33,7 +33,7 @@ def check_film(kind: Kind) -> None:
 def write_film(path: Path, film: Film, kind: Kind, between: Between) -> None:
     """Write a film into a file of a kind, whatever its name; ``between`` is called after each frame and may raise.
 
-    A gif has the same bytes for the same film; those of an mp4 are ffmpeg's. Raises RubnoiseError where ffmpeg fails.
+    A gif has the same bytes for the same film; those of an mp4 are ffmpeg's. Raises RubnoiseError if ffmpeg fails.
     """
     write = _write_gif if kind == "gif" else _write_mp4
     # The style of the house holds while frames are drawn, and must not outlive a film that is stopped.

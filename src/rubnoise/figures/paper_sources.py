@@ -30,7 +30,7 @@ class Sources:
     watch: Watch | None = None
 
     def path(self, name: str) -> Path:
-        """Return the path of a scenario file; raises Refused where a file that should have come along has not."""
+        """Return the path of a scenario file; raises Refused if a file that should have come along has not."""
         return shipped(f"{FOLDER}/{name}") if self.folder is None else self.folder / name
 
     def scenario(self, name: str, changes: Sequence[str] = ()) -> Scenario:

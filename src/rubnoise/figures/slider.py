@@ -62,7 +62,7 @@ def slider_figure(stretch: Stretch, beside: Stretch | None = None) -> "Figure":
 def same_times(stretch: Stretch, motions: Sequence[Motion]) -> list[Motion]:
     """Return the shown parts of motions: by default the beginning, and the same times of all of them.
 
-    Raises Refused where one of them is over before another begins.
+    Raises Refused if one of them is over before another begins.
     """
     first = motions[0] if stretch.chosen else motions[0].beginning()
     shown = [first]

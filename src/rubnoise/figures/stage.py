@@ -130,7 +130,7 @@ class Stage:
 def stage_of(junctions: Neighbours, aspect: float) -> Stage:
     """Return a stage of a width over height, on which no two pairs that are seen at once have the same place.
 
-    Raises Refused where more of them are there at once than a picture shows.
+    Raises Refused if more of them are there at once than a picture shows.
     """
     largest = float(junctions.diameter.max(initial=1.0))
     order, slots = _places(junctions)

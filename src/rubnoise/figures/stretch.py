@@ -40,7 +40,7 @@ class Stretch:
 
     @classmethod
     def of(cls, file: Reader, start: float | None = None, stop: float | None = None) -> Self:
-        """Return a stretch of an open result, all of it by default; raises Refused where it holds no two ticks."""
+        """Return a stretch of an open result, all of it by default; raises Refused if it holds no two ticks."""
         model = stored(file.provenance["scenario_resolved"]).model()
         whole = cls(
             file=file,
@@ -54,7 +54,7 @@ class Stretch:
         return whole
 
     def check(self) -> None:
-        """Raise Refused where there is nothing to be seen between the two distances."""
+        """Raise Refused if there is nothing to be seen between the two distances."""
         if not 0.0 <= self.start < self.stop:
             ends = f"{self.start:g} to {self.stop:g} um"
             raise Refused(f"nothing lies in {ends}; the run goes from 0 to {self.model.distance:g} um")

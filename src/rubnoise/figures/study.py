@@ -126,7 +126,7 @@ def exact_at(scenario: Scenario, changes: Mapping[str, float], quantity: str) ->
 
 
 def exact_of(scenario: Scenario, quantity: str) -> float:
-    """Return the exact quantity of a scenario; nan where theory is silent."""
+    """Return the exact quantity of a scenario; nan if theory is silent."""
     try:
         return expected_figure(scenario.model(), quantity)
     except Refused:
@@ -147,7 +147,7 @@ def line_of(label: str, spots: Sequence[Spot], *, curve: Curve | None) -> StudyL
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointRuns:
-    """One point of a sweep and the quantity in each of its runs, nan where a run has none.
+    """One point of a sweep and the quantity in each of its runs, nan if a run has none.
 
     ``values`` are those of the swept keys as written, ``numbers`` those of the numeric ones in the units of the keys.
     ``standard_error`` is what theory gives one run.
@@ -171,7 +171,7 @@ def study_of_points(
     """Return a quantity of a sweep against the key that has the most numbers, or the first key where none has any.
 
     ``units`` are those of the swept keys, in their order. Keys that go side by side with it vary along the axis, every
-    other one distinguishes lines. Raises Refused where nothing is swept, or no run has the quantity.
+    other one distinguishes lines. Raises Refused if nothing is swept, or no run has the quantity.
     """
     counts = {key: len({str(point.values[key]) for point in points}) for key in units}
     varied = [key for key, count in counts.items() if count > 1]

@@ -59,7 +59,7 @@ def moves_with_spread(known: Given) -> bool:
 
 
 def by_spread(estimates: Mapping[str, Estimate], known: Given) -> tuple[IfSpread, ...]:
-    """Return how number and strength move with the spread of strengths; nothing where they do not lean on it.
+    """Return how number and strength move with the spread of strengths; nothing if they do not lean on it.
 
     Mean and spectrum give A = lam E[psi] and B = lam E[psi^2]: the strength is B / (A (1 + v)), the number goes as
     A^2 (1 + v) / B. With a known strength and no mean the number goes as B / (psi^2 (1 + v)).

@@ -33,7 +33,7 @@ class FitPoint:
     """Where a fit stands, lengths in ticks and the trace in its own unit.
 
     ``rate`` is lam E[psi^2], ``diameter`` the mean one, ``shape`` that of the population, ``noise`` the variance of
-    white noise, ``drift`` that of the steps of a random walk (None where none is fitted).
+    white noise, ``drift`` that of the steps of a random walk (None if none is fitted).
     """
 
     rate: float

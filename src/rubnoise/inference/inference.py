@@ -243,7 +243,7 @@ def _criterion(fit: Fit) -> float:
 
 
 def _too_little(fit: Fit, signal: Signal) -> str:
-    """Return why a record says too little, with the number that would be needed; nothing where it is enough."""
+    """Return why a record says too little, with the number that would be needed; nothing if it is enough."""
     bands, place = fit.problem.bands, fit.contact.place
     flat = float(np.sum(bands.weight * bands.energy) / bands.weight.sum())
     without = [np.full(bands.energy.size, flat)]

@@ -21,7 +21,7 @@ class Signal:
     """A trace ready for inference: values every ``tick`` um of sliding.
 
     ``scale`` turns its values into uN (for an area in um^2, whose junctions have the strength 1, ``is_area`` is true);
-    None where the unit is of something else, such as V: then strengths are not identified. ``unit`` is the written one.
+    None if the unit is of something else, such as V: then strengths are not identified. ``unit`` is the written one.
     ``ways`` is how many strokes of equal length go to and fro, turned one way; ``left_out`` says what was cut off.
     """
 
@@ -44,7 +44,7 @@ class Clipped:
 
 
 def clipped(values: Doubles) -> Clipped | None:
-    """Return what shows that a sensor was at its end; None where it was not.
+    """Return what shows that a sensor was at its end; None if it was not.
 
     A maximum that lasts: a trace of junctions has a kink at each of its maxima, and never a plateau there. A trace of
     one value was not clipped: it is constant.
@@ -63,7 +63,7 @@ def clipped(values: Doubles) -> Clipped | None:
 
 
 def strokes(values: Doubles, zero: str) -> str:
-    """Return what shows that a trace has strokes both ways; nothing where it has not.
+    """Return what shows that a trace has strokes both ways; nothing if it has not.
 
     With a trusted zero the force changes its sign. Without one it leaps between two levels, and is hardly ever between
     them: a trace of junctions has no such gap.

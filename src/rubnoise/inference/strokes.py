@@ -35,7 +35,7 @@ def joined(signal: Signal, left_out: float, first: int = 0) -> Signal:
 
     The force is half the difference of the mean levels of both ways, and the zero of the sensor is half their sum: it
     is taken off. All strokes keep as many samples as the shortest, from their middle. The signal says so, and counts
-    samples from ``first`` on. Raises Refused where a trace has
+    samples from ``first`` on. Raises Refused if a trace has
     no strokes both ways.
     """
     values = signal.values

@@ -62,7 +62,7 @@ class HashedReader(Reader, Protocol):
 
     @property
     def seal(self) -> str | None:
-        """The hash of the attributes; None where there is none."""
+        """The hash of the attributes; None if there is none."""
         ...
 
     def damaged(self) -> tuple[str, ...]:

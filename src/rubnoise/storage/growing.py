@@ -84,7 +84,7 @@ class GrowingPlace:
 class GrowingFile:
     """The growing rows of some groups, each with the names of its columns, in a file of their own.
 
-    ``descriptor`` is open until ``close``. Raises OSError where the disk fails.
+    ``descriptor`` is open until ``close``. Raises OSError if the disk fails.
     """
 
     def __init__(self, path: Path, groups: Mapping[str, Sequence[str]], *, descriptor: int) -> None:

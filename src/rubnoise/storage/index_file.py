@@ -39,7 +39,7 @@ class IndexFile(OpenFile):
 
     @property
     def seal(self) -> str | None:
-        """The hash that the index keeps of all that it says; None where it has none."""
+        """The hash that the index keeps of all that it says; None if it has none."""
         return self._seal
 
     @property
@@ -60,7 +60,7 @@ class IndexFile(OpenFile):
         return int(next(iter(self._places[group].values()))["shape"][0])
 
     def read(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
-        """Read rows of a column; raises KeyError for one that is not there, RunFileRefused where it cannot be read."""
+        """Read rows of a column; raises KeyError for one that is not there, RunFileRefused if it cannot be read."""
         return _decoded(self.raw(group, name, start, stop))
 
     def raw(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
@@ -121,7 +121,7 @@ def open_named(path: str | os.PathLike[str], run_id: str) -> RunFile:
 
 
 def name_of(file: Reader) -> str:
-    """Return the name that the scenario in a file has in a sweep; raises RunFileRefused where there is none."""
+    """Return the name that the scenario in a file has in a sweep; raises RunFileRefused if there is none."""
     from rubnoise.scenario.points import run_id
     from rubnoise.scenario.reading import stored
 

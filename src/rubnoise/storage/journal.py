@@ -91,7 +91,7 @@ class Journal:
 def frames(path: Path) -> Iterator[Frame]:
     """Yield the records of a journal up to the first that is torn; none of a file that is missing.
 
-    Raises OSError where the disk fails.
+    Raises OSError if the disk fails.
     """
     try:
         stream = open_stream(path)
@@ -217,7 +217,7 @@ class Commit:
 
 @dataclass(slots=True, kw_only=True)
 class History:
-    """All that a journal holds. ``run`` is None where there is no journal, or none of a run."""
+    """All that a journal holds. ``run`` is None if there is no journal, or none of a run."""
 
     run: str | None = None
     columns: tuple[Name, ...] = ()
@@ -229,7 +229,7 @@ class History:
     def read(cls, path: Path) -> Self:
         """Return what a journal holds, as far as it is whole.
 
-        ``begun`` is where its first record ends. Raises RunFileRefused for one of another version, OSError where the
+        ``begun`` is where its first record ends. Raises RunFileRefused for one of another version, OSError if the
         disk fails.
         """
         history = cls()
@@ -255,7 +255,7 @@ class History:
 
 
 def state_at(path: Path, commit: Commit) -> State:
-    """Return the state of a run at a commit; raises RunFileRefused where it is none."""
+    """Return the state of a run at a commit; raises RunFileRefused if it is none."""
     place, length = commit.state
     with open_stream(path) as stream, _refusing(path):
         stream.seek(place)

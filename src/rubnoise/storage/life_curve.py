@@ -31,7 +31,7 @@ def pulse_of(scenario: Mapping[str, object]) -> Pulse:
 
 
 def stored_pulse(scenario_resolved: object) -> Pulse:
-    """Return the pulse of a resolved scenario as /provenance has it; raises RunFileRefused where it is none."""
+    """Return the pulse of a resolved scenario as /provenance has it; raises RunFileRefused if it is none."""
     try:
         scenario = json.loads(str(scenario_resolved))
     except (ValueError, RecursionError) as problem:

@@ -37,7 +37,7 @@ def holding(path: Path, *, shared: bool = False, patience: float | None = PATIEN
     """Hold a lock, alone or ``shared``; its file is made, and removed by the last who holds it.
 
     ``patience``: how many seconds to wait for others, None for as long as it takes. Raises Held where they have it
-    still, OSError where there can be no lock.
+    still, OSError if there can be no lock.
     """
     if not AVAILABLE:
         raise OSError(ENOLCK, "this system has no locks for it")
@@ -60,7 +60,7 @@ def is_held(path: Path) -> bool:
 
 
 def share(descriptor: int) -> bool:
-    """Take a lock that readers share, for as long as a file is open; False where another process holds it alone."""
+    """Take a lock that readers share, for as long as a file is open; False if another process holds it alone."""
     if not AVAILABLE:
         return True
     try:
@@ -133,7 +133,7 @@ def _is_alone(descriptor: int) -> bool:
 
 
 def _found(path: Path) -> int | None:
-    """Open a lock file that is there; None where there is none that may be opened."""
+    """Open a lock file that is there; None if there is none that may be opened."""
     with suppress(OSError):
         descriptor = os.open(path, os.O_RDONLY | _OWN_FILE)
         if stat.S_ISREG(os.fstat(descriptor).st_mode):

@@ -27,7 +27,7 @@ class TextTable:
     """A table of text: the names and units of its columns, and its rows, which are read once and in pieces."""
 
     def __init__(self, path: Path) -> None:
-        """Read names and layout; raises Refused where there is no table."""
+        """Read names and layout; raises Refused if there is no table."""
         self.path = path
         self._pieces = lines_of(path)
         self._begun: list[Line] = []
@@ -205,7 +205,7 @@ class TextLayout:
 
 
 def layout_of(path: Path, begun: Sequence[Line]) -> TextLayout:
-    """Return how a table is laid out, by its first lines; raises Refused where no rows of numbers are found."""
+    """Return how a table is laid out, by its first lines; raises Refused if no rows of numbers are found."""
     lines = begun[:LOOKED_AT]
     ways = [
         TextLayout(separator=mark, comma=comma, heads=(), head_line=0, first=0)

@@ -81,8 +81,8 @@ def _hash(dataset: h5py.Dataset) -> xxhash.xxh3_128:
 def write_merged(path: Path, index: Path) -> None:
     """Fill an empty file that needs no other: tables and traces as in the index, and /junctions with the run of each.
 
-    Memory does not grow with the length of runs. Raises RunFileRefused where a result cannot be read or is damaged,
-    OSError where the disk fails, NotAsWritten where what was written is not read back.
+    Memory does not grow with the length of runs. Raises RunFileRefused if a result cannot be read or is damaged,
+    OSError if the disk fails, NotAsWritten if what was written is not read back.
     """
     filling = _Filling()
     results = _results(index)  # the door for strangers' files looks at the index before HDF5 has it in this process

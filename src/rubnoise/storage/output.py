@@ -107,7 +107,7 @@ _SMALLER = "a shorter sliding.distance or a longer output.tick makes it smaller"
 
 
 def reserve(descriptor: int, size: int, *, later: int = 0) -> None:
-    """Take the space of a whole file from the disk now; raises OutputRefused where there is not enough.
+    """Take the space of a whole file from the disk now; raises OutputRefused if there is not enough.
 
     ``later``: bytes that must be free beside it, but are not taken yet.
     """
@@ -207,7 +207,7 @@ def _reason(problem: Exception) -> str:
 def whole_file(path: str | os.PathLike[str], *, force: bool) -> Iterator[Path]:
     """Yield the name under which to write a file; once that is done it gets its own name, on the disk.
 
-    Raises OutputRefused, before anything is created, where nothing may or can be written, RubnoiseError where the disk
+    Raises OutputRefused, before anything is created, where nothing may or can be written, RubnoiseError if the disk
     fails. Whatever is raised meanwhile leaves nothing behind.
     """
     with whole_files([path], force=force) as (part,), naming_file(path):

@@ -40,7 +40,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
 
     A file for growing rows is made before. Without ``durable`` it is renamed before the disk has it.
     Where it will be compressed, the copy may turn out as large as the part: so much more has to be free.
-    Raises OSError, and OutputRefused where the disk has no room; nothing is left behind then.
+    Raises OSError, and OutputRefused if the disk has no room; nothing is left behind then.
     """
     structure = PagedFile()
     with h5py.File(structure, "w", libver=LIBRARY_VERSIONS) as file:
@@ -67,7 +67,7 @@ def make_part(paths: OutputPaths, description: RunDescription, *, hashed: bool =
 def open_part(paths: OutputPaths, run: RunFile) -> "Part":
     """Open a part file whose structure has been read, and found to be one of ours: ``run`` is it, open for reading.
 
-    Raises RunFileRefused where nothing can be written to a column, and where the file is not what was read.
+    Raises RunFileRefused if nothing can be written to a column, and where the file is not what was read.
     """
     with ExitStack() as opening, refusing(paths.part):
         descriptor = disk.reopen(paths.part)
@@ -217,7 +217,7 @@ class Part:
     def completion(self, summary: Mapping[str, Scalar], finished: str) -> Ending:
         """Return the file with hashes, summary and the time of the end filled in, of which nothing is written yet.
 
-        Raises RubnoiseError where rows are missing.
+        Raises RubnoiseError if rows are missing.
         """
         digests, grown = self.digests(), {}
         try:
@@ -249,7 +249,7 @@ class Part:
                 raise disk.NotAsWritten(f"/{group}/{name}")
 
     def digests(self) -> dict[Name, str]:
-        """Return the hash of every column; raises RubnoiseError where rows are missing."""
+        """Return the hash of every column; raises RubnoiseError if rows are missing."""
         for (group, name), column in self.columns():
             column.flush()
             if column.rows_written != column.rows:
@@ -272,7 +272,7 @@ def compressed(
     """Write a compressed copy of a whole part under a passing name and yield it, open, read back and on the disk.
 
     Memory is that of one chunk; ``between`` is called after each, and may raise to stop. Raises OSError, NotAsWritten
-    where the disk has another file, and RubnoiseError where rows are missing; the part is left as it was.
+    where the disk has another file, and RubnoiseError if rows are missing; the part is left as it was.
     """
     digests = part.digests()
     with new_file(making) as descriptor:

@@ -22,7 +22,7 @@ class Provenance:
     """The origin of one run, complete but for the moment it ended.
 
     calibrated_diameter in um; propagator_constants are the rounded constants of the slider's exact step, by name;
-    intervention: the function that may have ended lives, empty where the model alone did.
+    intervention: the function that may have ended lives, empty if the model alone did.
     """
 
     software: Mapping[str, str]

@@ -88,7 +88,7 @@ class OpenFile:
 
     @property
     def seal(self) -> str | None:
-        """The hash that the file keeps of what it says of itself; None where it has none."""
+        """The hash that the file keeps of what it says of itself; None if it has none."""
         raise NotImplementedError
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -151,7 +151,7 @@ class RunFile(OpenFile):
     def structure(self) -> str:
         """A hash of all that was no row when it was first asked for; empty for a compressed file.
 
-        Raises RunFileRefused where that is more than a run has.
+        Raises RunFileRefused if that is more than a run has.
         """
         if self.is_compressed:
             return ""
@@ -168,7 +168,7 @@ class RunFile(OpenFile):
     def column(self, group: str, name: str, start: int = 0, stop: int | None = None) -> NDArray[Any]:
         """Read rows ``start`` to ``stop`` (to the end when None) of a column, in the units of the schema.
 
-        Raises KeyError for a name that the file does not have, RunFileRefused where its bytes cannot be read.
+        Raises KeyError for a name that the file does not have, RunFileRefused if its bytes cannot be read.
         """
         column = self._columns[group][name]
         first, last, _ = slice(start, stop).indices(column.rows)
@@ -194,7 +194,7 @@ class RunFile(OpenFile):
 
     @property
     def seal(self) -> str | None:
-        """The hash that the file keeps of its attributes; None where it has none."""
+        """The hash that the file keeps of its attributes; None if it has none."""
         return self._value(self._found["seal"])
 
     def damaged(self) -> tuple[str, ...]:
@@ -207,11 +207,11 @@ class RunFile(OpenFile):
         )
 
     def digest(self, group: str, name: str) -> str:
-        """Return the hash that is written beside a column; raises RunFileRefused where it cannot be read."""
+        """Return the hash that is written beside a column; raises RunFileRefused if it cannot be read."""
         return str(self._value(self._found["columns"][group][name]["digest"]))
 
     def _value(self, answer: Mapping[str, Any]) -> Any:
-        """Return what was found at one place, as a copy; raises RunFileRefused where it could not be read."""
+        """Return what was found at one place, as a copy; raises RunFileRefused if it could not be read."""
         with self._reading():
             if "refused" in answer:
                 raise RunFileRefused(answer["refused"])
@@ -252,7 +252,7 @@ def opened(kind: type[Opened], path: str | os.PathLike[str], own: "Written | Non
 
 
 def reopened(kind: type[Opened], path: Path, seal: str | None) -> Opened:
-    """Open a file that was open elsewhere; raises RunFileRefused where another one, by its seal, is there by now."""
+    """Open a file that was open elsewhere; raises RunFileRefused if another one, by its seal, is there by now."""
     file = opened(kind, path)
     if file.seal == seal:
         return file
@@ -323,7 +323,7 @@ def _found(descriptor: int, own: "Written | None") -> dict[str, Any]:
 
 
 def looked_at(descriptor: int, look: "LookName", *, own: bool = False) -> dict[str, Any]:
-    """Return what a look at an open file finds; raises RunFileRefused where the file is not sound."""
+    """Return what a look at an open file finds; raises RunFileRefused if the file is not sound."""
     try:
         found: dict[str, Any] = json.loads(_answer(descriptor, look, own=own))
     except (ValueError, RecursionError) as problem:

@@ -32,7 +32,7 @@ class StoredColumn:
     _last: tuple[int, NDArray[Any]] | None = field(default=None, repr=False)
 
     def read(self, descriptor: int, start: int, stop: int) -> NDArray[Any]:
-        """Return rows ``start`` to ``stop``; raises RunFileRefused where they are not in the file (any more)."""
+        """Return rows ``start`` to ``stop``; raises RunFileRefused if they are not in the file (any more)."""
         values: NDArray[Any] = np.empty(stop - start, dtype=self.dtype)
         if not self.chunks:
             _fill(values.view(np.uint8), descriptor, self.offset + start * self.dtype.itemsize)
@@ -84,6 +84,6 @@ def _inflated(stored: Bytes, size: int) -> Bytes:
 
 
 def _fill(target: Bytes, descriptor: int, offset: int) -> None:
-    """Fill an array with bytes of a file; raises RunFileRefused where it ends before."""
+    """Fill an array with bytes of a file; raises RunFileRefused if it ends before."""
     if disk.read_into(descriptor, target.data, offset) < target.size:
         raise RunFileRefused(f"cut short; {REMEDY}")

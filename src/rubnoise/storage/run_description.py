@@ -18,7 +18,7 @@ SHOWN = 40
 
 
 def description_of(run: RunFile) -> RunDescription:
-    """Return the description from which a run file was made; raises RunFileRefused where it does not say."""
+    """Return the description from which a run file was made; raises RunFileRefused if it does not say."""
     title, origin = str(run.attributes["title"]), run.provenance
     with refusing(run.path):
         return description(title, origin, run.extent, run.features)
@@ -27,7 +27,7 @@ def description_of(run: RunFile) -> RunDescription:
 def description(
     title: str, origin: Mapping[str, Scalar], extent: Extent, features: frozenset[Feature]
 ) -> RunDescription:
-    """Return the description that attributes of a file hold; raises RunFileRefused where one is none of ours."""
+    """Return the description that attributes of a file hold; raises RunFileRefused if one is none of ours."""
     scenario = _table(origin, "scenario_resolved")
     pulse_of(scenario)
     return RunDescription(

@@ -52,10 +52,10 @@ class Lines:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
-    """One column of values at even steps: ``step`` in s, or in um where ``along`` is "distance"; None where unknown.
+    """One column of values at even steps: ``step`` in s, or in um where ``along`` is "distance"; None if unknown.
 
-    ``unit`` is as written, empty where the file has none; ``where`` names the file, and the line of the names;
-    ``lines`` says which line each value is from, None where values have none.
+    ``unit`` is as written, empty if the file has none; ``where`` names the file, and the line of the names;
+    ``lines`` says which line each value is from, None if values have none.
     """
 
     name: str
@@ -88,7 +88,7 @@ def along_of(name: str, unit: str) -> str:
 def chosen_column(
     path: str | Path, names: list[str], wanted: str | None, place: int | None, *, keyword: str = "column"
 ) -> int:
-    """Return the number of the wanted column, or of the only one beside the place; raises Refused where it is open.
+    """Return the number of the wanted column, or of the only one beside the place; raises Refused if it is open.
 
     ``wanted`` is a name, or where no column has that name a number from 1 on.
     """

@@ -146,7 +146,7 @@ def _outcome(child: int, receiving: int, deadline: float) -> bytes:
 
 
 def _received(receiving: int, deadline: float) -> bytes | None:
-    """Return everything that comes down the pipe; None where that is too much or takes too long."""
+    """Return everything that comes down the pipe; None if that is too much or takes too long."""
     parts: list[bytes] = []
     size = 0
     while size <= ANSWER_BYTES:
@@ -201,7 +201,7 @@ class SandboxWorker:
         self._owner = 0
 
     def ask(self, descriptor: int, look: "LookName" = "structure") -> bytes:
-        """Return what a look at an open file finds (see looks); raises OSError where no process answers."""
+        """Return what a look at an open file finds (see looks); raises OSError if no process answers."""
         with self._asking:
             if self._owner != os.getpid():  # after a fork the channel is that of the parent
                 self._renew()

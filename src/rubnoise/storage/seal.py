@@ -29,7 +29,7 @@ PROVENANCE_NUMBERS: Final = ("seed", "stream_version", "calibrated_diameter")
 
 
 def read_root(file: h5py.File) -> dict[str, Scalar]:
-    """Return the attributes of the root by name; raises RunFileRefused where one is missing or no plain value."""
+    """Return the attributes of the root by name; raises RunFileRefused if one is missing or no plain value."""
     return {name: read_attribute(file, name) for name in ROOT_ATTRIBUTES}
 
 
@@ -43,7 +43,7 @@ def read_summary(file: h5py.File) -> dict[str, Scalar]:
 
 
 def read_provenance(file: h5py.File) -> dict[str, Scalar]:
-    """Return the attributes of /provenance by name; raises RunFileRefused where one is missing or no plain value."""
+    """Return the attributes of /provenance by name; raises RunFileRefused if one is missing or no plain value."""
     group = sound_group(file, "provenance")
     names = [*PROVENANCE_TEXTS, *[INTERVENTION] * h5py.h5a.exists(group.id, INTERVENTION.encode())]
     texts: dict[str, Scalar] = {name: read_text(group, name) for name in names}
@@ -51,7 +51,7 @@ def read_provenance(file: h5py.File) -> dict[str, Scalar]:
 
 
 def read_seal(file: h5py.File) -> str | None:
-    """Return the hash that a file keeps of its attributes; None where it has none."""
+    """Return the hash that a file keeps of its attributes; None if it has none."""
     group = sound_group(file, "provenance")
     return read_text(group, HASH) if h5py.h5a.exists(group.id, HASH.encode()) else None
 

@@ -17,7 +17,7 @@ from rubnoise.storage.run_description import description_of
 def sync_many(paths: Iterable[Path]) -> dict[Path, OSError]:
     """See whole files onto the disk, then their names, and return those with which it went wrong.
 
-    Raises OSError where a folder fails, which says nothing of any file.
+    Raises OSError if a folder fails, which says nothing of any file.
     """
     wrong: dict[Path, OSError] = {}
     for folder, of_folder in _by_folder(paths).items():

@@ -30,7 +30,7 @@ _ENDING: Final = re.compile(r"(?P<name>.*?[^\W\d_].*?)_(?P<unit>[A-Za-z\u00b5\u0
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """The name of a column and its unit, which is empty where it has none; ``written`` is the cell itself."""
+    """The name of a column and its unit, which is empty if it has none; ``written`` is the cell itself."""
 
     name: str
     unit: str

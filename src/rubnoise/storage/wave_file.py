@@ -31,7 +31,7 @@ def write_wave(path: Path, pieces: Iterable[Doubles], *, samples: int, rate: int
     """Write samples from -1 to 1 as whole numbers of 24 bits, rounded; full scale is 2^23.
 
     ``samples`` of them come in pieces; ``texts`` are those of the chunk LIST INFO by their names of four letters (INAM
-    the title, ICMT a comment, ISFT the software). Raises Refused for more than fit, OSError where the disk
+    the title, ICMT a comment, ISFT the software). Raises Refused for more than fit, OSError if the disk
     fails. Source: Multimedia Programming Interface and Data Specifications 1.0 (IBM and Microsoft, 1991).
     """
     check_length(samples)

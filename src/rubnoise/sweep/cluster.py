@@ -93,7 +93,7 @@ class Cluster:
     most = 1_000_000
 
     def __init__(self, scheduler: str, security: Any = None) -> None:
-        """Find the scheduler; raises ExtraMissing without the library, Refused where none answers, or others' workers.
+        """Find the scheduler; raises ExtraMissing without the library, Refused if none answers, or others' workers.
 
         ``security``: a ``distributed.Security``, by which all that is said goes over TLS; without it what Dask's own
         configuration says.

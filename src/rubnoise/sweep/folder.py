@@ -164,7 +164,7 @@ class SweepFolder:
         return f"runs/{run_id}.h5"
 
     def stamp(self, run_id: str) -> Stamp | None:
-        """Return by what the file of a run is known again without reading it; None where there is none."""
+        """Return by what the file of a run is known again without reading it; None if there is none."""
         try:
             about = self.run(run_id).stat()
         except OSError:
@@ -239,7 +239,7 @@ class SweepFolder:
             raise OutputRefused(f"{self.manifest}: does not say of which sweep the folder is") from problem
 
     def check(self) -> None:
-        """Raise OutputRefused where the folder cannot be one of a sweep: it is none, or holds other things."""
+        """Raise OutputRefused if the folder cannot be one of a sweep: it is none, or holds other things."""
         # What may not be looked at counts as absent here: the folder above it is the one that is closed.
         above = next(place for place in (self.root, *self.root.absolute().parents) if os.path.lexists(place))
         if not above.is_dir():
@@ -282,7 +282,7 @@ class SweepFolder:
 
 @contextmanager
 def _locked(path: Path, *, shared: bool = False, patience: float | None = lock.PATIENCE_SECONDS) -> Iterator[None]:
-    """Hold a lock of the folder; raises lock.Held, and OutputRefused where there can be none."""
+    """Hold a lock of the folder; raises lock.Held, and OutputRefused if there can be none."""
     with ExitStack() as held:
         try:
             held.enter_context(lock.holding(path, shared=shared, patience=patience))

@@ -28,7 +28,7 @@ from rubnoise.storage import disk
 class RunRow:
     """One run that is done, as the index of its sweep has it.
 
-    ``file`` lies relative to the folder of the sweep, and is empty where no file is kept; ``figures`` are named as in
+    ``file`` lies relative to the folder of the sweep, and is empty if no file is kept; ``figures`` are named as in
     /summary of a run; ``arrays`` have one shape for each name in all runs of a sweep. ``of_point`` are such arrays that
     are the same for all replicates of a point; they come with the first one.
     """
@@ -72,7 +72,7 @@ class JournalEntry:
     """What happened to one run: it is done, with what is left of it, or failed, with the reason; or is to be made.
 
     One that was ``begun`` had no file in its place: what is found there, torn, is its own. ``stamp`` is that of the
-    file of one that is done, by which it is known again (see SweepFolder.stamp); None where none was taken.
+    file of one that is done, by which it is known again (see SweepFolder.stamp); None if none was taken.
     """
 
     run_id: str
@@ -106,7 +106,7 @@ class SweepJournal:
         os.close(self._descriptor)
 
     def add(self, *entries: JournalEntry) -> None:
-        """Append entries; raises OSError where the disk fails."""
+        """Append entries; raises OSError if the disk fails."""
         self._write(b"".join(map(_line, entries)))
         if time.monotonic() - self._synced >= SYNC_EVERY:
             self.sync()
@@ -124,7 +124,7 @@ class SweepJournal:
 
 
 def entries(path: Path) -> Iterator[JournalEntry]:
-    """Yield every sound entry of a journal, the oldest first; nothing where there is none."""
+    """Yield every sound entry of a journal, the oldest first; nothing if there is none."""
     return (entry for _, entry in numbered(path) if isinstance(entry, JournalEntry))
 
 

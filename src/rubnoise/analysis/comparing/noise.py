@@ -98,7 +98,7 @@ def distribution_findings(model: Model, trace: TraceSums) -> list[Finding]:
     """Return the share of ticks without contact, and the distance of the areas' distribution from the exact one.
 
     Where the share has a score, the distribution is that of the areas in contact: one law for the atom, and one for
-    what is continuous. Else it is the whole one, atom included. Raises Refused where theory has none.
+    what is continuous. Else it is the whole one, atom included. Raises Refused if theory has none.
     """
     exact = distribution(model)
     share = _zero_share(model, trace)

@@ -189,7 +189,7 @@ class Start:
 
     @property
     def offsets(self) -> Doubles | None:
-        """By how much they miss the centre line in um; None where all pass through both centres."""
+        """By how much they miss the centre line in um; None if all pass through both centres."""
         return np.concatenate(self._offsets) if self._offsets else None
 
 

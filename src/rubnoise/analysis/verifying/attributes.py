@@ -32,12 +32,12 @@ _DIGEST: Final = re.compile(r"[0-9a-f]{32}")
 
 
 def digits_form(text: str) -> str | None:
-    """Return what a hash should be, or None where it is of that form."""
+    """Return what a hash should be, or None if it is of that form."""
     return None if _DIGEST.fullmatch(text) else "32 hexadecimal digits"
 
 
 def command_form(text: str) -> str | None:
-    """Return what a command line should be, or None where it is of that form."""
+    """Return what a command line should be, or None if it is of that form."""
     try:
         right = bool(text) and join(split(text)) == text
     except ValueError:
@@ -46,12 +46,12 @@ def command_form(text: str) -> str | None:
 
 
 def moment_form(text: str) -> str | None:
-    """Return what a time should be, or None where it is of that form."""
+    """Return what a time should be, or None if it is of that form."""
     return None if moment(text) else "a time in UTC such as 2026-01-31T12:00:00Z"
 
 
 def source_form(text: str) -> str | None:
-    """Return what the program that wrote a file should be called, or None where it is of that form."""
+    """Return what the program that wrote a file should be called, or None if it is of that form."""
     name, _, version = text.partition(" ")
     return None if name == "rubnoise" and VERSION.fullmatch(version) else "rubnoise and its version, as rubnoise 1.2.3"
 
@@ -74,7 +74,7 @@ def parsed(text: object) -> Any:
 
 
 Rule = Callable[[str], str | None]
-"""Returns what a text should be, in words or as it should stand there; None where it is right."""
+"""Returns what a text should be, in words or as it should stand there; None if it is right."""
 
 Rules = Mapping[tuple[str, str], Rule]
 """Rules by the path of an object and the name of its attribute; other attributes are as they are expected."""
