@@ -135,7 +135,7 @@ def test_frames_go_from_the_start_to_the_end_of_the_stretch(stretch: Stretch) ->
 
 def test_a_frame_tells_how_many_are_alive_and_their_area(stretch: Stretch, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[tuple[float, float, str]] = []
-    monkeypatch.setattr(animation._GrowingCurve, "show", lambda _, *values: seen.append(values))
+    monkeypatch.setattr(animation._Growing, "show", lambda _, *values: seen.append(values))
     list(_short(stretch).frames())
     for (distance, area, _), (_, count, words) in zip(seen[::2], seen[1::2], strict=True):
         row = round(distance / stretch.model.tick)
