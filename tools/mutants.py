@@ -185,8 +185,15 @@ def copy_into(folder: Path) -> Path:
     return folder
 
 
-def tried(folder: Path, tests: Sequence[str], compiled: str = "as it is", *, enough: bool = False) -> Trial:
-    """Run tests in a copy, up to the first failure if one is ``enough``.
+def tried(
+    folder: Path,
+    tests: Sequence[str],
+    compiled: str = "as it is",
+    *,
+    enough: bool = False,
+    seconds: float | None = None,
+) -> Trial:
+    """Run tests in a copy, up to the first failure if one is ``enough``; what takes more ``seconds`` fails.
 
     ``compiled`` names the machine code that may be used again.
     """
@@ -201,7 +208,12 @@ def tried(folder: Path, tests: Sequence[str], compiled: str = "as it is", *, eno
         "COLUMNS": "1000",
     }
     command = [str(PYTHON), "-m", "pytest", "-q", "-rfE", "--tb=no", "-p", "no:cacheprovider", *["-x"] * enough, *tests]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=seconds
+        )
+    except subprocess.TimeoutExpired:
+        return Trial(failures=("TIMEOUT",), scores=(), passed=False, report=f"longer than {seconds} s")
     lines = scores.read_text(encoding="utf-8").splitlines() if scores.exists() else []
     return Trial(
         failures=tuple(line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))),
