@@ -181,24 +181,6 @@ def test_csv_on_standard_output_is_what_a_file_holds(here: Path, rows: Any, grou
     assert answer.out == (here / f"run_{group}.csv").read_text(encoding="ascii")
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--to", "parquet", "--group", "trace"), "only CSV goes to standard output; parquet is binary"),
-        (("--to", "netcdf"), "only CSV goes to standard output; netcdf is binary"),
-        (("--to", "csv"), "-: one csv file holds one group; say which with --group junctions|trace|slider"),
-        (("--to", "csv", "--group", "trace", "--force"), "--force replaces files; standard output is not a file"),
-    ],
-)
-def test_what_standard_output_does_not_take_is_refused(
-    here: Path, rows: Any, words: tuple[str, ...], said: str
-) -> None:
-    answer = call("export", "run.h5", *words, "-o", "-")
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(re.sub("[│\\s]+", " ", answer.err).split())
-    assert names(here) == ["run.h5"]
-
-
 def test_who_reads_standard_output_may_leave_and_a_full_one_is_told(here: Path, rows: Any) -> None:
     words = command("export", "run.h5", "--to", "csv", "--group", "trace", "-o", "-")
     with start(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as printed:
@@ -228,20 +210,6 @@ def test_the_run_itself_is_never_replaced(here: Path, rows: Any) -> None:
     answer = call("export", "run.h5", "--to", "netcdf", "-o", "run.h5", "--force")
     assert (answer.code, answer.err) == (2, "run.h5: is the run itself\n")
     assert (here / "run.h5").read_bytes() == before
-
-
-def test_one_name_for_several_files_is_refused(here: Path, rows: Any) -> None:
-    answer = call("export", "run.h5", "--to", "csv", "-o", "all.csv")
-    assert answer.code == 2
-    assert answer.err == "all.csv: one csv file holds one group; say which with --group junctions|trace|slider\n"
-    assert names(here) == ["run.h5"]
-
-
-@pytest.mark.parametrize("arguments", [(), ("--to", "xlsx"), ("--to", "csv", "--group", "life_curve")])
-def test_what_is_not_offered_is_a_usage_error(here: Path, rows: Any, arguments: tuple[str, ...]) -> None:
-    answer = call("export", "run.h5", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert names(here) == ["run.h5"]
 
 
 @pytest.mark.parametrize(

@@ -105,12 +105,6 @@ def test_choices_are_those_of_scenarios_and_pictures() -> None:
     assert PICTURES == FORMATS
 
 
-def test_a_choice_that_is_none_is_told_in_the_programs_own_words() -> None:
-    answer = call("export", "x.h5", "--to", "xlsx")
-    assert answer.code == 2
-    assert "Invalid value for '--to': 'xlsx' is not one of 'csv', 'parquet'," in answer.err
-
-
 def test_help_of_no_command_loads_anything_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

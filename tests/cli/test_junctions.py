@@ -137,26 +137,6 @@ def test_a_run_without_junctions_says_so(here: Path) -> None:
     assert (answer.code, answer.err) == (2, said)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("x",), "x is no row number"),
-        (("1.5",), "1.5 is no row number"),
-        (("--foo",), "no such option: --foo"),
-        (("2", "--csv", "--json"), "only one of --csv, --json and --plot"),
-        (("2", "--json", "--plot"), "only one of --csv, --json and --plot"),
-        (("2", "life.png"), "life.png is for --plot"),
-        (("2", "--force"), "--force is for --plot"),
-        (("2", "life.jpg", "--plot"), "life.jpg does not end in .png"),
-    ],
-)
-def test_wrong_usage_is_refused(lives: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:
-    answer = call("junction", "l.h5", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.split())
-    assert names(here) == ["l.h5"]
-
-
 # `rubnoise junctions`: the rows that a condition chooses.
 TABLE = """\
 l.h5: 3 of 8 junctions
@@ -279,38 +259,3 @@ def test_json_stays_json_whatever_a_damaged_file_holds(lives: Path) -> None:
 def test_columns_are_printed_in_the_order_asked_for(lives: Path) -> None:
     out = call("junctions", "l.h5", "--columns", "state, diameter,junction", "--csv", "--head", "1").out
     assert out == "state,diameter_um,junction\n1,5.0,0\n"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (
-            ("--where", "diametr > 6"),
-            "--where: error: no column diametr\n    diametr > 6\n    ^^^^^^^\n    did you mean diameter?\n",
-        ),
-        (("--sort", "life"), "--sort: no column life; did you mean life_distance?\n"),
-        (("--sort=-BIRTH",), "--sort: no column BIRTH; did you mean birth_distance or birth_time?\n"),
-        (("--columns", "state,junction, state"), "--columns: state is named twice\n"),
-        (("--columns", "junction,areas"), "--columns: no column areas; did you mean max_area?\n"),
-    ],
-)
-def test_what_is_no_column_is_refused_with_the_nearest(lives: Path, arguments: tuple[str, ...], said: str) -> None:
-    answer = call("junctions", "l.h5", *arguments)
-    assert (answer.code, answer.out, answer.err) == (2, "", said)
-
-
-def test_a_bare_run_names_the_columns_it_has(here: Path) -> None:
-    bare_file(here / "bare.h5").close()
-    answer = call("junctions", "bare.h5", "--where", "birth_time > 1 s")
-    assert answer.code == 2
-    assert "this run has no birth_time; it has junction, birth_distance" in answer.err
-    answer = call("junctions", "bare.h5", "--sort", "birth_time")
-    assert answer.code == 2
-    assert answer.err.startswith("--sort: this run has no birth_time; it has junction, birth_distance")
-
-
-@pytest.mark.parametrize("arguments", [("--csv", "--json"), ("--head", "-1"), ("--head", "x")])
-def test_wrong_usage_of_rows_is_refused(lives: Path, arguments: tuple[str, ...]) -> None:
-    answer = call("junctions", "l.h5", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err

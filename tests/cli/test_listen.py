@@ -140,28 +140,6 @@ def test_a_force_that_never_varies_makes_no_sound(here: Path) -> None:
     assert (answer.code, answer.err) == (2, "x.h5: the force does not vary, so there is nothing to hear\n")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("-o", "x.mp3"), "x.mp3 does not end in .wav"),
-        (("-o", "none/x.wav"), "no such folder"),
-        (("--seconds", "1"), "--seconds 1: the sound of the whole run lasts 0.300021 s"),
-        (("--seconds", "0"), "--seconds: 0 is no number above 0"),
-        (("--speed-up", "0"), "--speed-up: 0 is no number above 0"),
-        (("--speed-up", "inf"), "--speed-up: inf is no number above 0"),
-        (("--speed-up", "nan"), "--speed-up: nan is no number above 0"),
-        (("--speed-up", "1e9"), "--speed-up 1e+09: with a tick every 0.0001 s and 48000 samples a second it goes from"),
-        (("--rate", "22050"), "'22050' is not one of '44100', '48000'"),
-        (("--what", "area"), "'area' is not one of 'velocity', 'force', 'displacement'"),
-    ],
-)
-def test_what_cannot_be_heard_is_refused(result: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:
-    answer = call("listen", "x.h5", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == ["x.h5"]
-
-
 def test_memory_holds_one_panel_at_a_time(result: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[int] = []
     whole = RunFile.column
@@ -272,27 +250,6 @@ def test_a_stretch_is_chosen_in_um_or_with_units(contact_result: Path, here: Pat
     first, same, other = ((here / name).read_bytes() for name in ("a.gif", "b.gif", "c.gif"))
     assert first == same
     assert first != other
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("-o", "x.avi"), "x.avi ends neither in .gif nor in .mp4"),
-        (("-o", "none/x.gif"), "no such folder"),
-        (("--from", "x"), "--from: x: not a number and a unit"),
-        (("--from", "400"), "x.h5: nothing lies in 400 to 300 um; the run goes from 0 to 300 um"),
-        (("--seconds", "0"), "Invalid value for '--seconds'"),
-        (("--fps", "60"), "Invalid value for '--fps'"),
-        (("--seconds", "600"), "600 s at 20 frames a second are 12,000 frames; 2 to 1,000 can be made"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused(
-    contact_result: Path, here: Path, arguments: tuple[str, ...], said: str
-) -> None:
-    answer = call("animate", "x.h5", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == ["x.h5"]
 
 
 def test_without_ffmpeg_an_mp4_is_refused(contact_result: Path, here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

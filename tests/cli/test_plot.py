@@ -55,17 +55,6 @@ def test_a_spectrum_is_called_after_what_it_is_of(result: Path, here: Path, of: 
     assert (here / "x_psd.png").read_bytes() != (here / f"x_psd_{of}.png").read_bytes()
 
 
-def test_a_run_without_a_slider_is_not_laid_over_one(result: Path, bare: Path, here: Path) -> None:
-    for words, named in (
-        (("x.h5", "slider", "--with", "bare.h5"), "--with bare.h5"),
-        (("bare.h5", "slider", "--with", "x.h5"), "bare.h5"),
-    ):
-        answer = call("plot", *words)
-        said = f"{named}: the run has no slider to draw; [slider] in its scenario would give it one\n"
-        assert (answer.code, answer.out, answer.err) == (2, "", said)
-    assert names(here) == ["bare.h5", "x.h5"]
-
-
 @pytest.mark.parametrize("kind", BEGINNINGS)
 def test_the_ending_chooses_the_format(result: Path, here: Path, kind: str) -> None:
     (here / "sub").mkdir()
@@ -84,33 +73,6 @@ def test_a_stretch_is_chosen_in_um_or_with_units(result: Path, here: Path) -> No
     first, same, other = ((here / name).read_bytes() for name in ("a.png", "b.png", "c.png"))
     assert first == same
     assert first != other
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("fft",), "'fft' is not one of 'trace', 'lives', 'histogram', 'psd', 'acf', 'count', 'slider', 'phase',"),
-        (("landmarks",), 'only with slider.coupling = "two-way" does it stick and slip'),
-        (("psd", "--of", "fft"), "'fft' is not one of"),
-        (("slider", "--of", "velocity"), "--of is for psd, not for slider"),
-        (("trace", "--with", "x.h5"), "--with is for slider, phase, and psd --of force, displacement or velocity"),
-        (("psd", "--with", "x.h5"), "--with is for slider, phase, and psd --of force, displacement or velocity"),
-        (("slider", "--with", "y.h5"), "y.h5: no such file or directory"),
-        (("-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
-        (("-o", "none/x.png"), "no such folder"),
-        (("--from", "x"), "--from: x: not a number and a unit"),
-        (("--to", "5 kg"), '--to: 5 kg: "kg" is the unit of a mass, a length is needed'),
-        (("--from", "nan"), "--from: nan: not a finite number"),
-        (("--from", "400"), "x.h5: nothing lies in 400 to 300 um; the run goes from 0 to 300 um"),
-        (("--from", "5", "--to", "5.05"), "x.h5: 5 to 5.05 um is too short to draw"),
-        (("psd", "--to", "10"), "x.h5: a spectrum needs a stretch of 24.8 um or more"),
-    ],
-)
-def test_what_cannot_be_drawn_is_refused(result: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:
-    answer = call("plot", "x.h5", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == ["x.h5"]
 
 
 def test_a_run_without_a_slider_says_so(bare: Path, here: Path) -> None:
@@ -176,25 +138,6 @@ def test_a_quantity_is_drawn(swept: Path, here: Path) -> None:
     assert "exists already" in refused.err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("displacement_std",), '"displacement_std": no quantity of this sweep; there are real_contact_area_mean, '),
-        (("trace",), '"trace": no quantity of this sweep; there are '),
-        ((STD, "--from", "5"), "--from, --to, --of and --with are for the pictures of one run"),
-        ((STD, "--with", "x.h5"), "--from, --to, --of and --with are for the pictures of one run"),
-        ((STD, "-o", "x.jpg"), "x.jpg ends in none of .png, .pdf and .svg"),
-    ],
-)
-def test_what_cannot_be_drawn_of_a_sweep_is_refused(
-    swept: Path, here: Path, arguments: tuple[str, ...], said: str
-) -> None:
-    answer = call("plot", swept, *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == []
-
-
 def test_quantities_are_completed(here: Path) -> None:
     from rubnoise.cli.plot import complete
 
@@ -239,24 +182,6 @@ def test_an_existing_picture_is_replaced_only_by_force(here: Path, papers: Path)
     assert call(*arguments, "--force").code == 0
     assert (here / "out" / "fig3.pdf").read_bytes().startswith(b"%PDF")
     assert len(names(here / "out")) == 6
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("fig1",), "fig1: no figure of the paper; there are fig2, fig3, fig4, fig5, fig6, fig7, fig8, fig9, and all"),
-        (("fig3", "--format", "jpg"), "there are png, pdf, svg"),
-        (("fig3", "-o", "file"), "file: is no folder"),
-        (("fig3", "-o", "file/below"), "file: is no folder"),
-        (("fig3", "--scenarios", "."), "fig3.toml: cannot be read: no such file or directory"),
-    ],
-)
-def test_what_cannot_be_is_refused_before_anything_is_made(here: Path, arguments: tuple[str, ...], said: str) -> None:
-    (here / "file").touch()
-    answer = call("figures", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == ["file"]
 
 
 def test_wrong_scenarios_are_refused_with_their_lines(here: Path, papers: Path) -> None:

@@ -48,25 +48,6 @@ def test_settings_are_numbers_quoted_texts_or_plain_texts(here: Path) -> None:
         assert file.attrs["title"] == b"set by hand"
 
 
-@pytest.mark.parametrize(
-    ("setting", "said"),
-    [
-        ("sliding.distnce=2 mm", "did you mean distance?"),
-        ("sliding.distance=2", "a number without a unit"),
-        ("interface.mean_junction_count=true", "interface.mean_junction_count: "),
-        ("run.engine=evnts", 'did you mean "events"?'),
-        ("run.engine=batsh", 'did you mean "batch"?'),
-        ("nonsense", "KEY=VALUE"),
-    ],
-)
-def test_a_wrong_setting_is_refused_by_its_name(here: Path, setting: str, said: str) -> None:
-    answer = call("run", SHORT, "--set", setting)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith(f"--set {setting.partition('=')[0]}: error: ")
-    assert said in answer.err
-    assert names(here) == []
-
-
 def test_the_engine_may_be_chosen_and_is_kept(here: Path) -> None:
     for engine in ("events", "batch"):
         assert call("run", SHORT, "--engine", engine, "-o", f"{engine}.h5").code == 0
@@ -77,29 +58,6 @@ def test_the_engine_may_be_chosen_and_is_kept(here: Path) -> None:
     assert answer.code == 2
     assert 'did you mean "events"?' in answer.err
     assert answer.err.startswith("--engine: error: run.engine: ")
-
-
-@pytest.mark.parametrize("command", ["run", "sweep"])
-def test_what_is_wrong_with_an_option_is_told_of_that_option(here: Path, command: str) -> None:
-    words = ("--seed", "-1") if command == "run" else ("--engine", "bach")
-    file = SHORT
-    if command == "sweep":
-        (file := here.parent / "given" / "s.toml").write_text(f"{CONTACT}[sweep]\nreplicates = 4\n", encoding="utf-8")
-    answer = call(command, file, *words)
-    assert (answer.code, answer.out) == (2, "")
-    key = {"--seed": "run.seed", "--engine": "run.engine"}[words[0]]
-    first, typed, caret, _hint = answer.err.splitlines()
-    assert first.startswith(f"{words[0]}: error: {key}: ")
-    assert typed.strip() == " ".join(words)
-    assert typed.index(words[1]) == caret.index("^")
-    assert "--set" not in answer.err
-    assert names(here) == []
-
-
-def test_a_sweep_is_pointed_to_its_command(here: Path) -> None:
-    (file := here.parent / "given" / "s.toml").write_text(f"{CONTACT}[sweep]\nreplicates = 4\n", encoding="utf-8")
-    assert "rubnoise sweep runs all of it" in call("run", file).err
-    assert "rubnoise run makes this one run" in call("sweep", SHORT).err
 
 
 def test_a_dry_run_writes_nothing_and_refuses_what_a_run_would(here: Path) -> None:
@@ -181,15 +139,6 @@ def test_a_scenario_that_is_none_is_refused_and_nothing_written(here: Path, cont
     assert said in answer.err
     assert "Traceback" not in answer.err
     assert names(here) == []
-
-
-@pytest.mark.parametrize(
-    "arguments", [(), ("--seed", "1.5"), ("--bogus",)], ids=["no file", "half a seed", "no option"]
-)
-def test_wrong_usage_is_refused(here: Path, arguments: tuple[str, ...]) -> None:
-    answer = call("run", *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert "Usage: rubnoise run" in answer.err
 
 
 # A run does not wait for what it does not need.

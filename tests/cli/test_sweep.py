@@ -292,32 +292,6 @@ def test_a_signal_stops_a_sweep_that_can_be_gone_on_with(file: Path, number: sig
     assert call("sweep", file, "-o", "d", "--jobs", "2", *SLOW).out == "d: 2 points, 8 runs: 8 done\n"
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--jobs", "0"), "--jobs: 0 is no number of processes from 1 to 1024"),
-        (("--jobs", "2", "--cluster", "tcp://nowhere:1"), "leave one of --jobs and --cluster out"),
-        (("--shard", "3/2"), '--shard: "3/2" is no part of a whole'),
-        (("--set", "run.sed=1"), "run.sed: unknown key"),
-        (("-o", "s.toml"), "is no folder"),
-    ],
-)
-def test_what_cannot_be_is_refused_before_anything_is_made(file: Path, options: tuple[str, ...], said: str) -> None:
-    answer = call("sweep", file, *options)
-    assert answer.code == 2
-    assert said in answer.err
-    assert [path.name for path in Path().iterdir()] == ["s.toml"]
-
-
-def test_one_run_is_no_sweep_and_no_folder_is_none(here: Path) -> None:
-    answer = call("sweep", "../given/contact.toml")
-    assert (answer.code, answer.err) == (
-        2,
-        "../given/contact.toml: no sweep: it has no table [sweep]; rubnoise run makes this one run\n",
-    )
-    assert "no folder of a sweep: it has no index.h5" in call("info", here).err
-
-
 def test_a_sweep_that_the_disk_does_not_hold_is_refused(file: Path) -> None:
     answer = call("sweep", file, "-o", "d", "--set", "sliding.distance=300 mm", "--set", "output.tick=0.001 um",
                   "--set", "sweep.replicates=4000")  # fmt: skip

@@ -139,18 +139,6 @@ def test_passages_that_are_not_known_are_left_out_or_refused(here: Path, changes
     assert said in refused.err
 
 
-def test_a_contact_without_a_slider_passes_no_level(here: Path) -> None:
-    refused = call("theory", CONTACT, "--at-level", "3")
-    assert refused.code == 2
-    assert refused.err.startswith("--at-level: the slider's response needs [slider]")
-
-
-def test_areas_of_regular_births_are_refused_where_they_are_asked_for(here: Path) -> None:
-    refused = call("theory", CONTACT, "--set", "birth.law=regular", "--at-area", "100")
-    assert (refused.code, refused.out) == (2, "")
-    assert refused.err.startswith("--at-area: ")
-
-
 def test_an_empty_start_is_told_of(here: Path) -> None:
     assert "from_empty" not in told(CONTACT)
     found = told(CONTACT, "--at-distance", "0,-3,2,1e6")["from_empty"]
@@ -184,27 +172,6 @@ def test_what_welchs_method_shows_is_told_of(here: Path) -> None:
         refused = call("theory", CONTACT, f"--segment={ticks}")
         assert (refused.code, refused.out) == (2, "")
         assert refused.err.startswith(f"--segment: a segment of {ticks} ticks: it has 2 to ")
-
-
-@pytest.mark.parametrize("option", ["--at-wavenumber", "--at-lag", "--at-area", "--at-level", "--at-distance"])
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("nan", '"nan" is no finite number'),
-        ("1,inf", '"inf" is no finite number'),
-        ("", "a number is missing"),
-        ("1,,2", "a number is missing"),
-        ("1 um", '"1 um" is no finite number'),
-        ("0x10", '"0x10" is no finite number'),
-        ("1_0", '"1_0" is no finite number'),
-        ("1e999", "1e999 is beyond the largest number there is"),
-        ("1;2", '"1;2" is no finite number'),
-    ],
-)
-def test_what_is_no_number_is_refused_by_name(here: Path, option: str, text: str, said: str) -> None:
-    answer = call("theory", CONTACT, f"{option}={text}", "--json")
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith(f"{option}: {said}")
 
 
 def test_grids_of_its_own_cover_what_matters(here: Path) -> None:
@@ -289,26 +256,6 @@ def test_it_is_drawn(here: Path, name: str) -> None:
     assert refused.code == 2
     assert f"{name}: exists already" in refused.err
     assert call("theory", CONTACT, "--plot").out == "contact_theory.png\n"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("--csv", "--json"), "only one of --csv, --json and --plot"),
-        (("x.png",), "x.png is for --plot"),
-        (("--force",), "--force is for --plot"),
-        (("--at-lag", "1", "--plot"), "--plot draws curves; points are for numbers"),
-        (("--at-level", "1", "--plot"), "--plot draws curves; points are for numbers"),
-        (("--at-distance", "1", "--plot"), "--plot draws curves; points are for numbers"),
-        (("--segment", "64", "--plot"), "--plot draws curves; points are for numbers"),
-        (("x.jpg", "--plot"), "ends in none of .png, .pdf and .svg"),
-    ],
-)
-def test_wrong_usage_is_refused(here: Path, arguments: tuple[str, ...], said: str) -> None:
-    answer = call("theory", CONTACT, *arguments)
-    assert (answer.code, answer.out) == (2, "")
-    assert said in " ".join(answer.err.replace("│", " ").split())
-    assert names(here) == []
 
 
 def test_regular_births_have_lines_and_no_distribution(here: Path) -> None:

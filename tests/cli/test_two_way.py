@@ -304,29 +304,3 @@ def test_a_sweep_of_both_couplings_keeps_what_each_has(here: Path) -> None:
     assert "slider.coupling = two-way" in shown
     assert "stick fraction" in shown
     assert "+-" in shown
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--figures", "speed"), '"speed": no figure of this sweep; there are real_contact_area_mean'),
-        (("--over", "slider.coupling=one-way"), "--over is for --figures"),
-        (("--figures", "displacement_std", "--over", "slider.mass=1"), "swept: slider.coupling"),
-        (("--figures", "displacement_std", "--over", "slider.coupling=both"), "there are one-way, two-way"),
-    ],
-)
-def test_figures_that_are_not_there_are_refused(here: Path, options: tuple[str, ...], said: str) -> None:
-    Path("s.toml").write_text(
-        f'format = 1\nextends = "{SLIDER}"\n[sliding]\ndistance = "100 um"\n[output]\ntick = "1 um"\n'
-        '[sweep]\nkeep = "summary"\n[sweep.grid]\nslider.coupling = ["one-way", "two-way"]\n'
-    )
-    assert call("sweep", "s.toml", "-o", "d", "-q", "--jobs", "1").code == 0
-    done = call("info", "d", *options)
-    assert done.code == 2
-    assert said in " ".join(done.err.split())
-
-
-def test_figures_of_a_run_are_not_asked_for_as_those_of_a_sweep(ran: Path) -> None:
-    done = call("info", ran, "--figures", "displacement_std")
-    assert done.code == 2
-    assert "for the folder of a sweep" in " ".join(done.err.split())
