@@ -224,8 +224,8 @@ def test_runs_are_counted_aloud(tmp_path: Path) -> None:
 BEGINNINGS = {"png": b"\x89PNG\r\n\x1a\n", "pdf": b"%PDF-", "svg": b"<?xml"}
 ANEW = """
 import hashlib, sys
-from tests.figures.test_paper import FORMATS, drawn
-print(*(hashlib.sha256(drawn(kind)).hexdigest() for kind in FORMATS))
+from tests.figures.test_paper import FORMATS, drawn_as
+print(*(hashlib.sha256(drawn_as(kind)).hexdigest() for kind in FORMATS))
 """
 
 

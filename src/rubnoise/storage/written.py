@@ -8,7 +8,6 @@ from typing import Any, Self
 from rubnoise.storage.columns import ColumnFile
 from rubnoise.storage.layout import RunDescription
 from rubnoise.storage.life_curve import pulse_of
-from rubnoise.storage.reader import RunFile
 from rubnoise.storage.schema import HASH, Scalar
 from rubnoise.storage.seal import seal_of
 from rubnoise.storage.structure import provenance_attributes, root_attributes, text_bytes
@@ -45,22 +44,6 @@ class Written:
             "seal": {"value": seal_of(root, _stored(summary), provenance)},
         }
         return cls(file, found)
-
-    def is_in(self, run: RunFile) -> bool:
-        """Whether a file says the same, in chunks or not."""
-        expected = {
-            "features": sorted(run.features),
-            "attributes": {"value": run.attributes},
-            "summary": {"value": run.summary},
-            "provenance": {"value": run.provenance},
-        }
-        hashes = {(group, name): run.digest(group, name) for group, names in run.columns.items() for name in names}
-        found = self.found or {}
-        return expected == {name: found.get(name) for name in expected} and hashes == {
-            (group, name): about["digest"]["value"]
-            for group, columns in found.get("columns", {}).items()
-            for name, about in columns.items()
-        }
 
     def is_still(self, now: os.stat_result) -> bool:
         """Whether a file is this one, untouched."""
