@@ -56,6 +56,23 @@ def write() -> None:
         path.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
+class Said:
+    """What calls say, kept in a file as `$ call` and the lines of its answer; --freeze writes them."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        parts = ("\n" + path.read_text(encoding="utf-8")).split("\n$ ")[1:]
+        self.kept = {call: said.strip("\n") for call, _, said in (part.partition("\n") for part in parts)}
+
+    def assert_said(self, call: str, said: str) -> None:
+        """Compare what a call says now, or keep it."""
+        if Wishes.freeze:
+            self.kept[call] = said
+            text = "\n".join(f"$ {each}\n{lines}\n" for each, lines in self.kept.items())
+            self._path.write_text(text, encoding="utf-8")
+        assert said == self.kept[call]
+
+
 @cache
 def _read(path: Path) -> dict[str, Any]:
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}

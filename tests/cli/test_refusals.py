@@ -12,19 +12,10 @@ import pytest
 
 import rubnoise
 from tests.cli.terminal import CONTACT, WITH_SLIDER, call, names
-from tests.frozen import Wishes
+from tests.frozen import Said
 
-KEPT = Path(__file__).with_name("refusals.txt")
+SAID = Said(Path(__file__).with_name("refusals.txt"))
 SWEPT = '[sweep]\nkeep = "summary"\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n'
-
-
-def _read() -> dict[str, str]:
-    """Return what each call says, by its words."""
-    parts = KEPT.read_text(encoding="utf-8").split("\n$ ")[1:]
-    return {words: said.strip("\n") for words, _, said in (part.partition("\n") for part in parts)}
-
-
-REFUSALS = _read()
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +30,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("words", REFUSALS)
+@pytest.mark.parametrize("words", SAID.kept)
 def test_wrong_words_are_refused_and_make_nothing(
     made: Path, tmp_path: Path, words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -52,8 +43,4 @@ def test_wrong_words_are_refused_and_make_nothing(
     assert (answer.code, answer.out, names(place)) == (2, "", before)
     told = re.sub("[│╭╮╰╯─]", " ", answer.err.replace(f"{place}", "PLACE"))
     said = "\n".join(" ".join(line.split()) for line in told.splitlines() if line.strip())
-    if Wishes.freeze:
-        REFUSALS[words] = said
-        text = "".join(f"\n$ {each}\n{kept}\n" for each, kept in REFUSALS.items())
-        KEPT.write_text(text, encoding="utf-8")
-    assert said == REFUSALS[words]
+    SAID.assert_said(words, said)
