@@ -137,24 +137,6 @@ def test_thin_and_dense_contacts_over_several_blocks(count: float, births: str) 
     assert contents(one) == contents(other)
 
 
-def test_one_engine_goes_on_where_the_other_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 2 * 1000)
-    run = model(distance=4001.0, tick=0.5)
-    expected = contents(recorded(run, 4))
-    for one, other in (("batch", "events"), ("events", "batch")):
-        states: list[State] = []
-        record = MemoryRecord(extent(run, 4))
-        simulate(run, 4, record, engine=one, commit=states.append)
-        assert len(states) > 2
-        for cut in states[:-1]:
-            rows = {"junctions": cut.junctions, "blocks": cut.block}
-            for group, columns in record.groups.items():
-                for values in columns.values():
-                    values[rows.get(group, cut.ticks) :] = 0
-            simulate(run, 4, record, engine=other, state=cut)
-            assert contents(record) == expected
-
-
 @pytest.mark.parametrize("engine", ["events", "batch"])
 def test_small_blocks_are_played_together_and_each_ones_start_is_written(
     monkeypatch: pytest.MonkeyPatch, engine: Engine

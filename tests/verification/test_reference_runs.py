@@ -19,14 +19,12 @@ from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Normal, Spread
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of
 from rubnoise.contact.pulses import LENS
-from rubnoise.errors import RunStopped
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
-from rubnoise.scenario import build, load
+from rubnoise.scenario import load
 from rubnoise.simulation import draws, junctions
 from rubnoise.simulation.run import simulate
-from rubnoise.storage import writer
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.motion_errors import mean_force_error, motion_errors
@@ -318,32 +316,3 @@ def test_a_life_tells_its_offset_and_its_own_mid_life(tmp_path: Path) -> None:
     assert curve["distance"][-1] == pytest.approx(life.death_distance)
     assert curve["area"][0] == pytest.approx(0.0, abs=1e-9)
     assert curve["area"].max() == pytest.approx(life.max_area, rel=1e-12)
-
-
-def test_a_stopped_run_goes_on_to_the_same_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer, "COMMIT_SECONDS", 0.0)
-    monkeypatch.setattr(draws, "_DRAWN_AT_ONCE", 1)
-    scenario = build(
-        {
-            "format": 1,
-            "strength": {"mean": "250 MPa"},
-            "slider": {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"},
-            "sliding": {"distance": "1600 um", "speed": "1 mm/s"},
-            "output": {"tick": "0.4 um"},
-            **TABLES,
-        }
-    )
-    rubnoise.run(scenario, tmp_path / "whole.h5").close()
-
-    def stop(distance: float, _junctions: int, _live: int) -> None:
-        if distance > 900.0:
-            raise RunStopped(15)
-
-    with pytest.raises(RunStopped):
-        rubnoise.run(scenario, tmp_path / "cut.h5", watch=stop).close()
-    rubnoise.resume(tmp_path / "cut.h5.part").close()
-    with rubnoise.open(tmp_path / "whole.h5") as whole, rubnoise.open(tmp_path / "cut.h5") as cut:
-        assert list(whole.groups()) == list(cut.groups())
-        for group, columns in whole.groups().items():
-            for name in columns:
-                assert columns[name][:].tobytes() == cut.groups()[group][name][:].tobytes(), (group, name)
