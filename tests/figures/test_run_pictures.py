@@ -24,7 +24,6 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.response import response
 from rubnoise.theory.spectrum import spectral_density
 
-# The pictures of a run show what the run and the theory say, with nothing cut off.
 SCENARIO: dict[str, Any] = {
     "format": 1,
     "title": "a contact",
