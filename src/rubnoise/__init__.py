@@ -89,6 +89,8 @@ def __getattr__(name: str) -> object:
     """Return a public name on its first use, so that importing rubnoise costs nothing (PEP 562)."""
     if name not in __all__:
         message = f"module {__name__!r} has no attribute {name!r}"
+        if name.startswith("read_"):
+            message += '; rubnoise.Trace("trace.csv") reads a measurement, rubnoise.open a result'
         raise AttributeError(message)
     return getattr(import_module("rubnoise.api"), name)
 

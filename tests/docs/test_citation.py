@@ -10,6 +10,7 @@ import pytest
 
 from rubnoise.cli.app import COMMANDS
 from tests.architecture.sources import ROOT
+from tests.cli.terminal import call
 from tools.package_page import repository, with_links
 
 BIB = re.compile(r"^@\w+\{(\w+),\n(.*?)^\}", re.MULTILINE | re.DOTALL)
@@ -42,6 +43,8 @@ def test_name_version_and_licence_agree() -> None:
     assert {zenodo["license"], cited["license"]} == {licence}
     assert code["name"] == project()["name"]
     assert cited["title"] == zenodo["title"]
+    assert cited["title"] in (answer := call("cite").out)
+    assert f"version {cited['version']}" in answer
     assert code["description"] == project()["description"]
 
 

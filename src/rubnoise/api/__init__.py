@@ -12,8 +12,10 @@ if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
     from rubnoise.analysis.comparing.findings import Comparison
     from rubnoise.analysis.verifying.findings import Verification
-    from rubnoise.api.columns import Column, Columns
+    from rubnoise.api.column_group import Columns
+    from rubnoise.api.columns import Column
     from rubnoise.api.estimates import Autocovariance, PowerSpectrum
+    from rubnoise.api.fit import Inference
     from rubnoise.api.inferring import infer
     from rubnoise.api.pictures import draw_figures
     from rubnoise.api.record import Record
@@ -26,7 +28,6 @@ if TYPE_CHECKING:
     from rubnoise.api.sweeping import run_sweep
     from rubnoise.api.trace import Trace
     from rubnoise.errors import Refused, RubnoiseError
-    from rubnoise.inference.inference import Inference
     from rubnoise.record.rows import JunctionState
     from rubnoise.scenario import Scenario, build
     from rubnoise.scenario.sweep import expand
@@ -77,8 +78,10 @@ HOMES: Final = {
     "rubnoise.analysis.agreement": ("Agreement",),
     "rubnoise.analysis.comparing.findings": ("Comparison",),
     "rubnoise.analysis.verifying.findings": ("Verification",),
-    "rubnoise.api.columns": ("Column", "Columns"),
+    "rubnoise.api.column_group": ("Columns",),
+    "rubnoise.api.columns": ("Column",),
     "rubnoise.api.estimates": ("Autocovariance", "PowerSpectrum"),
+    "rubnoise.api.fit": ("Inference",),
     "rubnoise.api.inferring": ("infer",),
     "rubnoise.api.pictures": ("draw_figures",),
     "rubnoise.api.record": ("Record",),
@@ -91,7 +94,6 @@ HOMES: Final = {
     "rubnoise.api.sweeping": ("run_sweep",),
     "rubnoise.api.trace": ("Trace",),
     "rubnoise.errors": ("Refused", "RubnoiseError"),
-    "rubnoise.inference.inference": ("Inference",),
     "rubnoise.record.rows": ("JunctionState",),
     "rubnoise.scenario": ("Scenario", "build"),
     "rubnoise.scenario.sweep": ("expand",),

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from math import pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -11,17 +12,23 @@ import numpy as np
 
 from rubnoise.analysis.spectra import SEGMENTS, WelchSum
 from rubnoise.arrays import Doubles
-from rubnoise.errors import Refused
+from rubnoise.errors import Refused, needing
 from rubnoise.model import Model
 from rubnoise.units import in_unit
 
 if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
+    import xarray as xr
+
     from rubnoise.api.result import Contents
 
 SI: Final[Mapping[str, tuple[str, float]]] = MappingProxyType(
     {"um": ("m", 1e-6), "um/s": ("m/s", 1e-6), "uN": ("N", 1e-6), "um^2": ("m^2", 1e-12), "MPa": ("Pa", 1e6)}
 )
 """The units of spectra over frequency, and how many of them a working unit is."""
+
+SHORT: Final[Mapping[str, str]] = MappingProxyType({"area": "real_contact_area", "force": "friction_force"})
+"""Quantities by the words that pictures have for them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,6 +70,20 @@ class PowerSpectrum:
             raise Refused(f"this spectrum is over {self.place_units}: it has .{other}")
         return self.place
 
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return density, standard error and, if theory knows it, the exact density, over the places."""
+        return _frame(*self._table())
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the same as an xarray Dataset with units."""
+        return _dataset(*self._table(), {"title": self.name})
+
+    def _table(self) -> tuple[str, str, Doubles, dict[str, tuple[Doubles, str]]]:
+        columns = {"density": (self.density, self.units), "standard_error": (self.standard_error, self.units)}
+        if self.exact is not None:
+            columns["exact"] = (self.exact, self.units)
+        return ("frequency" if self.place_units == "Hz" else "wavenumber"), self.place_units, self.place, columns
+
     def __repr__(self) -> str:
         sides = "one-sided" if self.place_units == "Hz" else "two-sided"
         return (
@@ -92,11 +113,41 @@ class Autocovariance:
         """The covariance over its value at lag 0, which is the variance."""
         return self.covariance / self.covariance[0]
 
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return covariance and correlation over the lags."""
+        return _frame("lag", self.lag_units, self.lag, self._columns())
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the same as an xarray Dataset with units."""
+        return _dataset("lag", self.lag_units, self.lag, self._columns(), {"title": self.name})
+
+    def _columns(self) -> dict[str, tuple[Doubles, str]]:
+        return {"covariance": (self.covariance, self.units), "correlation": (self.correlation, "1")}
+
     def __repr__(self) -> str:
         return (
             f"<autocovariance of {self.name} in {self.units} at {self.lag.size:,} lags up to"
             f" {self.lag[-1]:.6g} {self.lag_units}>"
         )
+
+
+def _frame(place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]]) -> "pd.DataFrame":
+    """Return columns over their places as pandas has them; units are in ``attrs["units"]``."""
+    with needing("analysis", "to_pandas"):
+        import pandas as pd
+    frame = pd.DataFrame({name: values for name, (values, _) in columns.items()}, index=pd.Index(places, name=place))
+    frame.attrs["units"] = {place: units, **{name: unit for name, (_, unit) in columns.items()}}
+    return frame
+
+
+def _dataset(
+    place: str, units: str, places: Doubles, columns: Mapping[str, tuple[Doubles, str]], attributes: Mapping[str, str]
+) -> "xr.Dataset":
+    """Return columns over their places as xarray has them."""
+    with needing("analysis", "to_xarray"):
+        import xarray as xr
+    variables = {name: xr.Variable((place,), values, {"units": unit}) for name, (values, unit) in columns.items()}
+    return xr.Dataset(variables, coords={place: xr.Variable((place,), places, {"units": units})}, attrs=attributes)
 
 
 def power_spectrum(
@@ -150,11 +201,14 @@ def power_spectrum(
 def spectrum_of(run: "Contents", quantity: str, segment: Any = None) -> PowerSpectrum:
     """Return the spectrum of a column of a run, with the exact one where theory knows it (see Contents.psd)."""
     groups, model = run.groups_by_name(), run.model()
+    quantity = SHORT.get(quantity, quantity)
     slider = "slider" in groups and quantity in groups["slider"] and quantity not in ("time", "distance")
     group = groups["slider" if slider else "trace"]
     if quantity == "distance" or quantity not in group:
         known = dict.fromkeys([*groups["trace"].names[1:], *(groups["slider"].names[2:] if "slider" in groups else ())])
-        raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}")
+        near = get_close_matches(quantity, [*known, *SHORT], n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        raise KeyError(f"{quantity!r} has no spectrum here; there are {', '.join(known)}{hint}")
     column, step = group[quantity], model.tick
     if slider and model.sliding_speed is not None:
         step = model.tick / model.sliding_speed

@@ -8,15 +8,18 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from rubnoise.api import keywords
+from rubnoise.api.fit import Inference
 from rubnoise.api.infer_options import bandwidth_of, cut, pulse_of, strength_spread_of
+from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.inference import inference
 from rubnoise.inference.assumed import Assumed
 from rubnoise.inference.estimates import Estimate
 from rubnoise.inference.inference import LAWS as SIZES
-from rubnoise.inference.inference import Inference, infer_signal
+from rubnoise.inference.inference import infer_signal
 from rubnoise.inference.signal import Signal, clipped
 from rubnoise.model import Model
 from rubnoise.record.sink import Columns
@@ -27,6 +30,8 @@ from rubnoise.units import FREQUENCY, SPEED, STRESS, is_of_pint
 
 MOST_BOOTSTRAPS: Final = 10_000
 MOST_COLUMNS: Final = 100_000
+STROKE_END: Final = "5 %"
+"""What is left out of each end of a stroke, where nothing else is said."""
 _MASK: Final = 0.01  # of the frequency, on either side
 _WRONG_WAY: Final = 0.95
 
@@ -64,10 +69,10 @@ def infer(
     ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
     of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
     walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
-    ``strokes``, such as "10 %", cuts at reversals, leaves out so much of each stroke at either end, and fits the
-    strokes together. ``bootstrap`` traces are simulated from what was found, and ``Inference.bootstrap`` holds how the
-    estimates scatter. ``assumptions`` of the answer say what was taken for granted.
-    Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
+    ``strokes``, such as "10 %" (True is 5 %), cuts at reversals, leaves out so much of each stroke at either end,
+    and fits the strokes together. ``bootstrap`` traces are simulated from what was found, and
+    ``Inference.bootstrap`` holds how the estimates scatter. ``assumptions`` of the answer say what was taken for
+    granted. Raises Refused for bad input, and for a quantity without a unit. What statistics refuse stands in
     ``refused_because``, what speaks against the model in ``flags``. Source: docs/inference.md.
     """
     keywords.choice("zero", zero, ("known", "unknown"))
@@ -79,6 +84,7 @@ def infer(
     if unit is not None:
         keywords.scale_of(unit, "unit=")
     measured = _measured(trace, column, often)
+    strokes = STROKE_END if strokes is True else None if strokes is False else strokes
     signal = _signal(measured, velocity, unit, often)
     _check_sensor(measured, zero)
     step = signal.tick / velocity if velocity is not None and measured.along == "time" else signal.tick
@@ -97,7 +103,7 @@ def infer(
         poles=poles,
     )
     asked: dict[str, Any] = {"zero": zero, "strength": psi, "masked": masked, "drift": drift, "assumed": assumed}
-    found = infer_signal(signal, law=law, **asked)
+    found = Inference.of(infer_signal(signal, law=law, **asked), name=_named(measured), speed=speed, strength=strength)
     if not bootstrap or found.refused_because is not None:
         return found
     return replace(found, bootstrap=_bootstrapped(found, bootstrap, asked))
@@ -118,12 +124,25 @@ def _measured(trace: Any, column: str | int | None, rate: float | None) -> Measu
         values = real_numbers(trace.columns[name], name)
         check_values(values, name)
         return Measured(name=name, values=values, unit=trace.units[name], step=trace.step, along=along)
+    if hasattr(trace, "columns") and hasattr(trace, "to_numpy"):
+        return _of_frame(trace, column)
     of_pint = is_of_pint(trace)
     values = real_numbers(trace.magnitude if of_pint else trace, "trace")
     if values.ndim != 1 or not values.size:
         raise Refused(f"trace: has the shape {values.shape}; one row of finite numbers is needed")
     check_values(values, "trace")
     return Measured(name="trace", values=values, unit=f"{trace.units:~C}" if of_pint else "", step=None, along="time")
+
+
+def _of_frame(frame: Any, column: str | None) -> Measured:
+    """Return a column of a DataFrame whose names have units, and whose first column or index is its time."""
+    places = {str(name): frame[name].to_numpy() for name in frame.columns}
+    if frame.index.name and str(frame.index.name) not in places:
+        places = {str(frame.index.name): frame.index.to_numpy(), **places}
+    if column is None and len(places) > 2:
+        listed = ", ".join(list(places)[1:][:12])
+        raise Refused(f'trace: column= is needed, one of {listed}; right form: column="{list(places)[1]}"')
+    return _measured(Trace.from_arrays(places, name="trace"), column, None)
 
 
 def _own_result(trace: str | os.PathLike[str], column: str | None) -> Measured | None:
@@ -276,7 +295,7 @@ def _simulated(found: Inference, seed: int) -> Doubles:
     return scale * (contact.strength / tick**2 * fit.problem.sensor.filtered(sink.values) + noise)
 
 
-def found_scenario(found: Inference, *, speed: Any = None, strength: Any = None) -> str:
+def found_scenario(found: inference.Inference, *, speed: Any = None, strength: Any = None) -> str:
     """Return the text of a scenario that simulates what was found, over the distance of the trace.
 
     Raises Refused where number or strength is not identified: a scenario needs both.

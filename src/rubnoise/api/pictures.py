@@ -1,14 +1,17 @@
 """Pictures of runs and of the paper, drawn from Python as by `rubnoise plot` and `rubnoise figures`."""
 
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
+from rubnoise.api.estimates import SHORT
 from rubnoise.api.trace import Trace
 from rubnoise.errors import OutputRefused, Refused
-from rubnoise.units import in_unit
+from rubnoise.inference.inference import Inference
+from rubnoise.units import LENGTH, QuantityError, in_unit, read_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,6 +21,12 @@ if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
 
 AREA: Final = "area"
+OTHER_WORDS: Final = {"spectrum": "psd", "autocovariance": "acf", "hist": "histogram", "area": "trace"}
+"""Words that other programs have for these pictures."""
+
+WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
+MICROMETRES_PER_INCH: Final = 25_400.0
+SMALLEST, LARGEST = 1.0, 40.0
 
 
 def drawn(
@@ -28,7 +37,9 @@ def drawn(
     start: Any = None,
     stop: Any = None,
     of: str = AREA,
-    beside: "Contents | Trace | None" = None,
+    beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
+    size: str | None = None,
+    title: bool = True,
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Contents.plot)."""
     from rubnoise.figures.catalogue import OVERLAID, PICTURES, drawing
@@ -36,7 +47,13 @@ def drawn(
     from rubnoise.figures.stretch import Stretch
 
     if what not in PICTURES:
-        raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}")
+        near = OTHER_WORDS.get(what) or next(iter(get_close_matches(what, PICTURES, n=1)), "")
+        hint = f'; did you mean "{near}"?' if near else ""
+        raise Refused(f"{what!r}: no picture of a run; there are {', '.join(PICTURES)}{hint}")
+    of = next((short for short, whole in SHORT.items() if whole == of), of)
+    if isinstance(beside, str | os.PathLike):
+        beside = Trace(beside)
+    inches = None if size is None else in_inches(size)
     heard = None if of == AREA else of
     if heard is not None and (what != "psd" or heard not in get_args(Heard)):
         raise Refused(f'of={of!r}: is for "psd", and "area", {", ".join(map(repr, get_args(Heard)))}')
@@ -48,7 +65,65 @@ def drawn(
     stretch = Stretch.of(run.reader(), *ends)
     other = Stretch.of(beside.reader()) if beside is not None and not isinstance(beside, Trace) else None
     measured = measured_spectrum(beside, heard) if isinstance(beside, Trace) else None
-    return drawing(what, stretch, heard=cast("Heard | None", heard), beside=other, measured=measured, ax=ax)
+    figure = drawing(what, stretch, heard=cast("Heard | None", heard), beside=other, measured=measured, ax=ax)
+    if not title:
+        without_titles(figure)
+    if inches is not None and ax is None:
+        figure.set_size_inches(inches)
+    return figure
+
+
+def in_inches(size: str) -> tuple[float, float]:
+    """Return width and height of a picture in inches, of "84 mm x 60 mm", "single" or "double".
+
+    A name is the width of one column or two of a journal, 84 mm or 174 mm, with a height of five sevenths. Raises
+    Refused for anything else.
+    """
+    text = WIDTHS.get(size, size)
+    parts = [part.strip() for part in text.split(" x ")]
+    try:
+        width, height = (float(read_quantity(part, LENGTH)) / MICROMETRES_PER_INCH for part in parts)
+    except (QuantityError, ValueError):
+        raise Refused(f'size={size!r}: right form: size="84 mm x 60 mm", size="single" or size="double"') from None
+    if not (SMALLEST <= width <= LARGEST and SMALLEST <= height <= LARGEST):
+        raise Refused(f"size={size!r}: both sides have to be from 1 inch (25.4 mm) to 40 inches")
+    return width, height
+
+
+def without_titles(figure: "Figure") -> None:
+    """Take the titles of a figure and its axes away, as a caption below it says them."""
+    figure.suptitle("")
+    for axes in figure.axes:
+        axes.set_title("", loc="left")
+        axes.set_title("")
+
+
+def drawn_fit(found: Inference) -> "Figure":
+    """Draw what an inference found and return its figure (see rubnoise.Inference.plot)."""
+    from rubnoise.figures.inference import figure
+
+    return figure(found)
+
+
+def page_of_fit(found: Inference, name: str, lines: list[str]) -> str:
+    """Return the page of an inference (see rubnoise.Inference.report)."""
+    from rubnoise.figures.inference import page
+
+    return page(found, name, lines)
+
+
+def drawn_columns(place: tuple[Any, str], curves: Sequence[tuple[Any, str]]) -> "Figure":
+    """Draw columns over their place, one below the other, each with its label, and return the figure."""
+    from rubnoise.figures.style import BLUE, house_style, new_figure
+
+    with house_style():
+        figure = new_figure(7.0, 1.2 + 1.8 * len(curves))
+        panes = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, (values, label) in zip(panes, curves, strict=True):
+            axes.plot(place[0], values, color=BLUE, linewidth=0.8)
+            axes.set_ylabel(label)
+        panes[-1].set_xlabel(place[1])
+        return figure
 
 
 def drawn_sweep(sweep: "SweepResult", quantity: str | None) -> "Figure":

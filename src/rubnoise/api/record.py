@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Column, Columns
+from rubnoise.api.column_group import Columns
+from rubnoise.api.columns import Column
 from rubnoise.api.result import GROUP_HEADS, Contents, Run, group_rows, listed
 from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
@@ -56,6 +57,11 @@ class Record(MemoryRecord, Contents):
 
         written = save(self, path, force=force)
         return Run(open_run(path, own=written))
+
+    @property
+    def provenance(self) -> Mapping[str, float | int | str]:
+        """Scenario and seed of the run, by the names that they have in a file; raises Refused without a scenario."""
+        return MemoryReader(self).provenance
 
     def groups_by_name(self) -> Mapping[str, Columns]:
         """Return every group of columns by name."""

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
-from rubnoise.api.columns import Column, Columns
+from rubnoise.api.column_group import Columns
+from rubnoise.api.columns import Column
 from rubnoise.contact.off_centre import area_of
 from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.errors import needing
+from rubnoise.errors import Refused, RunFileRefused, needing
 from rubnoise.record.reader import Reader, Rows
 from rubnoise.record.rows import JunctionState
 from rubnoise.storage import schema
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from rubnoise.api.trace import Trace
     from rubnoise.model import Model
     from rubnoise.scenario import Scenario
+    from rubnoise.theory.exact import Exact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,14 +175,19 @@ class Contents(ABC):
         start: Any = None,
         stop: Any = None,
         of: str = "area",
-        beside: "Contents | Trace | None" = None,
+        beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
+        size: str | None = None,
+        title: bool = True,
+        **unknown: Any,
     ) -> "Figure":
         """Draw a picture of the run beside theory, and return it as a matplotlib figure.
 
         ``what`` is "trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase" or "landmarks", as for
         `rubnoise plot`; ``of`` is whose spectrum "psd" shows: "area", "force", "displacement" or "velocity". With
         ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
-        another run, for "slider", "phase" and spectra in Hz, or for spectra a `Trace` of yours. Raises Refused for a
+        another run, for "slider", "phase" and spectra in Hz, or for spectra a `Trace` of yours or its file. ``size``
+        is "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is whether axes have titles.
+        Raises Refused for a
         picture that the run does not have, PicturesMissing without matplotlib.
 
         >>> import rubnoise
@@ -191,7 +198,17 @@ class Contents(ABC):
         """
         from rubnoise.api.pictures import drawn
 
-        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside)
+        for name in unknown:
+            hint = '; right form: size="84 mm x 60 mm"' if "size" in name else ""
+            raise Refused(f"{name}=: plot has no such keyword{hint}")
+        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside, size=size, title=title)
+
+    @property
+    def exact(self) -> "Exact":
+        """What theory says about the scenario of the run."""
+        from rubnoise.theory.exact import exact
+
+        return exact(self.model())
 
     def model(self) -> "Model":
         """Return the physics of the run; raises RunFileRefused for a file whose scenario is not valid."""
@@ -350,18 +367,23 @@ def listed(groups: Mapping[str, Columns]) -> list[str]:
 
 
 def open(path: str | os.PathLike[str]) -> Run:  # noqa: A001  (rubnoise.open reads like h5py.File)
-    """Open a result file for reading.
+    """Open a result file for reading, its structure alone, however long the run.
 
     Raises RunFileRefused with the reason where it is not a result of rubnoise or is damaged.
-
-    However long the run, this reads its structure only.
 
     >>> import rubnoise
     >>> with rubnoise.open("fig5.h5") as run:
     ...     run.scenario.title, run.junction(17).diameter > 0.0
     ('Figure 5: excitation force and vibration', True)
     """
-    return Run(open_run(path))
+    try:
+        return Run(open_run(path))
+    except RunFileRefused:
+        from rubnoise.scenario.shipped import shipped_names
+
+        if str(path) in shipped_names():
+            raise RunFileRefused(f'{path}: is a scenario, not a result; rubnoise.simulate("{path}") runs it') from None
+        raise
 
 
 def _columns(file: Rows, name: str) -> Columns:

@@ -34,12 +34,14 @@ def simulate(
     scenario: Scenario | str | os.PathLike[str],
     seed: int | None = None,
     *,
+    engine: Engine | None = None,
     observe: Observer | None = None,
     intervene: Intervention | None = None,
 ) -> Record:
     """Run a scenario and keep the result in memory: ``simulate("paper/fig5").trace["real_contact_area"]``.
 
-    The scenario is a Scenario, a file, or the name of one that comes with rubnoise. ``seed`` replaces its seed.
+    The scenario is a Scenario, a file, or the name of one that comes with rubnoise. ``seed`` replaces its seed, and
+    ``engine``, "events" or "batch", its engine.
     ``observe`` is called at births, deaths, sticks and so on, when they happen, and changes nothing.
     ``intervene(env, live)`` is a SimPy process beside those of the junctions, which begins at the start. ``env.now`` is
     the distance in um, and ``live`` the LiveJunctions, of which it may end some. An exception of either ends the run.
@@ -52,6 +54,8 @@ def simulate(
     (200001, 'um^2')
     """
     scenario = _seeded(load(scenario), seed)
+    if engine is not None:
+        scenario = scenario.replace(engine=engine)
     check_guests(scenario.model(), _engine(scenario), observe, intervene)
     budget = expected(scenario)
     check_memory(scenario, budget, kept_bytes=budget.result_bytes)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Column, Columns
+from rubnoise.api.column_group import Columns
+from rubnoise.api.columns import Column
 from rubnoise.api.result import Opened, Run
 from rubnoise.errors import RunFileRefused, needing
 from rubnoise.storage.index import POINTS, RUNS, SUMMARIES
@@ -22,6 +23,7 @@ from rubnoise.storage.schema import Group
 from rubnoise.tables import as_html, shortened
 
 if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -195,6 +197,10 @@ class SweepResult(Opened):
         """
         with needing("analysis", "to_xarray"):
             return labelled(self)
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return one row for each run as a DataFrame: see `runs`; raises ExtraMissing without pandas."""
+        return self.runs.to_pandas()
 
     def __repr__(self) -> str:
         if self._file.closed:

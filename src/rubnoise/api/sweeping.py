@@ -4,25 +4,30 @@ import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
 from operator import index
 from pathlib import Path
 from shlex import join
+from shutil import rmtree
+from tempfile import mkdtemp
 from typing import Any, Final, cast
+from weakref import finalize
 
 from numpy.typing import NDArray
 
 from rubnoise.analysis.run_summary import SummarySink, curve_theory
 from rubnoise.api.running import run
-from rubnoise.api.scenarios import load_sweep
+from rubnoise.api.scenarios import load, load_sweep
 from rubnoise.api.sweep_result import SweepResult, open_sweep
 from rubnoise.errors import OutputRefused, Refused
 from rubnoise.model import Model
+from rubnoise.scenario import Scenario
 from rubnoise.scenario.points import Point
-from rubnoise.scenario.sweep import Sweep
+from rubnoise.scenario.sweep import Sweep, loads_sweep
+from rubnoise.scenario.writing import text_of
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.run import simulate
@@ -77,9 +82,11 @@ ProgressWatch = Callable[[SweepProgress], None]
 
 
 def run_sweep(
-    file: str | os.PathLike[str] | Sweep,
-    folder: str | os.PathLike[str],
+    file: str | os.PathLike[str] | Sweep | Scenario,
+    folder: str | os.PathLike[str] | None = None,
     *,
+    grid: Mapping[str, Sequence[Any]] | None = None,
+    replicates: int | None = None,
     jobs: int | None = None,
     cluster: str | None = None,
     shard: str | None = None,
@@ -87,7 +94,10 @@ def run_sweep(
 ) -> SweepResult:
     """Make every unfinished run of a sweep, and open its folder: ``run_sweep("paper/fig9", "fig9")``.
 
-    The sweep is a Sweep, a file, or the name of one that comes with rubnoise. ``jobs`` processes share the work, by
+    The sweep is a Sweep, a file, or the name of one that comes with rubnoise. With ``grid``, such as
+    ``{"sliding.speed": ["0.5 mm/s", "1 mm/s"]}``, it is a Scenario, a file or a name that the grid and ``replicates``
+    make many runs of. Without a folder its runs lie in a temporary one, which goes with the result. ``jobs``
+    processes share the work, by
     default one for each processor. With ``cluster`` the workers of a Dask scheduler share it; give its address or its
     file, and a ``distributed.Security`` as ``security`` for TLS. ``shard`` "2/8" makes the second eighth. After a
     failed run the others continue; see ``.failures``. Raises ScenarioRefused. Raises OutputRefused for a folder that is
@@ -99,9 +109,38 @@ def run_sweep(
     ...     sweep.keys, len(sweep.points)
     (('interface.mean_junction_count',), 5)
     """
-    sweep = file if isinstance(file, Sweep) else load_sweep(file)
-    carry_out(sweep, folder, jobs=jobs, cluster=cluster, shard=shard, security=security)
-    return open_sweep(folder)
+    sweep = _sweep_of(file, grid, replicates)
+    place = Path(mkdtemp(prefix="rubnoise-sweep-")) if folder is None else Path(folder)
+    try:
+        carry_out(sweep, place, jobs=jobs, cluster=cluster, shard=shard, security=security)
+        result = open_sweep(place)
+    except BaseException:
+        if folder is None:
+            rmtree(place, ignore_errors=True)
+        raise
+    if folder is None:
+        finalize(result, rmtree, place, ignore_errors=True)
+    return result
+
+
+def _sweep_of(
+    source: str | os.PathLike[str] | Sweep | Scenario, grid: Mapping[str, Sequence[Any]] | None, replicates: int | None
+) -> Sweep:
+    """Return the sweep that is meant; raises ScenarioRefused for one scenario without a grid."""
+    if isinstance(source, Sweep) or (grid is None and replicates is None and not isinstance(source, Scenario)):
+        if isinstance(source, Sweep) and not (grid is None and replicates is None):
+            raise Refused("grid=: a Sweep has its own grid and replicates; give a Scenario")
+        return source if isinstance(source, Sweep) else load_sweep(source)
+    scenario = load(source)
+    if not grid and replicates is None:
+        raise Refused('grid= is needed for one scenario, such as grid={"sliding.speed": ["0.5 mm/s", "1 mm/s"]}')
+    keys = scenario.resolved()
+    if "tick" not in scenario.given.get("output", {}):
+        keys["output"].pop("tick")  # its default follows the size of the junctions of each point
+    table: dict[str, Any] = {"grid": {key: list(values) for key, values in (grid or {}).items()}}
+    if replicates is not None:
+        table["replicates"] = replicates
+    return loads_sweep(text_of({**keys, "sweep": table}), "grid")
 
 
 def carry_out(

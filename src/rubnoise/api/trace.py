@@ -2,12 +2,12 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields
 from math import isfinite
 from numbers import Real
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Self
+from typing import TYPE_CHECKING, Any, Final, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +28,8 @@ from rubnoise.units import FREQUENCY, KINDS, parse_unit
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 WORKING: Final[Mapping[tuple[int, ...], str]] = MappingProxyType(
     {
@@ -43,13 +45,14 @@ WORKING: Final[Mapping[tuple[int, ...], str]] = MappingProxyType(
 """Working units by their powers of length, mass and time."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, init=False, eq=False)
 class Trace:
     """Columns over a uniform ``place``, such as a time in s or a sliding distance in um.
 
     ``columns`` are arrays by name and ``units`` their units, the place among them; ``step`` is the spacing of places.
     Lengths, areas, speeds, forces, stresses, masses and times are converted to um, um^2, um/s, uN, MPa, kg and s; other
-    units, such as V, stay as they are. `from_csv` reads a trace from a file, `from_arrays` makes one.
+    units, such as V, stay as they are. ``Trace("trace.csv")`` reads a file as `from_csv` does, and ``Trace(values,
+    rate="10 kHz", unit="N")`` takes one array as `from_array` does; `from_arrays` takes several.
 
     >>> import rubnoise
     >>> measured = rubnoise.Trace.from_arrays({"time (s)": [0.0, 0.1, 0.2], "velocity (mm/s)": [1.0, 2.0, 1.5]})
@@ -62,6 +65,33 @@ class Trace:
     step: float
     columns: Mapping[str, Doubles] = field(repr=False)
     units: Mapping[str, str] = field(repr=False)
+
+    def __init__(
+        self, source: Any, *, rate: Any = None, unit: str | None = None, place: str | None = None, name: str = "trace"
+    ) -> None:
+        """Read a file, or take an array with a ``rate`` and a ``unit``; raises Refused as `from_csv` does."""
+        if isinstance(source, str | os.PathLike):
+            if unit is not None:
+                raise Refused(f"unit=: the columns of a file have their own units: {source}")
+            made = type(self).from_csv(source, place=place, rate=rate)
+        elif isinstance(source, Mapping):
+            made = type(self).from_arrays(source, place=place, name=name)
+        else:
+            made = type(self).from_array(source, rate=rate, unit=unit, name=name)
+        for each in fields(self):
+            object.__setattr__(self, each.name, getattr(made, each.name))
+
+    @classmethod
+    def from_array(cls, values: ArrayLike, *, rate: Any = None, unit: str | None = None, name: str = "trace") -> Self:
+        """Make a trace of one array that was sampled at a ``rate`` such as "10 kHz", in a ``unit`` such as "N".
+
+        Its columns are `time` and ``name``. Raises Refused without a rate or a unit.
+        """
+        often = keywords.quantity("rate", rate, FREQUENCY)
+        if often is None or unit is None:
+            raise Refused('an array needs rate= and unit=; right form: rate="10 kHz", unit="N"')
+        kept = real_numbers(values, name)
+        return cls.from_arrays({"time (s)": np.arange(kept.size) / often, f"{name} ({unit})": kept}, name=name)
 
     @classmethod
     def from_csv(cls, path: str | os.PathLike[str], *, place: str | None = None, rate: Any = None) -> Self:
@@ -93,7 +123,9 @@ class Trace:
             found = cls._of(
                 str(path), table.heads, [np.concatenate(parts) for parts in kept], number, where=table.where
             )
-            return found if rate is None else replace(found, step=even.step())
+            if rate is None:
+                return found
+            return cls._made(found.name, found.place, even.step(), found.columns, found.units)
 
     @classmethod
     def from_arrays(cls, columns: Mapping[str, ArrayLike], *, place: str | None = None, name: str = "<python>") -> Self:
@@ -121,19 +153,39 @@ class Trace:
             columns[head.name] = factor * np.ascontiguousarray(values)
         chosen = heads[place].name
         places = columns[chosen]
-        return cls(
-            name=source,
-            place=chosen,
-            step=float(places[-1] - places[0]) / (places.size - 1),
-            columns=MappingProxyType(columns),
-            units=MappingProxyType(units),
-        )
+        step = float(places[-1] - places[0]) / (places.size - 1)
+        return cls._made(source, chosen, step, columns, units)
 
-    def __getitem__(self, name: str) -> Doubles:
-        """Return a column; raises KeyError with the names there are."""
+    @classmethod
+    def _made(
+        cls, name: str, place: str, step: float, columns: Mapping[str, Doubles], units: Mapping[str, str]
+    ) -> Self:
+        made = object.__new__(cls)
+        given = (name, place, step, MappingProxyType(dict(columns)), MappingProxyType(dict(units)))
+        for each, value in zip(fields(cls), given, strict=True):
+            object.__setattr__(made, each.name, value)
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._made, (self.name, self.place, self.step, dict(self.columns), dict(self.units))
+
+    @overload
+    def __getitem__(self, name: str) -> Doubles: ...
+    @overload
+    def __getitem__(self, name: slice) -> Self: ...
+    def __getitem__(self, name: str | slice) -> "Doubles | Self":
+        """Return a column by its name, or the rows of a slice as a trace; raises KeyError with the names there are."""
+        if isinstance(name, slice):
+            rows = {each: values[name] for each, values in self.columns.items()}
+            if len(range(len(self))[name]) < 2:
+                raise Refused(f"{self.name}: a trace needs two rows or more")
+            return self._made(self.name, self.place, self.step * (name.step or 1), rows, self.units)
         if name not in self.columns:
             raise KeyError(f"{self.name} has no column {name!r}; it has {', '.join(self.columns)}")
         return self.columns[name]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.columns)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -203,6 +255,28 @@ class Trace:
         frame = pd.DataFrame(rest, index=pd.Index(self.columns[self.place], name=self.place))
         frame.attrs["units"] = dict(self.units)
         return frame
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return an xarray Dataset over the place, each variable with its unit; else raises ExtraMissing."""
+        with needing("analysis", "to_xarray"):
+            import xarray as xr
+        place = xr.Variable((self.place,), self.columns[self.place], {"units": self.units[self.place]})
+        rest = {
+            name: xr.Variable((self.place,), values, {"units": self.units[name]})
+            for name, values in self.columns.items()
+            if name != self.place
+        }
+        return xr.Dataset(rest, coords={self.place: place}, attrs={"title": self.name})
+
+    def plot(self, name: str | None = None) -> "Figure":
+        """Draw a column over the place, all of them without a name, and return the figure."""
+        from rubnoise.api.pictures import drawn_columns
+
+        shown = [each for each in self.columns if each != self.place] if name is None else [self._column(name)]
+        return drawn_columns(
+            (self.columns[self.place], f"{self.place} ({self.units[self.place]})"),
+            [(self.columns[each], f"{each} ({self.units[each]})") for each in shown],
+        )
 
     def _length(self, keyword: str, value: Any) -> float | None:
         """Return a length along the place; a number where the place has no unit that is known here."""

@@ -48,8 +48,22 @@ COMMANDS: Final = {
     "examples": "new.print_examples",
     "new": "new.command",
     "schema": "new.print_schema",
+    "cite": "version.cite",
 }
-"""The module of this package and the function of each command, in the order of --help."""
+"""The module of this package and the function of each command."""
+
+PANELS: Final = {
+    "Begin and run": ("new", "examples", "check", "run", "resume", "sweep"),
+    "Look at a result": ("info", "view", "plot", "junction", "junctions", "report", "animate", "listen", "export"),
+    "Compare": ("theory", "compare", "verify", "figures", "claims"),
+    "Measure": ("infer", "surface", "contact"),
+    "Teach and cite": ("teach", "cite", "schema"),
+}
+"""The commands under the headings of --help."""
+
+
+def _panel(command: str) -> str:
+    return next(panel for panel, names in PANELS.items() if command in names)
 
 
 def program(names: Iterable[str] = COMMANDS) -> Typer:
@@ -57,16 +71,19 @@ def program(names: Iterable[str] = COMMANDS) -> Typer:
     app = Typer(
         name="rubnoise",
         cls=Commands,
-        help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.",
+        help="Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die.\n\n"
+        "Begin with: rubnoise new contact.toml",
         no_args_is_help=True,
         pretty_exceptions_enable=False,
     )
     app.callback(invoke_without_command=True)(root)
-    for name in names:
+    listed = [each for names_of_panel in PANELS.values() for each in names_of_panel]
+    for name in sorted(names, key=listed.index):
         module_name, _, function = COMMANDS[name].partition(".")
         module = import_module(f"rubnoise.cli.{module_name}")
         command = getattr(module, function)
-        app.command(name, **{"cls": Command, **getattr(module, "SETTINGS", {})})(command)
+        settings = {"cls": Command, "rich_help_panel": _panel(name), **getattr(module, "SETTINGS", {})}
+        app.command(name, **settings)(command)
         for annotation in command.__annotations__.values():
             for about in getattr(annotation, "__metadata__", ()):
                 # A command that opens a file says in one line what is wrong with it; typer would say less, in a frame.
@@ -84,7 +101,7 @@ class Flags:
 def root(
     context: typer.Context,
     *,
-    version: bool = typer.Option(False, "--version", help="Print the version and exit.", is_eager=True),
+    version: bool = typer.Option(False, "--version", "-V", help="Print the version and exit.", is_eager=True),
     debug: bool = typer.Option(False, DEBUG, help="Show where in the program something failed; also after COMMAND."),
 ) -> None:
     """Simulate the noise of rubbing surfaces: micro-junctions that are born, grow, shrink and die."""

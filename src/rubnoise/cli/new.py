@@ -19,7 +19,9 @@ def shipped_scenarios(incomplete: str) -> list[str]:
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="The scenario file to make; it must not exist.", metavar="NAME.toml")],
+    file: Annotated[
+        Path, typer.Argument(help="The scenario file to make, which must not exist; - prints it.", metavar="NAME.toml")
+    ],
     *,
     source: Annotated[
         str | None,
@@ -44,6 +46,9 @@ def command(
     from rubnoise.storage.output import whole_file
 
     text = template() if source is None else copy_of(source)
+    if str(file) == "-":
+        print(text, end="")
+        return
     if os.path.lexists(file):
         raise OutputRefused(f"{file}: exists already; choose another name")
     with whole_file(file, force=False) as part:

@@ -35,6 +35,12 @@ def page(found: Inference, name: str, lines: list[str]) -> str:
     return web_page(body, title=title, styles=[_STYLE])
 
 
+def figure(found: Inference) -> "Figure":
+    """Return trace, spectrum, residuals, autocorrelation and histogram as one figure, which a notebook shows."""
+    with house_style():
+        return _drawn(found)
+
+
 def _drawn(found: Inference) -> "Figure":
     fit, signal = found.fit, found.signal
     if fit is None:

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.api.columns import Columns
+from rubnoise.api.column_group import Columns
 from rubnoise.api.result import Run
 from rubnoise.record.rows import JunctionState
 

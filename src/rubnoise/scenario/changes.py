@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 from rubnoise.errors import ScenarioRefused
@@ -40,7 +41,8 @@ def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
                 if other not in named:
                     values[table].pop(other, None)
             _set(values[table], key, value)
-    return build_changed(values, {path for place in places for path in _paths(*place)})
+    changed = build_changed(values, {path for place in places for path in _paths(*place)})
+    return replace(changed, text=changed.to_toml())
 
 
 def _paths(table: str, key: str, value: Any) -> Iterator[Path]:

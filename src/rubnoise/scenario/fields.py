@@ -252,4 +252,9 @@ def _named(value: Any) -> str:
 
 
 def _unquoted_hint(value: Any) -> str:
-    return f"write {value} without quotation marks" if isinstance(value, str) and re.fullmatch(NUMBER, value) else ""
+    if not isinstance(value, str):
+        return ""
+    if re.fullmatch(NUMBER, value):
+        return f"write {value} without quotation marks"
+    percent = re.fullmatch(rf"({NUMBER}) *%", value)
+    return f"write {float(percent[1]) / 100.0:.12g}" if percent else ""

@@ -209,7 +209,7 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
     """Return a file's sources, basic first, and what is wrong with how they extend one another."""
     sources, seen = [Source(name, _read(path, name))], [_identity(path)]
     while isinstance(base := sources[0].data.get("extends"), str):
-        path = path.parent / base
+        path = _extended(path.parent, base)
         try:
             text, identity = _read(path, base), _identity(path)
         except ScenarioRefused as refusal:
@@ -225,6 +225,14 @@ def _chain(path: FilePath, name: str) -> tuple[list[Source], list[Problem]]:
         sources.insert(0, Source(_shown_path(path), text))
         seen.append(identity)
     return sources, _not_extended(sources[0], "needs the name of a file") if "extends" in sources[0].data else []
+
+
+def _extended(folder: FilePath, base: str) -> FilePath:
+    """Return the file that one in a folder extends: beside it, or one that comes with rubnoise by its name."""
+    from rubnoise.scenario.shipped import by_name, shipped_names
+
+    beside = folder / base
+    return by_name(base) if base in shipped_names() and not os.path.lexists(beside) else beside
 
 
 def _not_extended(source: Source, message: str) -> list[Problem]:

@@ -1,9 +1,11 @@
 """A scenario that has been checked: its sections in working units, and the physics that follows from its keys."""
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import fsum, sqrt
+from pathlib import Path
 from typing import Any, Final, Literal, cast
 
 from rubnoise.contact.births import BIRTHS, BirthLaw
@@ -66,6 +68,33 @@ class Scenario:
         from rubnoise.scenario.changes import replaced
 
         return replaced(self, {**(changes or {}), **keys})
+
+    def to_toml(self) -> str:
+        """Return the scenario as the text of a file with every key, which reads back to the same bits.
+
+        >>> import rubnoise
+        >>> rubnoise.load("paper/fig5").to_toml().splitlines()[0]
+        'format = 1'
+        """
+        from rubnoise.scenario.writing import text_of
+
+        return text_of(self.resolved())
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Write the scenario into a file, whole or not at all, and return its path; see `to_toml`.
+
+        ``force`` allows an existing file to be replaced. Raises ScenarioRefused for a file that cannot be written.
+        """
+        place = Path(path)
+        if place.exists() and not force:
+            raise ScenarioRefused(f"{place}: exists already; force=True replaces it")
+        part = place.with_name(f".{place.name}.part")
+        try:
+            part.write_text(self.to_toml(), encoding="utf-8")
+            part.replace(place)
+        except OSError as problem:
+            raise ScenarioRefused(f"{place}: cannot be written: {problem.strerror}") from problem
+        return place
 
     def model(self) -> Model:
         """Return the physics of the run."""

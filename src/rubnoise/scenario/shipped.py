@@ -57,7 +57,8 @@ def named(source: str | os.PathLike[str]) -> Path:
         return path
     if text.removesuffix(".toml").removeprefix("scenarios/") in shipped_names():
         return by_name(text)
-    near = get_close_matches(text, shipped_names(), n=3)
+    near = [each for each in shipped_names() if each.rpartition("/")[2] == text]
+    near = near or get_close_matches(text, shipped_names(), n=3)
     if path.suffix or not near:
         return path
     raise Refused(f"{text}: neither a file nor a scenario of rubnoise's; did you mean {' or '.join(near)}?")

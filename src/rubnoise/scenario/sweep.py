@@ -164,7 +164,8 @@ def load_either(path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> 
 def _refuse_one(given: Layers) -> None:
     if given.problems:
         raise ScenarioRefused(report(given.problems))
-    raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep]; rubnoise run makes this one run")
+    ways = "rubnoise run makes this one run, and in Python grid={...} makes it many"
+    raise ScenarioRefused(f"{given.main.name}: no sweep: it has no table [sweep]; {ways}")
 
 
 def _checked(given: Layers) -> Sweep:

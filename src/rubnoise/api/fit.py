@@ -1,0 +1,135 @@
+"""What `infer` found, as something to keep: a table, a scenario, a picture, a page and a file."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from rubnoise.errors import Refused, needing
+from rubnoise.inference import inference
+from rubnoise.tables import as_html, shortened
+
+if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
+    from matplotlib.figure import Figure
+
+    from rubnoise.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Inference(inference.Inference):
+    """What a trace shows about its junctions: ``found.estimates["diameter"].interval``.
+
+    ``estimates`` by name, ``tests`` of the trace against the model, ``flags`` what speaks against it, ``laws``
+    compared. ``scenario`` simulates what was found; ``plot``, ``report`` and ``save`` keep it.
+
+    >>> import rubnoise
+    >>> found = rubnoise.infer("fig5.h5", zero="known", law="normal")
+    >>> low, high = found.estimates["junction_count"].interval
+    >>> low < 20.0 < high
+    True
+    """
+
+    name: str = "trace"
+    speed: Any = None
+    strength: Any = None
+
+    @classmethod
+    def of(cls, found: inference.Inference, *, name: str, speed: Any, strength: Any) -> Self:
+        """Keep what was found with the name of its trace, its speed and its known strength."""
+        kept = {each.name: getattr(found, each.name) for each in fields(found)}
+        return cls(**kept, name=name, speed=speed, strength=strength)
+
+    def to_toml(self) -> str:
+        """Return the text of a scenario that simulates what was found, over the distance of the trace.
+
+        Raises Refused where number or strength is not identified.
+        """
+        from rubnoise.api.inferring import found_scenario
+
+        return found_scenario(self, speed=self.speed, strength=self.strength)
+
+    @property
+    def scenario(self) -> "Scenario":
+        """The scenario that simulates what was found; raises Refused as `to_toml` does."""
+        from rubnoise.scenario import loads
+
+        return loads(self.to_toml(), f"found in {self.name}")
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Write this scenario into a file, and return its path; ``force`` allows an existing file to be replaced."""
+        return self._written(path, self.to_toml(), force=force)
+
+    def report(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Write a page with pictures and tests, and return its path; raises Refused where nothing was found."""
+        if self.refused_because is not None:
+            raise Refused(f"{self.name}: there is nothing to report: {self.refused_because}")
+        from rubnoise.api.pictures import page_of_fit
+
+        return self._written(path, page_of_fit(self, self.name, self._lines()), force=force)
+
+    def plot(self) -> "Figure":
+        """Draw trace, spectrum, residuals, autocorrelation and histogram; raises Refused where nothing was found."""
+        if self.refused_because is not None:
+            raise Refused(f"{self.name}: there is nothing to draw: {self.refused_because}")
+        from rubnoise.api.pictures import drawn_fit
+
+        return drawn_fit(self)
+
+    def summary(self) -> str:
+        """Return estimates with their 95 % intervals, what is not identified, and what speaks against the model."""
+        return "\n".join(self._lines())
+
+    def to_dict(self) -> dict[str, dict[str, Any]]:
+        """Return each estimate by its name: value, standard error, both ends of the 95 % interval, unit."""
+        return {
+            name: {
+                "value": each.value,
+                "standard_error": each.standard_error,
+                "low": each.interval[0],
+                "high": each.interval[1],
+                "unit": each.unit,
+            }
+            for name, each in self.estimates.items()
+        }
+
+    def to_pandas(self) -> "pd.DataFrame":
+        """Return the estimates as a DataFrame whose index is the quantity; else raises ExtraMissing."""
+        with needing("analysis", "to_pandas"):
+            import pandas as pd
+        frame = pd.DataFrame.from_dict(self.to_dict(), orient="index")
+        frame.index.name = "quantity"
+        return frame
+
+    def _written(self, path: str | os.PathLike[str], text: str, *, force: bool) -> Path:
+        from rubnoise.storage.output import whole_file
+
+        place = Path(path)
+        with whole_file(place, force=force) as part:
+            part.write_text(text, encoding="utf-8")
+        return place
+
+    def _lines(self) -> list[str]:
+        if self.refused_because is not None:
+            return [f"{self.name}: refused: {self.refused_because}"]
+        rows = [f"  {name:<22} {value}" for name, value in self._rows().items()]
+        unknown = [f"  {name}: not identified: {why}" for name, why in self.not_identified.items()]
+        flags = [f"  flagged: {words}" for words in self.flags]
+        return [f"what {self.name} shows, with sizes of law {self.law} (95 % intervals)", *rows, *unknown, *flags]
+
+    def _rows(self) -> Mapping[str, str]:
+        return {
+            name: f"{each.value:.5g} [{each.interval[0]:.5g}, {each.interval[1]:.5g}]"
+            f" {'' if each.unit == '1' else each.unit}".rstrip()
+            for name, each in self.estimates.items()
+        }
+
+    def __repr__(self) -> str:
+        return shortened(self._lines())
+
+    def _repr_html_(self) -> str:
+        if self.refused_because is not None:
+            return as_html(f"{self.name}: refused", (), (), self.refused_because)
+        notes = "\n".join([*(f"flagged: {words}" for words in self.flags), *self.assumptions])
+        return as_html(f"what {self.name} shows", ("", "value [95 %]"), list(self._rows().items()), notes)

@@ -1,0 +1,199 @@
+"""Calls written from the habits of numpy, pandas and xarray: what works at first try, and what is refused with help."""
+
+import pickle
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import rubnoise
+
+WORKS = """
+rubnoise.__version__
+rubnoise.Trace("trace.csv")
+rubnoise.Trace.from_csv(Path("trace.csv"))
+rubnoise.Trace(f, rate="10 kHz", unit="N")
+rubnoise.Trace.from_array(f, rate="10 kHz", unit="N")
+trace.plot()
+trace.to_pandas()
+trace.to_xarray()
+trace["Friction force"].mean()
+trace[0:1000]
+trace.psd(segment="0.5 s")
+rubnoise.infer(trace, speed="1 mm/s", strokes=True)
+rubnoise.infer(df["Friction force (N)"], rate="10 kHz", speed="1 mm/s", unit="N", law="normal")
+rubnoise.infer(df, speed="1 mm/s", law="normal")
+fit
+print(fit)
+fit.summary()
+fit.estimates["diameter"].value
+fit.to_pandas().loc["diameter", "value"]
+fit.to_dict()["diameter"]["low"]
+fit.plot()
+fit.report("fit.html")
+fit.save("found.toml")
+fit.scenario.replace(seed=1)
+rubnoise.simulate(fit.scenario)
+rubnoise.simulate("paper/fig4", engine="batch", seed=4)
+run.plot()
+run.plot("psd", of="friction_force", beside="force.csv")
+run.plot("trace", size="84 mm x 60 mm", title=False)
+run.psd("force").to_pandas()
+run.psd("friction_force").to_xarray()
+run.exact.area.std
+run.provenance["seed"]
+run.scenario
+run.trace.friction_force
+run.trace["friction_force"].plot()
+run.save("mine.h5", force=True)
+rubnoise.open(Path("mine.h5"))
+sc.to_toml()
+sc.save("changed.toml")
+rubnoise.load("changed.toml")
+sc.replace({"sliding.speed": "2 mm/s"}, seed=3)
+sc.replace(speed="2 mm/s")
+rubnoise.run_sweep(sc, grid={"sliding.speed": ["0.5 mm/s", "1 mm/s"]}, replicates=2, jobs=1)
+rubnoise.run_sweep("grid.toml", "folder", jobs=1)
+sweep.to_xarray()["displacement_std"].mean("replicate")
+sweep.to_pandas().head()
+sweep.plot("displacement_std")
+len(run.junctions)
+run.junctions.where("diameter > 5.5 um")["diameter"].mean()
+[run.trace["friction_force"].units, run.junctions.to_pandas().attrs["units"]]
+""".strip().splitlines()
+
+REFUSED = """
+rubnoise.read_csv("trace.csv") -> rubnoise.Trace("trace.csv")
+rubnoise.load(sc.to_toml()) -> format = 1
+rubnoise.infer(trace) -> speed="1 mm/s"
+rubnoise.infer(f, rate=1e4, speed=1.0, unit="N") -> speed="1 mm/s"
+rubnoise.infer(f, rate="10 kHz", unit="N", speed="1 mm/s", zero=True) -> "known"
+rubnoise.infer(f, rate="10 kHz", unit="parsec", speed="1 mm/s") -> "0.5 mN"
+rubnoise.infer(pd.DataFrame({"a": f, "b": f, "c": f}), speed="1 mm/s") -> column=
+sc.replace(speed=2.0) -> "2.0 um/s"
+sc.replace({"sliding.speed": "2 mm"}) -> um/s
+sc.replace({"sliding.spead": "2 mm/s"}) -> speed
+sc.replace(damping_ratio="2 %") -> 0.02
+rubnoise.simulate("fig5") -> paper/fig5
+rubnoise.open("paper/fig5") -> rubnoise.simulate
+run.plot("spectrum") -> "psd"
+run.trace["velocity"] -> run.slider
+run.plot("psd", figsize=(3.3, 2.5)) -> size="84 mm x 60 mm"
+run.plot("psd", size="tiny") -> size="single"
+rubnoise.run_sweep("paper/fig5", "elsewhere") -> grid=
+run.save("twice.h5") -> force
+run.psd("forse") -> 'force'
+""".strip().splitlines()
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    """A desk with two strokes of a measured force, a scenario, a run of it, a fit and a sweep."""
+    sc = rubnoise.load("paper/fig5").replace({"sliding.distance": "2 mm", "output.tick": "0.2 um"})
+    run = rubnoise.simulate(sc.replace(seed=3))
+    force = 1e-6 * run.trace["friction_force"][:]
+    f = force[:8000]
+    folder = tmp_path_factory.mktemp("desk")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        yield _laid(sc, run, force, f)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _laid(sc, run, force, f):
+    both = np.concatenate([f, -force[:8000][::-1]])
+    rows = np.c_[np.arange(both.size) / 5e3, both]
+    np.savetxt("trace.csv", rows, delimiter=",", header="Time (s),Friction force (N)", comments="", fmt="%.9g")
+    np.savetxt("force.csv", rows[:8000], delimiter=",", header="time (s),force (N)", comments="", fmt="%.9g")
+    grid = '[sweep]\nreplicates = 2\n[sweep.grid]\nsliding.speed = ["0.5 mm/s", "1 mm/s"]\n'
+    text = f'format = 1\nextends = "paper/fig5"\n[sliding]\ndistance = "400 um"\n{grid}'
+    Path("grid.toml").write_text(text, encoding="utf-8")
+    run.save("twice.h5")
+    trace = rubnoise.Trace("trace.csv")
+    return {
+        "rubnoise": rubnoise,
+        "Path": Path,
+        "pd": pd,
+        "f": f,
+        "df": pd.DataFrame({"Time (s)": rows[:8000, 0], "Friction force (N)": f}),
+        "sc": sc.replace(distance="400 um"),
+        "run": run,
+        "trace": trace,
+        "fit": rubnoise.infer(f, rate="5 kHz", unit="N", speed="1 mm/s", zero="known", law="normal"),
+        "sweep": rubnoise.run_sweep("grid.toml", "swept", jobs=1),
+    }
+
+
+def test_habits_that_work(desk):
+    """All of one list, in its order: some read what others wrote."""
+    failed = []
+    for call in WORKS:
+        try:
+            eval(call, desk)  # noqa: S307  (the list above)
+        except Exception as problem:  # noqa: BLE001
+            failed.append(f"{call}: {type(problem).__name__}: {problem}")
+    assert failed == []
+
+
+@pytest.mark.parametrize("line", REFUSED, ids=lambda line: line.partition(" -> ")[0])
+def test_habits_that_are_refused_with_the_right_call(desk, line):
+    call, _, words = line.partition(" -> ")
+    with pytest.raises((rubnoise.RubnoiseError, KeyError, AttributeError)) as refused:
+        eval(call, desk)  # noqa: S307  (the list above)
+    assert words in str(refused.value)
+
+
+def test_a_scenario_that_was_written_has_the_same_bits(desk, tmp_path):
+    changed = desk["sc"].replace(speed="2 mm/s", seed=9)
+    assert changed.text == changed.to_toml()
+    again = rubnoise.load(changed.save(tmp_path / "again.toml"))
+    assert again.model() == changed.model()
+    first, second = (rubnoise.simulate(each).slider["displacement"][:] for each in (changed, again))
+    assert first.tobytes() == second.tobytes()
+    with pytest.raises(rubnoise.Refused, match="force=True"):
+        changed.save(tmp_path / "again.toml")
+
+
+def test_a_fit_shows_what_it_holds(desk):
+    fit = desk["fit"]
+    value = fit.estimates["diameter"].value
+    assert f"{value:.5g}" in repr(fit)
+    assert f"{value:.5g}" in fit._repr_html_()
+    assert fit.to_pandas().loc["diameter", "value"] == value
+    assert fit.scenario.strength.mean == pytest.approx(fit.estimates["shear_strength"].value, rel=1e-5)
+
+
+def test_a_sweep_without_a_folder_leaves_nothing(desk):
+    swept = rubnoise.run_sweep(desk["sc"], grid={"interface.mean_junction_count": [10, 20]}, jobs=1)
+    place = swept.path
+    assert place.exists()
+    assert swept.count("done") == 2
+    swept.close()
+    del swept
+    assert not place.exists()
+
+
+def test_traces_are_cut_and_kept(desk):
+    trace = desk["trace"]
+    part = trace[1000:3000]
+    assert (len(part), part.step) == (2000, trace.step)
+    assert np.array_equal(part["Friction force"], trace["Friction force"][1000:3000])
+    again = pickle.loads(pickle.dumps(trace))  # noqa: S301  (made here)
+    assert np.array_equal(again["Friction force"], trace["Friction force"])
+    assert again.units == trace.units
+
+
+def test_names_complete_themselves(desk):
+    run = desk["run"]
+    assert "friction_force" in dir(run.trace)
+    assert run.trace._ipython_key_completions_() == list(run.trace.names)
+    with pytest.raises(AttributeError, match="friction_force"):
+        run.trace.friction  # noqa: B018
+
+
+def test_a_picture_has_the_size_of_a_column(desk):
+    figure = desk["run"].plot("trace", size="single", title=False)
+    assert np.allclose(figure.get_size_inches() * 25.4, (84.0, 60.0))
+    assert not any(axes.get_title(loc="left") or axes.get_title() for axes in figure.axes)
