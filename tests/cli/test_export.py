@@ -5,13 +5,13 @@ import re
 import signal
 import subprocess
 import sys
+from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 import xarray as xr
 
@@ -26,6 +26,9 @@ from tests.format.runs import BARE, EVERYTHING, describe, random_rows, write_run
 
 TABLES = ("junctions", "trace", "slider")
 KINDS = {"csv": ".csv", "parquet": ".parquet", "netcdf": ".nc"}
+THESE = [kind for kind in KINDS if kind != "parquet" or find_spec("pyarrow")]
+"""The kinds that can be written here; pyarrow comes with --all."""
+
 JUNCTIONS, TICKS = 57, 203
 
 
@@ -78,6 +81,7 @@ def test_csv_names_carry_units_in_letters_that_every_tool_takes(here: Path, rows
 
 
 def test_parquet_is_read_back_with_units_at_its_fields(here: Path, rows: Any) -> None:
+    pq = pytest.importorskip("pyarrow.parquet")
     assert call("export", "run.h5", "--to", "parquet").code == 0
     for group in TABLES:
         path = here / f"run_{group}.parquet"
@@ -115,7 +119,7 @@ def test_netcdf_holds_all_groups_or_one_at_its_root(here: Path, rows: Any) -> No
         assert tree["junctions"]["state"].attrs["flag_meanings"] == "alive_at_start alive_at_end ended_early"
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_memory_holds_one_panel_at_a_time(here: Path, rows: Any, kind: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     read: list[int] = []
     whole = RunFile.column
@@ -131,7 +135,7 @@ def test_memory_holds_one_panel_at_a_time(here: Path, rows: Any, kind: Any, monk
     assert sum(read) == sum(values.size for values in chain(*(rows[group].values() for group in TABLES)))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) -> None:
     description = describe(0, 5, features=BARE)
     write_run(here / "run.h5", description, random_rows(description))
@@ -147,7 +151,7 @@ def test_a_run_without_junctions_or_slider_is_exported(here: Path, kind: str) ->
     assert not (here / "x").exists()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, kind: str) -> None:
     description = describe(JUNCTIONS, TICKS, features=EVERYTHING | {"offset"})
     made = random_rows(description)
@@ -157,6 +161,7 @@ def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, ki
     if kind == "csv":
         found = np.genfromtxt(path, delimiter=",", names=True)["lateral_offset_um"]
     elif kind == "parquet":
+        pq = pytest.importorskip("pyarrow.parquet")
         assert pq.read_schema(path).field("lateral_offset").metadata[b"units"] == b"um"
         found = pq.read_table(path)["lateral_offset"]
     else:
@@ -166,7 +171,7 @@ def test_offsets_of_passes_off_the_centre_line_are_exported_in_um(here: Path, ki
     _equal(found, wanted)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_the_output_may_be_named(here: Path, rows: Any, kind: str) -> None:
     assert call("export", "run.h5", "--to", kind, "--group", "trace", "-o", "here.dat").code == 0
     assert names(here) == ["here.dat", "run.h5"]
@@ -192,7 +197,7 @@ def test_who_reads_standard_output_may_leave_and_a_full_one_is_told(here: Path, 
     assert refused.returncode == 1
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_an_existing_file_is_refused_before_any_is_written(here: Path, rows: Any, kind: str) -> None:
     last = here / ("run.nc" if kind == "netcdf" else f"run_slider{KINDS[kind]}")
     last.write_bytes(b"precious")
@@ -233,7 +238,7 @@ def test_a_disk_without_room_is_refused(here: Path, rows: Any, monkeypatch: pyte
     assert names(here) == ["run.h5"]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_nothing_is_left_of_an_export_that_fails_or_is_stopped(here: Path, rows: Any, kind: Any) -> None:
     calls = 0
 
@@ -262,7 +267,7 @@ main()
 """The command line where no file takes more than 11 kB: the junctions do, and a trace or slider does not."""
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", THESE)
 def test_where_one_file_cannot_be_written_none_is(here: Path, kind: str) -> None:
     description = describe(JUNCTIONS, 400)
     write_run(here / "run.h5", description, random_rows(description))

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import polars as pl
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
@@ -164,11 +163,15 @@ def test_reductions_of_numpy_hold_no_whole_column(column: rubnoise.Column, sourc
     assert source.most == ROWS  # an option that a column does not have reads all of it
 
 
+def test_polars_takes_a_column_as_it_stands(column: rubnoise.Column) -> None:
+    pl = pytest.importorskip("polars")
+    assert pl.DataFrame({"area": column})["area"].to_list() == VALUES.tolist()
+    assert pl.Series("area", column).dtype == pl.Float64
+
+
 def test_libraries_take_a_column_as_it_stands(column: rubnoise.Column) -> None:
     frame = pd.DataFrame({"area": column})
     assert frame["area"].to_numpy().tolist() == VALUES.tolist()
-    assert pl.DataFrame({"area": column})["area"].to_list() == VALUES.tolist()
-    assert pl.Series("area", column).dtype == pl.Float64
     density = signal.welch(VALUES, nperseg=100)[1]
     np.testing.assert_allclose(signal.welch(column, nperseg=100)[1], density, rtol=1e-12)
     figure = Figure()
