@@ -410,6 +410,19 @@ class TestCommand:
         assert np.array_equal(read.heights, synthetic(1).heights)
         assert read.map.periodic
 
+    def test_damaged_scans_are_refused(self, tmp_path):
+        """Half a scan, its head alone, and twenty wrong bytes in its head: an answer, or one sentence."""
+        rng, raw = np.random.default_rng(3), (SCANS / "plu-1.plu").read_bytes()
+        wrong = bytearray(raw)
+        for place in rng.integers(0, 3000, 20):
+            wrong[place] = int(rng.integers(0, 256))
+        for damaged in (raw[: len(raw) // 2], raw[:100], bytes(wrong)):
+            (tmp_path / "damaged.plu").write_bytes(damaged)
+            try:
+                assert np.isfinite(rubnoise.Surface.read(tmp_path / "damaged.plu").heights).all()
+            except rubnoise.Refused as refused:
+                assert "damaged.plu" in str(refused)  # noqa: PT017  (either is right)
+
     def test_topographies_are_taken_as_they_are(self):
         from SurfaceTopography import Topography
 

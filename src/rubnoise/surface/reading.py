@@ -37,18 +37,22 @@ def read_surface(path: str | os.PathLike[str], unit: str | None = None) -> Heigh
     try:
         with np.errstate(all="ignore"):
             opened = library.open_topography(name).topography()
+            return from_topography(opened, Path(name).name, unit)
+    except Refused:
+        raise
     except Exception as problem:  # a reader may raise anything about a damaged file
         reason = " ".join(str(problem).split())
         if "tried" in reason:
             reason = "no reader of SurfaceTopography knows its format"
         raise Refused(f"{name}: is no surface that can be read: {reason[:_REASON]}") from problem
-    return from_topography(opened, Path(name).name, unit)
 
 
 def from_topography(topography: Any, name: str = "surface", unit: str | None = None) -> HeightMap:
     """Return a topography of SurfaceTopography as a map in um; raises Refused as `read_surface` does."""
     if topography.dim != 2 or not topography.is_uniform:
         raise Refused(f"{name}: is a profile or has uneven points; a map of heights over an even grid is needed")
+    if topography.pixel_size is None:
+        raise Refused(f"{name}: does not say how far its points are apart; save it with its lengths")
     named = getattr(topography, "unit", None) or unit
     if named is None:
         raise Refused(f'{name}: names no unit of its lengths; say it: unit="um" (--unit um)')
