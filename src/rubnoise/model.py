@@ -43,6 +43,32 @@ class Slider:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Separation:
+    """A separation that a load holds: m z'' + c z' = P - W, z in um beside the mean.
+
+    load: W in uN; hardness: H in MPa, P being H times the area; height_scale: s_0 in um, over which the area falls by e
+    as the slider rises; mass: m in kg, of what moves up and down; damping: c in N s/m. Of first order in z the contact
+    is a spring: P = H A - W z/s_0, A being the area at constant separation.
+    """
+
+    load: float
+    hardness: float
+    height_scale: float
+    mass: float
+    damping: float
+
+    @property
+    def stiffness(self) -> float:
+        """W/s_0 in N/m, of the contact."""
+        return self.load / self.height_scale
+
+    @property
+    def oscillator(self) -> Slider:
+        """The separation as a slider: s_0 + z is driven by H A, A being the area at constant separation."""
+        return Slider(mass=self.mass, stiffness=self.stiffness, damping=self.damping)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
     """Everything a run or the theory needs to know, and nothing else.
 
@@ -66,6 +92,7 @@ class Model:
     tick_count: int
     pulse: Pulse = LENS
     hardness: float | None = None
+    separation: Separation | None = None
 
     @property
     def load(self) -> float | None:

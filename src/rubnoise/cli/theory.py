@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from rubnoise.cli.layout import ONE_WAY_ALONE, line, number, printable, remark, sentence
+from rubnoise.cli.load import format_load
 from rubnoise.cli.plot import check_picture, write_picture
 
 
@@ -106,6 +107,16 @@ BINS_SHOWN: Final = 8
 GUIDE_SKEWNESS: Final = 0.45
 """Of the displacement: up to there the series for passages was compared with the exact law."""
 
+COVARYING: Final = {
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
+    "friction_force": "uN",
+    "displacement": "um",
+    "velocity": "um/s",
+}
+"""What moves under a load that weighs, and its unit."""
+
 UNITS: Final = {
     "area.mean": "um^2",
     "area.std": "um^2",
@@ -132,8 +143,21 @@ UNITS: Final = {
     "from_empty.distance": "um",
     "from_empty.area_mean": "um^2",
     "from_empty.run_area_mean": "um^2",
+    "load.contact_resonance": "Hz",
+    "load.separation_std": "um",
+    "load.velocity_std": "um/s",
+    "load.velocity_level": "dB",
+    "load.load_std": "uN",
+    "third_octaves.frequency": "Hz",
+    "third_octaves.velocity": "um/s",
+    "third_octaves.level": "dB",
     "distribution.area": "um^2",
     "distribution.density": "1/um^2",
+    **{
+        f"load_covariances.{one}*{other}": f"{of_one}*{of_other}"
+        for one, of_one in COVARYING.items()
+        for other, of_other in COVARYING.items()
+    },
 }
 """Units by the path of a field; what is not here is a plain number, but for cumulants, each of its own unit."""
 
@@ -145,6 +169,7 @@ CURVES: Final = {
     "estimated_spectrum": "wavenumber",
     "crossings": "level",
     "from_empty": "distance",
+    "third_octaves": "frequency",
 }
 """Groups that are curves, and the field that holds their abscissas."""
 
@@ -156,6 +181,7 @@ def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two
         "",
         *_moment_lines(calibration, answer),
         *_slider_lines(answer.get("slider"), two_way=two_way),
+        *(format_load(answer["load"]) if "load" in answer else ()),
         *_curve_lines(answer),
     ]
 
@@ -201,6 +227,12 @@ def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
     yield from _table_lines(
         "autocovariance of the area", {"lag (um)": covariance["lag"], "R (um^4)": covariance["value"]}
     )
+    if "third_octaves" in answer:
+        heard = answer["third_octaves"]
+        yield from _table_lines(
+            "normal velocity in third octaves",
+            {"f (Hz)": heard["frequency"], "rms (um/s)": heard["velocity"], "dB re 50 nm/s": heard["level"]},
+        )
     yield from _estimated_lines(answer.get("estimated_spectrum"))
     yield from _crossing_lines(answer.get("crossings"))
     yield from _growth_lines(answer.get("from_empty"))

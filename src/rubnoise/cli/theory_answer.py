@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement
 from math import isfinite
 from typing import Any, Final, Self
 
@@ -11,6 +12,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import coupling_as_json
 from rubnoise.cli.layout import printable
+from rubnoise.cli.load import load_as_json
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.campbell import Cumulants, area_cumulants
@@ -18,6 +20,7 @@ from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.lags import covariance_reach, longest_life
+from rubnoise.theory.load import third_octaves
 from rubnoise.theory.spectrum import spectral_density, visible_lines
 
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -157,7 +160,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None) -> 
     }
     if theory.force is not None:
         answer["force"] = _moments(theory.force)
-    answer |= _motion(theory)
+    answer |= _motion(theory) | _load(theory)
     answer["diameter"] = {
         "calibrated": model.calibrated_diameter,
         "mean": theory.mean_diameter,
@@ -191,6 +194,19 @@ def _motion(theory: Exact) -> dict[str, Any]:
         **coupling_as_json(theory),
     }
     return {"slider": slider}
+
+
+def _load(theory: Exact) -> dict[str, Any]:
+    """Return the motion under a load that weighs, its covariances and its third octaves; nothing without one."""
+    if theory.load is None:
+        return {}
+    bands, motion = third_octaves(theory.model), theory.load
+    pairs = combinations_with_replacement(motion.names, 2)
+    return {
+        "load": load_as_json(theory),
+        "load_covariances": {f"{one}*{other}": motion.covariance(one, other) for one, other in pairs},
+        "third_octaves": {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level},
+    }
 
 
 def _at(model: Model, points: Points) -> dict[str, Any]:

@@ -255,6 +255,36 @@ class Slider(Section):
     ] = "equilibrium"
 
 
+class Load(Section):
+    """A load that weighs: the slider rises and falls under interface.load; give either damping or damping_ratio."""
+
+    height_scale: Annotated[
+        Quantity,
+        Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e3)),
+        About(description="Height scale s_0: rising by so much leaves 1/e of the real contact area."),
+    ]
+    mass: Annotated[
+        Quantity,
+        Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6)),
+        About(description="Mass of what moves up and down."),
+    ]
+    damping: Annotated[
+        Quantity | None,
+        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
+        About(description="Damping coefficient of the normal motion."),
+    ] = None
+    damping_ratio: Annotated[
+        float | None,
+        Number(Range(1e-9, 1e6)),
+        About(description="Damping ratio of the contact resonance, c / (2 sqrt(W m / s_0))."),
+    ] = None
+    motion: Annotated[
+        str,
+        Choice(("first-order",), later=("free",)),
+        About(description="first-order: the contact is a spring of stiffness W/s_0, for small motions."),
+    ] = "first-order"
+
+
 class Output(Section):
     """The ticks of the traces, and compression."""
 
@@ -299,5 +329,6 @@ class Document(Section):
     strength: Strength | None = None
     sliding: Sliding
     slider: Slider | None = None
+    load: Load | None = None
     output: Output = Output()
     run: Run = Run()

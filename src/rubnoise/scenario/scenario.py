@@ -14,7 +14,7 @@ from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.errors import ScenarioRefused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.lists import ratio_of
 from rubnoise.tables import as_html, shortened
@@ -43,6 +43,7 @@ class Scenario:
     strength: sections.Strength | None
     sliding: sections.Sliding
     slider: sections.Slider | None
+    load: sections.Load | None
     output: sections.SampledOutput
     run: sections.Run
     name: str
@@ -229,6 +230,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         tick_count=tick_count(sliding.distance, tick),
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
+        separation=_separation(document.load, interface) if document.load else None,
     )
 
 
@@ -237,6 +239,14 @@ def births_of(birth: sections.Birth, spacing: float) -> BirthLaw:
     entry = BIRTHS[birth.law]
     own = {each.name: float(getattr(birth, each.name)) for each in entry.keys}
     return cast(BirthLaw, entry.make(mean_spacing=spacing, **own))
+
+
+def _separation(load: sections.Load, interface: sections.Interface) -> Separation:
+    weight, hardness = (float(cast(Quantity, each)) for each in (interface.load, interface.hardness))
+    height, mass = float(load.height_scale), float(load.mass)
+    critical = 2.0 * sqrt(weight / height * mass)
+    damping = float(load.damping or 0.0) if load.damping_ratio is None else load.damping_ratio * critical
+    return Separation(load=weight, hardness=hardness, height_scale=height, mass=mass, damping=damping)
 
 
 def _strengths(strength: sections.Strength | None) -> Law | None:
