@@ -227,6 +227,8 @@ ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *LAW_SAMPLES, *BI
 def _everything() -> str:
     """Return the template with every optional key of one run set."""
     one_run, _, _ = template().partition("#[sweep]")
+    before, _, after = one_run.partition("#[load]")  # which another contact has
+    one_run = before + after[after.index("[output]") :]
     lines = [line for line in one_run.splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
     return (
         OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"').replace('constant"', 'weibull"')

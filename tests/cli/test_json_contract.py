@@ -146,6 +146,12 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     (here / "bare.toml").write_text(CONTACT, encoding="utf-8")
     area, weighed = 'mean_real_contact_area = "200 um^2"', 'load = "0.2 N"\nhardness = "1 GPa"'
     (here / "loaded.toml").write_text(WITH_SLIDER.replace(area, weighed), encoding="utf-8")
+    carried = '\n[load]\nheight_scale = "0.5 um"\nmass = "5 g"\ndamping_ratio = 0.05\n'
+    under = carried + "[interface]\nmean_junction_count = 20\n" + weighed + "\n"
+    (here / "carried.toml").write_text(
+        "format = 1" + under + '[strength]\nmean = "250 MPa"\n[sliding]\nspeed = "1 mm/s"\ndistance = "1 mm"\n',
+        encoding="utf-8",
+    )
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
@@ -163,6 +169,8 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
     calls = [
         ("check", ("check", "bare.toml", full, "sweep.toml", "wrong.toml", "--json")),
         ("check", ("check", "loaded.toml", "--json")),
+        ("check", ("check", "carried.toml", "--json")),
+        ("theory", ("theory", "carried.toml", "--json")),
         ("check", ("check", full, "--set", "slider.coupling=two-way", "--json")),
         ("dry run", ("run", full, "--dry-run", "--json")),
         ("dry run", ("run", full, "--dry-run", "--set", "slider.coupling=two-way", "--json")),

@@ -280,7 +280,7 @@ class Load(Section):
     ] = None
     motion: Annotated[
         str,
-        Choice(("first-order",), later=("free",)),
+        Choice(("first-order",), unknown="free"),
         About(description="first-order: the contact is a spring of stiffness W/s_0, for small motions."),
     ] = "first-order"
 

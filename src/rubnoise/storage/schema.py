@@ -175,7 +175,7 @@ LOAD: Final = Group(
             name="live_overlap",
             units="um",
             symbol="delta",
-            long_name="mean overlap of the live junctions in height; nan while there is none",
+            long_name="mean overlap of the live junctions in height; nan without live junctions",
         ),
     ),
 )
