@@ -179,7 +179,7 @@ def _moments(cumulants: Cumulants) -> dict[str, Any]:
         "std": cumulants.std,
         "skewness": cumulants.skewness,
         "excess_kurtosis": cumulants.excess_kurtosis,
-        "cumulants": list(cumulants.values),
+        "cumulants": [each for each in cumulants.values if isfinite(each)],
     }
 
 
