@@ -27,7 +27,6 @@ class ExportedGroup(StrEnum):
     JUNCTIONS = "junctions"
     TRACE = "trace"
     SLIDER = "slider"
-    LOAD = "load"
     LANDMARKS = "landmarks"
 
 
