@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from math import floor
+from math import floor, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,8 @@ from rubnoise.contact.births import (
 )
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import Fixed, Law, Lognormal, Spread, law_for
-from rubnoise.contact.pulses import LENS, Pulse
-from rubnoise.model import Model, Slider
+from rubnoise.contact.pulses import LENS, PULSES, Pulse
+from rubnoise.model import Model, Separation, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.simulation.coupled import layout
 from rubnoise.simulation.coupled.fold import CoupledMotion, MotionRows, constants
@@ -44,6 +44,7 @@ BIRTHS: dict[str, Callable[..., BirthLaw]] = {
     "clustered": partial(ClusteredBirths, cluster_size=3.0, cluster_width=2.0),
     "jittered": partial(JitteredBirths, jitter=0.3),
 }
+PARABOLA = PULSES["parabola"]
 FIG5_SLIDER = Slider(mass=0.005, stiffness=300.0, damping=0.05)
 
 
@@ -85,6 +86,38 @@ def model(
         tick_count=floor(Fraction(str(distance)) / Fraction(str(tick))),
         pulse=pulse,
     )
+
+
+RAYLEIGH = Spread(relative=sqrt(4.0 / pi - 1.0), law="weibull")
+
+
+def loaded(
+    *,
+    ratio: float = 0.05,
+    speed: float = 1000.0,
+    relative_speed: float | None = None,
+    height: float = 0.5,
+    weight: float = 2e5,
+    mass: float = 5e-3,
+    **changes: Any,
+) -> Model:
+    """Return Fig. 5 under a load that weighs, of a hardness of 1 GPa, at a speed or at so many times c omega_c."""
+    held = model(
+        area=weight / 1000.0,
+        spread=RAYLEIGH,
+        calibration="matched",
+        pulse=PARABOLA,
+        speed=speed,
+        **changes,
+    )
+    omega = sqrt(weight / height / mass)
+    if relative_speed is not None:
+        scale = sqrt(4.0 * held.mean_real_contact_area / (pi * held.mean_junction_count))
+        held = replace(held, sliding_speed=relative_speed * scale * omega)
+    separation = Separation(
+        load=weight, hardness=1000.0, height_scale=height, mass=mass, damping=2.0 * ratio * mass * omega
+    )
+    return replace(held, hardness=1000.0, separation=separation)
 
 
 def bare(**changes: Any) -> Model:

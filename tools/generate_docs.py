@@ -30,6 +30,7 @@ ROWS = {
     "junctions": "one per junction",
     "ticks": "one per tick",
     "slider": "one per tick; with two-way coupling, one per time of a tick",
+    "load": "one per tick",
     "landmarks": "one per landmark",
     "balance": "one, for the end of the run",
     "blocks": "one per block",
@@ -43,6 +44,7 @@ NEEDS: dict[Feature | None, str] = {
     "slider": "with `[slider]`",
     "two-way": 'with `slider.coupling = "two-way"`',
     "offset": 'with `pulse.offset = "uniform"`',
+    "load": "with `[load]`",
 }
 
 

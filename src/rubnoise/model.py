@@ -16,8 +16,7 @@ class Slider:
     """The oscillator that holds the slider: m x'' + c x' + k x = F (kg, N s/m, N/m; force in uN, x in um).
 
     coupling: whether the motion changes the sliding distance ("two-way") or not; tolerance: of the displacement in a
-    two-way motion, relative to its equilibrium. excitation: what drives it; of a base, asperity_height is the height of
-    an asperity over its diameter, of velocity-weakening friction, slope (N s/m) is how fast the force falls with speed.
+    two-way motion, relative to its equilibrium.
     """
 
     mass: float
@@ -26,9 +25,6 @@ class Slider:
     start: Literal["equilibrium", "rest"] = "equilibrium"
     coupling: Literal["one-way", "two-way"] = "one-way"
     tolerance: float = field(default=1e-9, repr=False)
-    excitation: Literal["friction", "base", "velocity-weakening"] = "friction"
-    asperity_height: float = 0.0
-    slope: float = 0.0
 
     @property
     def natural_angular_frequency(self) -> float:
@@ -44,6 +40,32 @@ class Slider:
     def damping_ratio(self) -> float:
         """Damping c over the critical one, c / (2 sqrt(k m))."""
         return self.damping / (2.0 * sqrt(self.stiffness * self.mass))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Separation:
+    """A separation that a load holds: m z'' + c z' = P - W, z in um beside the mean.
+
+    load: W in uN; hardness: H in MPa, P being H times the area; height_scale: s_0 in um, over which the area falls by e
+    as the slider rises; mass: m in kg, of what moves up and down; damping: c in N s/m. Of first order in z the contact
+    is a spring: P = H A - W z/s_0, A being the area at constant separation.
+    """
+
+    load: float
+    hardness: float
+    height_scale: float
+    mass: float
+    damping: float
+
+    @property
+    def stiffness(self) -> float:
+        """W/s_0 in N/m, of the contact."""
+        return self.load / self.height_scale
+
+    @property
+    def oscillator(self) -> Slider:
+        """The separation as a slider: s_0 + z is driven by H A, A being the area at constant separation."""
+        return Slider(mass=self.mass, stiffness=self.stiffness, damping=self.damping)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +92,7 @@ class Model:
     tick_count: int
     pulse: Pulse = LENS
     hardness: float | None = None
+    separation: Separation | None = None
 
     @property
     def load(self) -> float | None:

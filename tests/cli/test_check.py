@@ -220,14 +220,15 @@ def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPa
 # `rubnoise new`: a template that runs as it is, names every key, and replaces nothing.
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
 # One needs another file, some exclude others, one another coupling, and the rest belong to laws without a spread.
-DRIVEN = ("excitation", "asperity_height", "heights", "slope")
-OTHERS = ("load", "hardness", "patch_area", "weights", "parts", "values", "sampled", *DRIVEN)
+OTHERS = ("load", "hardness", "patch_area", "weights", "parts", "values", "sampled")
 ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *LAW_SAMPLES, *BIRTH_SAMPLES)
 
 
 def _everything() -> str:
     """Return the template with every optional key of one run set."""
     one_run, _, _ = template().partition("#[sweep]")
+    before, _, after = one_run.partition("#[load]")  # which another contact has
+    one_run = before + after[after.index("[output]") :]
     lines = [line for line in one_run.splitlines() if not line.startswith(tuple(f"#{key} " for key in ELSEWHERE))]
     return (
         OPTIONAL.sub("", "\n".join(lines)).replace('law = "fixed"', 'law = "normal"').replace('constant"', 'weibull"')

@@ -205,6 +205,33 @@ ONE_WAY: dict[str, Kind] = {
     "thin": ((), {"interface": {"mean_junction_count": 0.02}}),
     "nobody at all": ((), {"interface": {"mean_junction_count": 0.0001}, "sliding": SHORT}),
 }
+LOADED: dict[str, Kind] = {
+    "under a load": (
+        ("diameter",),
+        {
+            "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
+            "load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05},
+            "output": {"tick": "0.05 um"},
+        },
+    ),
+    "under a load, unequal strengths, no ticks to spare": (
+        ("diameter",),
+        {
+            "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
+            "strength": {"law": "lognormal", "spread": "20 %"},
+            "load": {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05},
+        },
+    ),
+    "under a load, without a slider": (
+        ("diameter", "slider", "strength"),
+        {
+            "interface": {"mean_real_contact_area": None, "load": "0.2 N", "hardness": "1 GPa"},
+            "load": {"height_scale": "2 um", "mass": "5 g", "damping": "4 N*s/m"},
+            "sliding": {"start": "empty"},
+            "output": {"tick": "0.05 um"},
+        },
+    ),
+}
 _TWO_WAY: dict[str, dict[str, dict[str, Any]]] = {
     "figure 5": {},
     "slow, a slip in a row": {"sliding": {"speed": "10 um/s", "distance": "60 um"}, "output": {"tick": "0.3 um"}},

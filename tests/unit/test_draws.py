@@ -58,6 +58,10 @@ def test_streams_and_their_numbers_never_change() -> None:
         "PAST_STRENGTHS": 10,
         "OFFSETS": 11,
         "START_OFFSETS": 12,
+        "CENTRES": 13,
+        "FAMILIES": 14,
+        "CHILDREN": 15,
+        "SURFACE": 64,
     }
 
 

@@ -258,9 +258,11 @@ def test_a_block_begins_where_the_slider_was_last_before_it() -> None:
         phase=np.zeros(4, np.uint8),
         displacement=np.full(4, -1.0),
         velocity=np.full(4, -1.0),
+        separation=np.zeros(4),
+        separation_velocity=np.zeros(4),
     )
     distance = np.arange(0.0, 25.0, 0.5)
     for panel in (distance[:7], distance[7:41], distance[41:]):
-        starts.pass_slider({"distance": panel, "displacement": 2.0 * panel, "velocity": 3.0 * panel})
+        starts.pass_ticks(panel, displacement=2.0 * panel, velocity=3.0 * panel)
     assert starts.displacement.tolist() == [-1.0, 19.0, 39.0, 49.0]
     assert starts.velocity.tolist() == [-1.0, 28.5, 58.5, 73.5]

@@ -149,7 +149,7 @@ def test_a_part_found_again_is_filled_and_completed(tmp_path: Path) -> None:
     with make_part(paths, describe()) as part:
         part.write("trace", 0, {name: values[:5] for name, values in rows["trace"].items()})
         assert part.marks(dict.fromkeys(rows, 0))
-    with open_run(paths.part, strict=True) as found, open_part(paths, found) as part:
+    with open_run(paths.part) as found, open_part(paths, found) as part:
         for group, columns in rows.items():
             part.write(group, 0, columns)
         ending = part.completion({}, "2026-01-02T03:05:00Z")

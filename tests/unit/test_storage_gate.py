@@ -159,7 +159,7 @@ def test_a_structure_that_is_damaged_during_a_run_does_no_harm(tmp_path: Path) -
     """What is no row is kept in memory, and written once more at the end."""
     part = tmp_path / "run.h5.part"
     attempt(tmp_path / "run.h5", meanwhile=lambda: [turned(part, place) for place in (3, 700, 20_000, 40_000)])
-    with open_run(tmp_path / "run.h5", strict=True) as run:
+    with open_run(tmp_path / "run.h5") as run:
         assert run.damaged() == ()
 
 
@@ -214,15 +214,15 @@ def other_seed(file: h5py.File) -> None:
 
 
 CHANGES: dict[Callable[[h5py.File], None], str] = {
-    other_unit: "/trace/distance attribute units is not that of a run",
-    other_meaning: "/junctions/state attribute flag_meanings is not that of a run",
-    other_formula: "/ attribute junction_area_formula is not that of a run",
-    no_name: "/slider/velocity attribute long_name is missing",
-    one_more_attribute: "/slider attribute colour belongs to no run",
+    other_unit: "/trace/distance units is not that of a run",
+    other_meaning: "/junctions/state flag_meanings is not that of a run",
+    other_formula: "/ junction_area_formula is not that of a run",
+    no_name: "/slider/velocity long_name is missing",
+    one_more_attribute: "/slider colour belongs to no run",
     one_more_column: "/trace/temperature belongs to no run",
     one_more_group: "/notes belongs to no run",
-    no_name_of_a_group: "/blocks attribute long_name is missing",
-    other_scale: "/trace/friction_force attribute DIMENSION_LIST is missing",
+    no_name_of_a_group: "/blocks long_name is missing",
+    other_scale: "/trace/friction_force DIMENSION_LIST is missing",
     other_figure: "/provenance xxh3_128 is ",
     other_seed: "/provenance xxh3_128 is ",
 }
@@ -268,7 +268,7 @@ def test_rows_that_are_damaged_in_a_whole_part_are_computed_again(tmp_path: Path
         file["summary"].attrs["invented"] = 1.0
     rubnoise.resume(part).close()
     assert datasets(tmp_path / "x.h5") == expected
-    with rubnoise.open(tmp_path / "x.h5") as run, open_run(tmp_path / "x.h5", strict=True):
+    with rubnoise.open(tmp_path / "x.h5") as run, open_run(tmp_path / "x.h5"):
         assert "invented" not in run._file.summary
 
 
@@ -295,7 +295,7 @@ def test_the_last_changes_in_the_journal_mend_all_that_is_no_row(
 def test_a_part_is_gone_on_with_only_as_it_was_read(tmp_path: Path) -> None:
     stop_after(tmp_path / "x.h5", WHOLE, 2)
     paths = OutputPaths.of(tmp_path / "x.h5")
-    with open_run(paths.part, strict=True) as run:
+    with open_run(paths.part) as run:
         open_part(paths, run).__exit__(None, None, None)
         turned(paths.part, 9)
         with pytest.raises(RunFileRefused, match=r"x\.h5\.part: was changed just now"):

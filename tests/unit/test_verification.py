@@ -22,11 +22,12 @@ from rubnoise.simulation import area
 from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import HASH
 from tests.cli.terminal import call
-from tests.unit.tampering import ONE_WAY, TWO_WAY, Kind, change, flip, forget, put, run_of, scenario_of, tell
+from tests.unit.tampering import LOADED, ONE_WAY, TWO_WAY, Kind, change, flip, forget, put, run_of, scenario_of, tell
 
 SPEED = 1000.0
 EVERY: dict[str, Kind] = {
     **{f"one-way, {name}": kind for name, kind in ONE_WAY.items()},
+    **LOADED,
     **{f"two-way, {name}": kind for name, kind in TWO_WAY.items()},
 }
 ALIKE = {"hashes", "layout", "structure", "attributes", "scenario", "life_curve", "areas", "summary"}

@@ -9,6 +9,7 @@ from rubnoise.analysis.comparing.births import Births, birth_findings
 from rubnoise.analysis.comparing.contact import area_findings, count_findings, force_findings, missing_length
 from rubnoise.analysis.comparing.findings import Comparison, Finding, Findings, comparison
 from rubnoise.analysis.comparing.lives import Lives, life_findings
+from rubnoise.analysis.comparing.load import first_still_tick, load_findings
 from rubnoise.analysis.comparing.motion import (
     Path,
     first_tick,
@@ -58,6 +59,7 @@ def compare(model: Model, rows: Rows, bound: float | None = None) -> Comparison:
         _trace_part(model, trace),
         _balance_part(model, path),
         _slider_part(model, rows),
+        _load_part(model, rows),
     )
     return comparison(parts, bound)
 
@@ -75,6 +77,11 @@ def _balance_part(model: Model, path: Path | None) -> Findings:
 def _slider_part(model: Model, rows: Rows) -> Findings:
     part = _part("slider", displacement=lambda: motion_findings(model, rows))
     return replace(part, begins=first_tick(model, response(model)) * model.tick) if part.figures else part
+
+
+def _load_part(model: Model, rows: Rows) -> Findings:
+    part = _part("load", load=lambda: load_findings(model, rows))
+    return replace(part, begins=first_still_tick(model) * model.tick) if part.figures else part
 
 
 def _trace_part(model: Model, trace: TraceSums) -> Findings:

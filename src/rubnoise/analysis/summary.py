@@ -15,6 +15,8 @@ from rubnoise.record.rows import LandmarkKind
 from rubnoise.record.tally import Tally
 from rubnoise.theory.campbell import area_cumulants, force_cumulants
 from rubnoise.theory.coupling import coupling, weak_motion, weak_motion_errors
+from rubnoise.theory.drive import separation_of
+from rubnoise.theory.load import load_errors, load_motion
 from rubnoise.theory.motion_errors import (
     expected_mean_displacement,
     mean_displacement_error,
@@ -90,7 +92,9 @@ def _standard_errors(model: Model) -> dict[str, float]:
         return {}
     found = {"junction_count_mean": mean_count_error(model)}
     found |= _errors("real_contact_area", model, mean_area_error, standard_errors)
-    if model.strengths is not None:
+    if model.separation is not None:
+        found |= _load_errors(model)
+    elif model.strengths is not None:
         found |= _errors("friction_force", model, mean_force_error, force_standard_errors)
     decays = _decays(model)
     return found if decays is None or decays < FEWEST_DECAYS else found | _motion_errors(model)
@@ -104,6 +108,22 @@ def _errors(
         return {f"{column}_mean": mean_error(model)}
     errors = all_errors(model)
     return {f"{column}_{part}": getattr(errors, part) for part in _PARTS}
+
+
+def _load_errors(model: Model) -> dict[str, float]:
+    """Return the errors under a load that weighs, where a run is long beside the decay of the separation."""
+    decays = _decays(separation_of(model))
+    if decays is None or decays < FEWEST_DECAYS:
+        return {}
+    errors = load_errors(model, model.distance)
+    force = {"friction_force_mean": errors.force_mean, "friction_force_std": errors.force_std}
+    return {
+        "separation_std": errors.separation_std,
+        "normal_velocity_std": errors.velocity_std,
+        "load_mean": errors.load_mean,
+        "load_std": errors.load_std,
+        **({} if model.strengths is None else force),
+    }
 
 
 def _motion_errors(model: Model) -> dict[str, float]:
@@ -226,6 +246,10 @@ def _exact_mean_displacement(model: Model) -> float:
     return expected_mean_displacement(model, model.distance) + excess
 
 
+def _of_motion(part: str, model: Model) -> float:
+    return float(getattr(load_motion(model), part))
+
+
 def _load(model: Model) -> float:
     return nan if model.load is None else model.load
 
@@ -270,6 +294,21 @@ FIGURES: Final[dict[str, Figure]] = {
         needs="slider",
         exact=lambda model: _exact_motion(model).velocity_std,
     ),
+    **{
+        f"{column}_std": Figure(
+            column=column,
+            part="std",
+            unit=unit,
+            needs="separation",
+            exact=partial(_of_motion, name),
+        )
+        for column, unit, name in (
+            ("separation", "um", "separation_std"),
+            ("normal_velocity", "um/s", "velocity_std"),
+            ("load", "uN", "load_std"),
+        )
+    },
+    "load_mean": Figure(column="load", part="mean", unit="uN", needs="separation", exact=_load),
     # One-way coupling takes the sliding speed for constant, so this should be far below 1.
     "one_way_validity": Figure(
         column="velocity",

@@ -87,6 +87,9 @@ UNITS = {
     "spectrum": "um^4",
     "displacement": "um",
     "velocity": "um/s",
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
     "mean_force": "uN",
 }
 PLAIN = ("kolmogorov", "variation", "skewness", "excess_kurtosis")

@@ -17,6 +17,7 @@ from rubnoise.cli.layout import (
     size,
     too_short_for_motion,
 )
+from rubnoise.cli.load import format_load, load_as_json
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.scenario import Scenario
@@ -41,7 +42,7 @@ def derivation_as_json(scenario: Scenario) -> dict[str, Any]:
         "expected_births": theory.expected_births,
         "expected_junctions": theory.expected_junction_rows,
     }
-    answer |= _dynamics(model, theory)
+    answer |= _dynamics(model, theory) | {"load": load_as_json(theory)}
     return answer | {"warnings": list(scenario.warnings), "notes": _notes(scenario, answer)}
 
 
@@ -102,6 +103,7 @@ def format_derivation(scenario: Scenario, answer: dict[str, Any]) -> list[str]:
     if "friction_coefficient" in answer:
         lines.append(line("friction coefficient", number(answer["friction_coefficient"])))
     lines += _slider_lines(answer.get("slider"), two_way=model.is_two_way)
+    lines += format_load(answer["load"])
     lines.append(line("births", f"{grouped(answer['expected_births'])} expected"))
     lines += _cost_lines(scenario, answer["cost"]) if "cost" in answer else []
     return lines + [remark(f"note: {note}") for note in answer["notes"]]

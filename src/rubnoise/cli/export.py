@@ -27,6 +27,7 @@ class ExportedGroup(StrEnum):
     JUNCTIONS = "junctions"
     TRACE = "trace"
     SLIDER = "slider"
+    LOAD = "load"
     LANDMARKS = "landmarks"
 
 

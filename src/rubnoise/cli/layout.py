@@ -91,6 +91,9 @@ UNITS = {
     "friction_force": "uN",
     "displacement": "um",
     "velocity": "um/s",
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
     "mean_force": "uN",
 }
 

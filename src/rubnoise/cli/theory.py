@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from rubnoise.cli.layout import ONE_WAY_ALONE, line, number, printable, remark, sentence
+from rubnoise.cli.load import format_load
 from rubnoise.cli.plot import check_picture, write_picture
 
 
@@ -48,9 +49,6 @@ def command(
             "--segment", help="Add the expected result of Welch's method with segments of N ticks.", metavar="N"
         ),
     ] = None,
-    white: Annotated[
-        bool, typer.Option("--white", help="Add white noise of the same level at low frequency (Kilburn).")
-    ] = False,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV, one row per number.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
@@ -71,7 +69,7 @@ def command(
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")
-    if plot and (wavenumbers or lags or areas or levels or distances or segment is not None or white):
+    if plot and (wavenumbers or lags or areas or levels or distances or segment is not None):
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     if plot:
         picture = picture or Path(f"{file.stem}_theory.png")
@@ -93,7 +91,7 @@ def command(
         distances=distances,
         brief=brief,
     )
-    answer = theory_answer.theory_as_json(model, points, segment, white=white)
+    answer = theory_answer.theory_as_json(model, points, segment)
     if as_json:
         print(json.dumps(answer))
     else:
@@ -109,6 +107,16 @@ BINS_SHOWN: Final = 8
 GUIDE_SKEWNESS: Final = 0.45
 """Of the displacement: up to there the series for passages was compared with the exact law."""
 
+COVARYING: Final = {
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
+    "friction_force": "uN",
+    "displacement": "um",
+    "velocity": "um/s",
+}
+"""What moves under a load that weighs, and its unit."""
+
 UNITS: Final = {
     "area.mean": "um^2",
     "area.std": "um^2",
@@ -120,20 +128,6 @@ UNITS: Final = {
     "diameter.calibrated": "um",
     "diameter.mean": "um",
     "diameter.length_biased_mean": "um",
-    "base_excitation.base_mean": "um",
-    "base_excitation.base_std": "um",
-    "base_excitation.displacement_std": "um",
-    "base_excitation.velocity_std": "um/s",
-    "velocity_weakening.border": "N*s/m",
-    "velocity_weakening.mean_displacement": "um",
-    "velocity_weakening.amplitude": "um",
-    "velocity_weakening.slowest": "um/s",
-    "velocity_weakening.fastest": "um/s",
-    "velocity_weakening.period": "s",
-    "white_noise.force_density": "uN^2*s",
-    "white_noise.displacement_std": "um",
-    "white_noise.velocity_std": "um/s",
-    "white_noise.wavenumber": "rad/um",
     "spectrum.wavenumber": "rad/um",
     "spectrum.density": "um^4/(rad/um)",
     "spectral_lines.wavenumber": "rad/um",
@@ -149,17 +143,23 @@ UNITS: Final = {
     "from_empty.distance": "um",
     "from_empty.area_mean": "um^2",
     "from_empty.run_area_mean": "um^2",
+    "load.contact_resonance": "Hz",
+    "load.separation_std": "um",
+    "load.velocity_std": "um/s",
+    "load.velocity_level": "dB",
+    "load.load_std": "uN",
+    "third_octaves.frequency": "Hz",
+    "third_octaves.velocity": "um/s",
+    "third_octaves.level": "dB",
     "distribution.area": "um^2",
     "distribution.density": "1/um^2",
+    **{
+        f"load_covariances.{one}*{other}": f"{of_one}*{of_other}"
+        for one, of_one in COVARYING.items()
+        for other, of_other in COVARYING.items()
+    },
 }
 """Units by the path of a field; what is not here is a plain number, but for cumulants, each of its own unit."""
-
-OTHER_MODELS: Final = {
-    "base_excitation": "excitation by the base (Rice and Moslehy)",
-    "velocity_weakening": "a force that falls with speed (Block; Oden and Martins)",
-    "white_noise": "white noise of the same level at low frequency (Kilburn)",
-}
-"""Groups of older models, and what they are called."""
 
 CURVES: Final = {
     "spectrum": "wavenumber",
@@ -169,6 +169,7 @@ CURVES: Final = {
     "estimated_spectrum": "wavenumber",
     "crossings": "level",
     "from_empty": "distance",
+    "third_octaves": "frequency",
 }
 """Groups that are curves, and the field that holds their abscissas."""
 
@@ -180,7 +181,7 @@ def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two
         "",
         *_moment_lines(calibration, answer),
         *_slider_lines(answer.get("slider"), two_way=two_way),
-        *_other_lines(answer),
+        *(format_load(answer["load"]) if "load" in answer else ()),
         *_curve_lines(answer),
     ]
 
@@ -214,17 +215,6 @@ def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> Iterator[s
         yield remark(f"note: {ONE_WAY_ALONE}")
 
 
-def _other_lines(answer: dict[str, Any]) -> Iterator[str]:
-    """Yield what older models of the family say: a name, a value and its unit in each line."""
-    for group in OTHER_MODELS:
-        fields = answer.get(group, {})
-        if fields:
-            yield from ("", sentence(OTHER_MODELS[group]))
-        for name, value in fields.items():
-            shown = ("yes" if value else "no") if isinstance(value, bool) else _shown(value)
-            yield line(name.replace("_", " "), f"{shown} {UNITS.get(f'{group}.{name}', '')}".rstrip())
-
-
 def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
     spectrum, covariance, law = answer["spectrum"], answer["autocovariance"], answer.get("distribution")
     yield from _table_lines(
@@ -237,6 +227,12 @@ def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:
     yield from _table_lines(
         "autocovariance of the area", {"lag (um)": covariance["lag"], "R (um^4)": covariance["value"]}
     )
+    if "third_octaves" in answer:
+        heard = answer["third_octaves"]
+        yield from _table_lines(
+            "normal velocity in third octaves",
+            {"f (Hz)": heard["frequency"], "rms (um/s)": heard["velocity"], "dB re 50 nm/s": heard["level"]},
+        )
     yield from _estimated_lines(answer.get("estimated_spectrum"))
     yield from _crossing_lines(answer.get("crossings"))
     yield from _growth_lines(answer.get("from_empty"))

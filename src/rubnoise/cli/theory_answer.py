@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from itertools import combinations_with_replacement
 from math import isfinite
 from typing import Any, Final, Self
 
@@ -11,17 +12,16 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.cli.derivation import coupling_as_json
 from rubnoise.cli.layout import printable
+from rubnoise.cli.load import load_as_json
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.base_excitation import base_response
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
 from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.lags import covariance_reach, longest_life
+from rubnoise.theory.load import third_octaves
 from rubnoise.theory.spectrum import spectral_density, visible_lines
-from rubnoise.theory.velocity_weakening import velocity_weakening
-from rubnoise.theory.white_noise import white_noise
 
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 LONGEST_SHOWN: Final = 40
@@ -147,11 +147,11 @@ CONVENTION: Final = (
 MOST_LINES: Final = 64
 
 
-def theory_as_json(model: Model, points: Points, segment: int | None = None, *, white: bool = False) -> dict[str, Any]:
+def theory_as_json(model: Model, points: Points, segment: int | None = None) -> dict[str, Any]:
     """Return moments, and spectrum, autocovariance, distribution and the rest at the points; None for what is infinite.
 
-    ``segment``: ticks of one for what Welch's method shows; ``white``: whether to add Kilburn's white noise. A group
-    that does not apply to the model is left out; raises Refused where an option requests it.
+    ``segment``: ticks of one for what Welch's method shows. A group that does not apply to the model is left out;
+    raises Refused where an option requests it.
     """
     theory = exact(model)
     answer: dict[str, Any] = {
@@ -160,7 +160,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None, *, 
     }
     if theory.force is not None:
         answer["force"] = _moments(theory.force)
-    answer |= _motion(theory) | _other_models(model, white=white)
+    answer |= _motion(theory) | _load(theory)
     answer["diameter"] = {
         "calibrated": model.calibrated_diameter,
         "mean": theory.mean_diameter,
@@ -179,7 +179,7 @@ def _moments(cumulants: Cumulants) -> dict[str, Any]:
         "std": cumulants.std,
         "skewness": cumulants.skewness,
         "excess_kurtosis": cumulants.excess_kurtosis,
-        "cumulants": list(cumulants.values),
+        "cumulants": [each for each in cumulants.values if isfinite(each)],
     }
 
 
@@ -196,16 +196,17 @@ def _motion(theory: Exact) -> dict[str, Any]:
     return {"slider": slider}
 
 
-def _other_models(model: Model, *, white: bool) -> dict[str, Any]:
-    """Return what an older model says instead of, or beside, the contact's own force."""
-    found: dict[str, Any] = {}
-    if model.slider is not None and model.slider.excitation == "base":
-        found["base_excitation"] = asdict(base_response(model))
-    if model.slider is not None and model.slider.excitation == "velocity-weakening":
-        found["velocity_weakening"] = asdict(velocity_weakening(model))
-    if white:
-        found["white_noise"] = asdict(white_noise(model))
-    return found
+def _load(theory: Exact) -> dict[str, Any]:
+    """Return the motion under a load that weighs, its covariances and its third octaves; nothing without one."""
+    if theory.load is None:
+        return {}
+    bands, motion = third_octaves(theory.model), theory.load
+    pairs = combinations_with_replacement(motion.names, 2)
+    return {
+        "load": load_as_json(theory),
+        "load_covariances": {f"{one}*{other}": motion.covariance(one, other) for one, other in pairs},
+        "third_octaves": {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level},
+    }
 
 
 def _at(model: Model, points: Points) -> dict[str, Any]:

@@ -14,7 +14,7 @@ class Extent:
     """How many rows each group of a run has, known exactly before its first event.
 
     slider: 0 without a slider, None where its rows grow with the run, so that only the end shows how many there are;
-    landmarks: 0 with one-way coupling, None with two-way, where /balance has a row.
+    landmarks: 0 with one-way coupling, None with two-way, where /balance has a row; load: 0 without one that weighs.
     """
 
     junctions: int
@@ -22,6 +22,7 @@ class Extent:
     blocks: int
     slider: int | None
     landmarks: int | None = 0
+    load: int = 0
 
     def rows(self, group: str) -> int | None:
         """Return the number of rows of a group that is named as in a result file; None where it grows."""
@@ -29,6 +30,7 @@ class Extent:
             "junctions": self.junctions,
             "trace": self.ticks,
             "slider": self.slider,
+            "load": self.load,
             "landmarks": self.landmarks,
             "balance": 0 if self.landmarks == 0 else 1,
             "blocks": self.blocks,
@@ -39,7 +41,7 @@ class Sink(Protocol):
     """Keeps columns of rows; groups and columns are named as in a result file."""
 
     def write(self, group: str, first_row: int, columns: Columns) -> None:
-        """Keep rows ``first_row``... of a group: "junctions", "trace", "slider", "landmarks", "balance" or "blocks".
+        """Keep rows ``first_row``... of a group, such as "junctions" or "trace"; `Extent.rows` knows them all.
 
         Rows come in order and without gaps; a row of "junctions" may come once more when its junction is ended early.
         """

@@ -14,8 +14,12 @@ from rubnoise.record.sink import Columns
 WATCHED = {
     "trace": {"real_contact_area": 4, "junction_count": 2, "friction_force": 2},
     "slider": {"displacement": 2, "velocity": 2},
+    "load": {"separation": 2, "velocity": 2, "load": 2},
 }
 """Which columns are tallied, by group, and to which power."""
+
+RENAMED = {("load", "velocity"): "normal_velocity"}
+"""Names of tallied columns beside those of other groups."""
 
 COUNTED = {"landmarks": {"kind": len(LandmarkKind)}}
 """Columns of few whole numbers of which each is counted, by group, and how many there are."""
@@ -159,7 +163,7 @@ class Tally:
         del first_row
         for name, powers in WATCHED.get(group, {}).items():
             if name in columns:
-                seen = self.moments.setdefault(name, Moments(powers=powers))
+                seen = self.moments.setdefault(RENAMED.get((group, name), name), Moments(powers=powers))
                 seen.add(columns[name])
         for name, numbers in COUNTED.get(group, {}).items():
             if name in columns:

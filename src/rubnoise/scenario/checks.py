@@ -12,6 +12,7 @@ from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
 from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, pulse_of, spread_of
+from rubnoise.scenario.under_load import load_problems
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
 _DISTANCE: Path = ("sliding", "distance")
@@ -22,10 +23,11 @@ _PATCH: Path = ("interface", "patch_area")
 _CALIBRATION: Path = ("interface", "calibration")
 _WIDTH: Path = ("birth", "cluster_width")
 _OFFSET: Path = ("pulse", "offset")
-_FEW_ASPERITIES = 0.3
-_EXCITATION: Path = ("slider", "excitation")
 _MOST_SPACINGS = 1e4
 _COUNT: Path = ("interface", "mean_junction_count")
+
+COARSE = 0.3
+"""Turn of the contact resonance in a tick, in rad, beyond which there is a warning."""
 
 
 def plausibility(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -61,7 +63,8 @@ def _other_prefix(value: Quantity, measure: Measure) -> str:
 
 def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity | None, list[Problem]]:
     """Return the model and its tick, or None and why there is none; and what forbids a run of the model."""
-    if problems := [*_contact_problems(document, layers), *_offset_problems(document, layers)]:
+    wrong = [*_contact_problems(document, layers), *_offset_problems(document, layers)]
+    if problems := wrong + (list(load_problems(document, layers)) if document.load else []):
         return None, None, problems
     try:
         diameter = diameter_of(document)
@@ -78,12 +81,25 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
         model,
         tick,
         [
-            *_excitation_problems(document, layers, model),
             *_cluster_problems(layers, model),
             *_crowd_problems(layers, model),
             *_cost_problems(document, layers, model),
+            *_resonance_problems(document, layers, model),
         ],
     )
+
+
+def _resonance_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
+    """Warn of ticks between which the contact resonance turns so far that they hardly show it."""
+    if model.separation is None or model.tick_duration is None:
+        return
+    natural = model.separation.oscillator.natural_angular_frequency
+    turned = natural * model.tick_duration
+    if turned > COARSE:
+        message = f"the contact resonance turns by {turned:.3g} rad in a tick: exact, but coarsely sampled"
+        finer = COARSE * model.tick / turned
+        hint = f'about "{finer:.2g} um" shows it well' + _where_from(document)
+        yield Problem(path=_TICK, message=message, place=layers.value_place(_TICK), hint=hint, severity="warning")
 
 
 def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
@@ -94,22 +110,6 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
         if value not in possible:
             message = f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}"
             yield Problem(path=path, message=message, place=layers.value_place(path))
-
-
-def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse what has no run, heights that only equal sizes have, and sums of asperities that nobody asked for."""
-    slider = document.slider
-    if slider is None or slider.excitation in {None, "friction"}:
-        return
-    message = f'the excitation "{slider.excitation}" has no run: rubnoise theory works it out'
-    yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), forbids_run=True)
-    if slider.excitation == "base" and document.diameter.law != "fixed":
-        message, hint = "excitation by the base is known for equal diameters alone", 'diameter.law = "fixed"'
-        yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), hint=hint)
-    if slider.excitation == "base" and model.mean_junction_count > _FEW_ASPERITIES and slider.heights != "sum":
-        message = f"{model.mean_junction_count:g} asperities at once: a rigid body rides on the highest"
-        hint = f'at most {_FEW_ASPERITIES:g}, or slider.heights = "sum" if sums are wanted'
-        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint)
 
 
 def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:

@@ -243,30 +243,6 @@ class Slider(Section):
             "and the slider may stick and turn round."
         ),
     ] = "one-way"
-    excitation: Annotated[
-        str | None,
-        Choice(("friction", "base", "velocity-weakening")),
-        About(
-            description="friction, the default: the force of the junctions; base: asperities lift the slider's base "
-            "(Rice and Moslehy); velocity-weakening: a mean force that falls with speed, without junctions. Only "
-            "theory has the last two."
-        ),
-    ] = None
-    asperity_height: Annotated[
-        Quantity | None,
-        Measure((RATIO, LENGTH), possible=Range(1e-9, 1e6), plausible=Range(1e-9, 1e6)),
-        About(description="Height of a triangular impulse: a percentage of d, or a length; for base."),
-    ] = None
-    heights: Annotated[
-        str | None,
-        Choice(("highest", "sum")),
-        About(description="sum: impulses add up also where asperities meet, of which a rigid body rides the highest."),
-    ] = None
-    slope: Annotated[
-        Quantity | None,
-        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
-        About(description="By how much the force falls with speed; for velocity-weakening."),
-    ] = None
     tolerance: Annotated[
         float | None,
         Number(Range(1e-12, 1e-4)),
@@ -277,6 +253,36 @@ class Slider(Section):
         Choice(("equilibrium", "rest")),
         About(description="equilibrium: at rest at the static deflection under the mean force; rest: at zero."),
     ] = "equilibrium"
+
+
+class Load(Section):
+    """A load that weighs: the slider rises and falls under interface.load; give either damping or damping_ratio."""
+
+    height_scale: Annotated[
+        Quantity,
+        Measure((LENGTH,), possible=Range(1e-9, 1e9), plausible=Range(1e-4, 1e3)),
+        About(description="Height scale s_0: rising by so much leaves 1/e of the real contact area."),
+    ]
+    mass: Annotated[
+        Quantity,
+        Measure((MASS,), possible=Range(1e-18, 1e12), plausible=Range(1e-12, 1e6)),
+        About(description="Mass of what moves up and down."),
+    ]
+    damping: Annotated[
+        Quantity | None,
+        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
+        About(description="Damping coefficient of the normal motion."),
+    ] = None
+    damping_ratio: Annotated[
+        float | None,
+        Number(Range(1e-9, 1e6)),
+        About(description="Damping ratio of the contact resonance, c / (2 sqrt(W m / s_0))."),
+    ] = None
+    motion: Annotated[
+        str,
+        Choice(("first-order",), unknown="free"),
+        About(description="first-order: the contact is a spring of stiffness W/s_0, for small motions."),
+    ] = "first-order"
 
 
 class Output(Section):
@@ -323,5 +329,6 @@ class Document(Section):
     strength: Strength | None = None
     sliding: Sliding
     slider: Slider | None = None
+    load: Load | None = None
     output: Output = Output()
     run: Run = Run()

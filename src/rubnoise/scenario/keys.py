@@ -13,6 +13,7 @@ from rubnoise.scenario.document import FORMAT, ONE_STRENGTH, Diameter, Document
 from rubnoise.scenario.fields import FROM_PYTHON, Measure, Unfit, did_you_mean
 from rubnoise.scenario.layers import Layers, Overlay, Values
 from rubnoise.scenario.problems import Path, Problem
+from rubnoise.scenario.under_load import FREE_MOTION, completed
 
 SECTIONS: dict[str, type[BaseModel]] = {
     name: kind
@@ -29,6 +30,7 @@ LAW_SAMPLES: dict[str, float] = {each.name: each.sample for entry in LAWS.values
 ALTERNATIVES: dict[str, tuple[tuple[tuple[str, ...], ...], ...]] = {
     "interface": ((("mean_real_contact_area",), ("load", "hardness")), (("mean_junction_count",), ("patch_area",))),
     "slider": ((("damping",), ("damping_ratio",)),),
+    "load": ((("damping",), ("damping_ratio",)),),
 }
 """Ways to say one thing, by table: a scenario has exactly one of them, with all of its keys."""
 
@@ -53,9 +55,10 @@ _RIGHT_FORMS: dict[Path, str] = {
     ("sliding", "speed"): 'speed = "1 mm/s"',
     ("slider", "mass"): 'mass = "5 g"',
     ("slider", "stiffness"): 'stiffness = "300 N/m"',
-    ("slider", "asperity_height"): 'asperity_height = "2 %"',
-    ("slider", "slope"): 'slope = "0.1 N*s/m"',
     ("slider", "damping"): 'damping = "0.05 N*s/m" or damping_ratio = 0.02',
+    ("load", "height_scale"): 'height_scale = "0.5 um"',
+    ("load", "mass"): 'mass = "5 g"',
+    ("load", "damping"): 'damping_ratio = 0.05 or damping = "4 N*s/m"',
 }
 
 
@@ -78,6 +81,7 @@ def read(layers: Layers, *, from_python: bool) -> tuple[Document | None, list[Pr
 
     Of sources with broken lines nothing is said to be missing: it may stand in one of those.
     """
+    layers = completed(layers)
     problems = [] if layers.problems else list(_rule_problems(layers))
     context = FROM_PYTHON if from_python else {}
     try:
@@ -140,6 +144,8 @@ def _unknown(layers: Layers, path: Path) -> Problem:
 def _suggestion(path: Path) -> str:
     """Suggest the key of this table that is nearest, or the table that has the key."""
     word = str(path[-1])
+    if path[0] == "load" and word in FREE_MOTION:
+        return 'it belongs to free motion; motion = "first-order" has damping or damping_ratio'
     table = SECTIONS[str(path[0])] if len(path) > 1 and path[0] in SECTIONS else Document
     homes = tuple(f"{name}.{word}" for name, section in SECTIONS.items() if word in section.model_fields)
     if homes and homes != (".".join(map(str, path)),):
@@ -152,8 +158,7 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
     """What keys ask of one another, from what the file holds, whether or not their values are right."""
     slider, sliding = (_table(layers, name) for name in ("slider", "sliding"))
     if isinstance(layers.data.get("slider"), dict):
-        yield from _excitation_problems(layers, slider)
-        if "strength" not in layers.data and slider.get("excitation") != "base":
+        if "strength" not in layers.data:
             yield missing(
                 layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength"
             )
@@ -161,6 +166,12 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
             yield missing(layers, ("sliding", "speed"), "missing; the motion of a slider needs a sliding speed")
         yield from _alternative_problems(layers, "slider")
         yield from _tolerance_problems(layers, slider)
+    if isinstance(layers.data.get("load"), dict):
+        if "speed" not in sliding:
+            yield missing(layers, ("sliding", "speed"), "missing; the motion of a load that weighs needs it")
+        if _table(layers, "interface").keys().isdisjoint({"load", "hardness"}):
+            yield missing(layers, ("interface", "load"), "missing; a load that weighs is that of the interface")
+        yield from _alternative_problems(layers, "load")
     if isinstance(layers.data.get("interface", {}), dict):
         yield from _alternative_problems(layers, "interface")
     yield from _law_problems(layers, "diameter")
@@ -191,25 +202,6 @@ def _said_twice(layers: Layers, both: list[Path]) -> Problem:
     where = f"{first.source}:{first.line}" if first.line else first.source
     message = f"both {names} are given (the other at {where})"
     return Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
-
-
-_DRIVEN = {"asperity_height": "base", "heights": "base", "slope": "velocity-weakening"}
-
-
-def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
-    """Compare the keys of an excitation with it; a driven motion is known one-way alone."""
-    excitation = slider.get("excitation", "friction")
-    for key, its in _DRIVEN.items():
-        path = ("slider", key)
-        if key in slider and excitation != its:
-            message = f'the excitation "{excitation}" takes no {key}'
-            hint = f'write excitation = "{its}", or leave the {key} out'
-            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
-        if key not in slider and excitation == its and key != "heights":
-            yield missing(layers, path, f'missing; the excitation "{its}" needs it')
-    if excitation in _DRIVEN.values() and slider.get("coupling") == "two-way":
-        message, path = f'the excitation "{excitation}" is known with one-way coupling alone', ("slider", "coupling")
-        yield Problem(path=path, message=message, place=layers.value_place(path), hint='coupling = "one-way"')
 
 
 def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:

@@ -108,6 +108,7 @@ def _scenario(given: Layers, document: Document, model: Model, tick: Quantity, p
         strength=document.strength,
         sliding=document.sliding,
         slider=_complete(document.slider),
+        load=document.load,
         output=SampledOutput.model_validate(output, context=FROM_PYTHON),
         run=document.run,
         name=given.main.name,

@@ -14,7 +14,7 @@ from rubnoise.contact.laws import LAWS, Law, Spread, law_for
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import PULSES, Pulse
 from rubnoise.errors import ScenarioRefused
-from rubnoise.model import Model, Slider
+from rubnoise.model import Model, Separation, Slider
 from rubnoise.scenario import document as sections
 from rubnoise.scenario.lists import ratio_of
 from rubnoise.tables import as_html, shortened
@@ -43,6 +43,7 @@ class Scenario:
     strength: sections.Strength | None
     sliding: sections.Sliding
     slider: sections.Slider | None
+    load: sections.Load | None
     output: sections.SampledOutput
     run: sections.Run
     name: str
@@ -224,11 +225,12 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
         start=cast(Literal["stationary", "empty"], sliding.start),
-        slider=_slider(document.slider, diameter) if document.slider else None,
+        slider=_slider(document.slider) if document.slider else None,
         tick=float(tick),
         tick_count=tick_count(sliding.distance, tick),
         pulse=pulse,
         hardness=None if interface.hardness is None else float(interface.hardness),
+        separation=_separation(document.load, interface) if document.load else None,
     )
 
 
@@ -239,12 +241,19 @@ def births_of(birth: sections.Birth, spacing: float) -> BirthLaw:
     return cast(BirthLaw, entry.make(mean_spacing=spacing, **own))
 
 
+def _separation(load: sections.Load, interface: sections.Interface) -> Separation:
+    weight, hardness = (float(cast(Quantity, each)) for each in (interface.load, interface.hardness))
+    height, mass = float(load.height_scale), float(load.mass)
+    critical = 2.0 * sqrt(weight / height * mass)
+    damping = float(load.damping or 0.0) if load.damping_ratio is None else load.damping_ratio * critical
+    return Separation(load=weight, hardness=hardness, height_scale=height, mass=mass, damping=damping)
+
+
 def _strengths(strength: sections.Strength | None) -> Law | None:
     return law_for(float(strength.mean), spread_of(strength)) if strength else None
 
 
-def _slider(slider: sections.Slider, diameter: float) -> Slider:
-    height = slider.asperity_height
+def _slider(slider: sections.Slider) -> Slider:
     mass, stiffness = float(slider.mass), float(slider.stiffness)
     critical = 2.0 * sqrt(stiffness * mass)
     ratio = slider.damping_ratio
@@ -257,7 +266,4 @@ def _slider(slider: sections.Slider, diameter: float) -> Slider:
         start=start,
         coupling=cast(Literal["one-way", "two-way"], slider.coupling),
         tolerance=slider.tolerance or TOLERANCE,
-        excitation=cast(Literal["friction", "base", "velocity-weakening"], slider.excitation or "friction"),
-        asperity_height=0.0 if height is None else float(height) / (1.0 if height.kind == RATIO else diameter),
-        slope=float(slider.slope or 0.0),
     )

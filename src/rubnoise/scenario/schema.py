@@ -60,7 +60,9 @@ def _complete(required: list[str], needed: dict[str, list[str]]) -> dict[str, An
         ways = [{"oneOf": [{"required": list(way)} for way in each]} for each in several]
         properties[name] = properties.get(name, {}) | {"allOf": ways}
     with_slider = {"required": ["strength"], "properties": {"sliding": {"required": ["speed"]}}}
-    return {"required": required, "properties": properties, "dependentSchemas": {"slider": with_slider}}
+    weighing = {"interface": {"required": ["load", "hardness"]}, "sliding": {"required": ["speed"]}}
+    dependent = {"slider": with_slider, "load": {"properties": weighing}}
+    return {"required": required, "properties": properties, "dependentSchemas": dependent}
 
 
 def _without_noise(node: Any) -> Any:

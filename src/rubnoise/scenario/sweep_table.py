@@ -28,6 +28,10 @@ QUANTITIES: Final[dict[str, str]] = {
     "displacement_std": "slider",
     "velocity_std": "slider",
     "one_way_validity": "slider",
+    "separation_std": "load",
+    "normal_velocity_std": "load",
+    "load_mean": "load",
+    "load_std": "load",
 }
 """The figures of a run, and the table that a scenario needs for each."""
 

@@ -42,10 +42,10 @@ SAMPLES: Final[dict[tuple[str, str], Any]] = {
     ("slider", "damping"): "5 N*s/m",
     ("slider", "damping_ratio"): 0.02,
     ("slider", "tolerance"): 1e-9,
-    ("slider", "excitation"): "friction",
-    ("slider", "asperity_height"): "2 %",
-    ("slider", "heights"): "sum",
-    ("slider", "slope"): "10 N*s/m",
+    ("load", "height_scale"): "0.5 um",
+    ("load", "mass"): "5 g",
+    ("load", "damping"): "4 N*s/m",
+    ("load", "damping_ratio"): 0.05,
     ("output", "tick"): "0.1 um",
     (SWEEP, "precision"): 0.005,
 }
@@ -66,6 +66,7 @@ SET: Final = (
 
 REMARKS: Final[dict[tuple[str, str], str]] = {
     ("slider", "damping_ratio"): "Instead of damping.",
+    ("load", "damping_ratio"): "Instead of damping.",
     ("slider", "tolerance"): "Only for two-way coupling.",
 }
 

@@ -1,6 +1,7 @@
 """The sum of the live junctions: real contact area, count and force at the ticks of a range."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,10 +26,14 @@ class ForceMoments:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
-    """The columns of /trace for a range of ticks, and the moments of the force over its ticks where asked for."""
+    """The columns of /trace for a range of ticks, and the moments of the force over its ticks where asked for.
+
+    ``moved``: the columns of other groups, once a load that weighs has moved through the range.
+    """
 
     columns: Columns
     force: ForceMoments | None = None
+    moved: Mapping[str, Columns] = field(default_factory=dict)
 
 
 def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch | None) -> Sample:
@@ -41,14 +46,14 @@ def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch
     distance = grid.position[grid.wanted]
     count = np.empty(distance.size, dtype=np.uint32)
     count_live(distance, rows.birth, rows.departure, count)
-    constant = isinstance(model.strengths, Fixed)
+    constant = model.strengths is None or isinstance(model.strengths, Fixed)
     square = rows.diameter * rows.diameter
     deposited = deposit(model.pulse.shape, grid, rows, square, scratch if constant else None)
     area, moments = deposited.total, deposited.moments
     columns: dict[str, NDArray[Any]] = {"distance": distance, "real_contact_area": area, "junction_count": count}
-    if model.strengths is None:
-        return Sample(columns=columns)
     unit = tick_range.tick
+    if model.strengths is None:
+        return Sample(columns=columns, force=None if scratch is None else ForceMoments(moments=moments, unit=unit))
     if constant:
         columns["friction_force"] = model.strengths.mean * area
         unit = tick_range.tick * model.strengths.mean
@@ -58,15 +63,22 @@ def sample(model: Model, rows: LiveRows, tick_range: TickRange, scratch: Scratch
     return Sample(columns=columns, force=None if scratch is None else ForceMoments(moments=moments, unit=unit))
 
 
-def force_moments(
-    model: Model, rows: LiveRows, tick_range: TickRange, cells_per_tick: int, scratch: Scratch
+def cell_moments(
+    model: Model, rows: LiveRows, weight: Doubles, tick_range: TickRange, cells_per_tick: int, scratch: Scratch
 ) -> ForceMoments:
-    """Return the force over the cells that end in a tick range, exact through births, mid-lives and deaths.
+    """Return what lives of some weights add up to over the cells that end in a tick range, exact through all events.
 
-    The number of cells per tick is a power of two, so that every tick lies at the same bits however it is divided.
+    The weight psi d^2 gives the force, d^2 the area. The number of cells per tick is a power of two, so that every tick
+    lies at the same bits however it is divided.
     """
     first = max(tick_range.first - 1, 0) * cells_per_tick + 1
     grid = Grid.around(first, (tick_range.end - 1) * cells_per_tick + 1, tick_range.tick / cells_per_tick)
-    weight = rows.strength * (rows.diameter * rows.diameter)
     moments = deposit(model.pulse.shape, grid, rows, weight, scratch, areas=False).moments
     return ForceMoments(moments=moments, unit=grid.spacing)
+
+
+def over_cells(sample: Sample, tick_range: TickRange) -> ForceMoments | None:
+    """Return the moments of a sample over the cells that end in a tick range: none does where the run begins."""
+    if sample.force is None or tick_range.first > 0:
+        return sample.force
+    return replace(sample.force, moments=sample.force.moments[:, 1:])

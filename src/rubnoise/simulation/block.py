@@ -1,8 +1,8 @@
 """One block of a run: the step of the fold, and the only place from which rows are written.
 
 The way of a junction into a file: `draws` gives its birth, diameter and strength. An engine, `junctions` or `batch`,
-lets it live. `area` sums the live junctions at the ticks, for /trace. `slider` or `two_way` moves the slider under
-their force, for /slider. The sink takes all rows; where a run becomes a file it is
+lets it live. `area` sums the live junctions at the ticks, for /trace. `slider`, `load` or `two_way` moves under
+their force, for /slider and /load. The sink takes all rows; where a run becomes a file it is
 `rubnoise.storage.writer.RunWriter`.
 """
 
@@ -21,9 +21,10 @@ from rubnoise.simulation.area import Sample, sample
 from rubnoise.simulation.block_starts import BlockStarts
 from rubnoise.simulation.draws import BlockBirths, blocks_drawn_at_once, draw_blocks
 from rubnoise.simulation.kernels import Scratch, peak_areas
+from rubnoise.simulation.load import LoadMotion
 from rubnoise.simulation.observer import Notifier
 from rubnoise.simulation.slider import Propagator, SliderMotion
-from rubnoise.simulation.state import LiveRows, State
+from rubnoise.simulation.state import MOVING, LiveRows, State
 from rubnoise.simulation.ticks import LARGEST_TICK_RANGE, TickRange, tick_ranges
 
 if TYPE_CHECKING:
@@ -33,6 +34,8 @@ SCRATCH_NUMBERS: Final = 12 * LARGEST_TICK_RANGE
 """Numbers of scratch memory asked for; most are never touched. Usual systems take back what lies free at the end of the
 heap where it is more than twice the largest piece ever freed: after a run, all arrays of a tick range, which the next
 one would have to be given anew."""
+
+Motion = SliderMotion | LoadMotion
 
 Watch = Callable[[float, int, int], None]
 """Called after each tick range: distance reached (um), junctions born, live count. It may raise to stop the run."""
@@ -82,7 +85,7 @@ def next_state(run: RunSetup, state: State) -> State:
     born = _born(births, state.junctions)
     cells = 1 if run.constants is None else run.constants.cells_per_tick
     ranges = list(tick_ranges(run.model, state, births, cells))
-    motion = None if run.constants is None else _motion(run, state, run.constants)
+    motion = _motion(run, state)
     two_way = _two_way(run, state, starts) if run.model.is_two_way else None
     slider = Appender(run.sink, "slider", state.slider_rows)
     rows, events = run.play(
@@ -91,7 +94,7 @@ def next_state(run: RunSetup, state: State) -> State:
         born=born,
         tick_ranges=ranges,
         run_end=run.model.distance,
-        sample=lambda tick_range, rows: _write_trace(run, tick_range, rows),
+        sample=lambda tick_range, rows: _write_trace(run, motion, tick_range, rows),
         move=_moving(motion, two_way, slider, starts),
     )
     natural = rows.natural_death
@@ -99,7 +102,7 @@ def next_state(run: RunSetup, state: State) -> State:
         _write_junctions(run, state, rows, natural)
     else:
         two_way.through(rows, min(births.next_birth, run.model.distance))
-    run.sink.write("blocks", state.block, starts.columns(moving=motion is not None, two_way=two_way is not None))
+    run.sink.write("blocks", state.block, starts.columns(run.model))
     ticks = ranges[-1].end if ranges else state.ticks
     return State(
         block=state.block + births.blocks,
@@ -110,8 +113,7 @@ def next_state(run: RunSetup, state: State) -> State:
         events=state.events + events,
         live=_carried(rows, natural, (ticks - 1) * run.model.tick),
         slider_rows=slider.rows if two_way is None else two_way.slider_rows,
-        displacement=state.displacement if motion is None else motion.displacement,
-        velocity=state.velocity if motion is None else motion.velocity,
+        **{name: getattr(state if motion is None else motion, name) for name in MOVING},
         two_way=b"" if two_way is None else two_way.pack(),
     )
 
@@ -127,8 +129,13 @@ def _born(births: BlockBirths, first: int) -> LiveRows:
     )
 
 
-def _motion(run: RunSetup, state: State, constants: Propagator) -> SliderMotion:
-    return SliderMotion(run.model, constants, run.scratch, state.displacement, state.velocity)
+def _motion(run: RunSetup, state: State) -> Motion | None:
+    if run.constants is None:
+        return None
+    moving = {name: getattr(state, name) for name in MOVING}
+    if run.model.separation is not None:
+        return LoadMotion(run.model, run.model.separation, run.constants, run.scratch, **moving)
+    return SliderMotion(run.model, run.constants, run.scratch, **moving)
 
 
 def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion":
@@ -138,18 +145,24 @@ def _two_way(run: RunSetup, state: State, starts: BlockStarts) -> "TwoWayMotion"
 
 
 def _moving(
-    motion: SliderMotion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
+    motion: Motion | None, two_way: "TwoWayMotion | None", slider: Appender, starts: BlockStarts
 ) -> Callable[[TickRange, LiveRows, Sample], None] | None:
-    """Return what moves the slider through a tick range; None where there is no slider."""
+    """Return what moves through a tick range and writes it; None where nothing does."""
     if two_way is not None:
         return lambda tick_range, rows, _: two_way.through(rows, tick_range.last_distance)
-    return None if motion is None else partial(_write_slider, slider, motion, starts)
+    if motion is None:
+        return None
+    if isinstance(motion, LoadMotion):
+        return partial(_write_load, slider, starts)
+    return partial(_write_slider, slider, motion, starts)
 
 
-def _write_trace(run: RunSetup, tick_range: TickRange, rows: LiveRows) -> Sample:
+def _write_trace(run: RunSetup, motion: Motion | None, tick_range: TickRange, rows: LiveRows) -> Sample:
     # The moments of the force come with its sum where the slider needs them over the ticks themselves.
     moving = run.constants is not None and run.constants.cells_per_tick == 1
     found = sample(run.model, rows, tick_range, run.scratch if moving else None)
+    if isinstance(motion, LoadMotion):
+        found = motion.through(tick_range, rows, found)  # the force in /trace is the one that the load leaves
     run.sink.write("trace", tick_range.first, found.columns)
     if run.watch is not None:
         born = int(rows.junction[-1]) + 1 if len(rows) else 0
@@ -161,8 +174,19 @@ def _write_slider(
     slider: Appender, motion: SliderMotion, starts: BlockStarts, tick_range: TickRange, rows: LiveRows, found: Sample
 ) -> None:
     columns = motion.through(tick_range, rows, found)
-    starts.pass_slider(columns)
+    starts.pass_ticks(columns["distance"], displacement=columns["displacement"], velocity=columns["velocity"])
     slider.append(columns)
+
+
+def _write_load(slider: Appender, starts: BlockStarts, tick_range: TickRange, rows: LiveRows, found: Sample) -> None:
+    del rows
+    load, distance = found.moved["load"], found.columns["distance"]
+    starts.pass_ticks(distance, separation=load["separation"], separation_velocity=load["velocity"])
+    slider.sink.write("load", tick_range.first, load)
+    if "slider" in found.moved:
+        columns = found.moved["slider"]
+        starts.pass_ticks(distance, displacement=columns["displacement"], velocity=columns["velocity"])
+        slider.append(columns)
 
 
 def _write_junctions(run: RunSetup, state: State, rows: LiveRows, natural: Doubles) -> None:

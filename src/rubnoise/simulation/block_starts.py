@@ -25,7 +25,8 @@ class BlockStarts:
 
     With the junctions' rows these are the states to compute the blocks from again. displacement (um) and velocity
     (um/s) are those at the last tick before a block, and become known while the slider moves; of a two-way slider, with
-    time (s), distance (um) and phase, those of the last row of /slider before it first reaches the block.
+    time (s), distance (um) and phase, those of the last row of /slider before it first reaches the block. separation
+    (um) and its velocity (um/s) are those of /load at that tick.
     """
 
     block: NDArray[np.int64]
@@ -37,6 +38,8 @@ class BlockStarts:
     phase: NDArray[np.uint8]
     displacement: Doubles
     velocity: Doubles
+    separation: Doubles
+    separation_velocity: Doubles
 
     @classmethod
     def of(cls, model: Model, state: State, births: BlockBirths) -> Self:
@@ -53,14 +56,16 @@ class BlockStarts:
             phase=np.full(births.blocks, Phase.SLIP, dtype=np.uint8),
             displacement=np.full(births.blocks, state.displacement),
             velocity=np.full(births.blocks, state.velocity),
+            separation=np.full(births.blocks, state.separation),
+            separation_velocity=np.full(births.blocks, state.separation_velocity),
         )
 
-    def pass_slider(self, slider: Columns) -> None:
-        """Take note of how the slider moves in the last of some rows that lie before a block, but for the first one."""
-        before = np.searchsorted(slider["distance"], self.birth_distance)
+    def pass_ticks(self, distance: Doubles, **motion: Doubles) -> None:
+        """Take note of how all moves at the last of some ticks (um) that lie before a block, but for the first one."""
+        before = np.searchsorted(distance, self.birth_distance)
         passed = np.flatnonzero(before[1:]) + 1
-        self.displacement[passed] = slider["displacement"][before[passed] - 1]
-        self.velocity[passed] = slider["velocity"][before[passed] - 1]
+        for name, values in motion.items():
+            getattr(self, name)[passed] = values[before[passed] - 1]
 
     def pass_births(self, junction: NDArray[np.int64], time: Doubles, slider: Columns, last: Sequence[float]) -> None:
         """Take note of the last row of a two-way slider before births that it first passes at times (s).
@@ -74,8 +79,9 @@ class BlockStarts:
             for name, before in zip(TWO_WAY, last, strict=True):
                 getattr(self, name)[block] = slider[name][row] if row >= 0 else before
 
-    def columns(self, *, moving: bool, two_way: bool) -> dict[str, NDArray[Any]]:
+    def columns(self, model: Model) -> dict[str, NDArray[Any]]:
         """Return the columns of /blocks."""
         names = ["block", "birth_distance", "first_junction", "first_tick"]
-        names += TWO_WAY if two_way else ["displacement", "velocity"] * moving
+        names += TWO_WAY if model.is_two_way else ["displacement", "velocity"] * (model.slider is not None)
+        names += ["separation", "separation_velocity"] * (model.separation is not None)
         return {name: getattr(self, name) for name in names}

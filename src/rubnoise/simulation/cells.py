@@ -46,12 +46,14 @@ def cells_per_tick(model: Model) -> int:
     r_slow d_m > V, its largest velocity is smaller by r_slow h / q, so that the relative error is larger by as much.
     So it is with regular births, whose force hardly varies.
     The triangle is straight beside its kinks, which are no steeper than the lens's: the same envelope holds.
-    Raises Refused where more than 4096 cells would be needed.
+    A separation under a load is such a slider, too. Raises Refused where more than 4096 cells would be needed.
     """
-    if model.slider is None or model.tick_duration is None or model.is_two_way:
+    moving = [] if model.slider is None else [model.slider]
+    moving += [] if model.separation is None else [model.separation.oscillator]
+    if not moving or model.tick_duration is None or model.is_two_way:
         return 1  # a two-way motion has cells of its own
-    cells = 1
-    while _error(model, model.slider, cells) > TARGET or model.tick / model.calibrated_diameter / cells > WIDEST_CELL:
+    cells, widest = 1, WIDEST_CELL * model.calibrated_diameter
+    while max(_error(model, each, cells) for each in moving) > TARGET or model.tick / cells > widest:
         cells *= 2
         if cells > MOST_CELLS:
             raise Refused(

@@ -139,7 +139,8 @@ def work(model: Model, engine: Engine, junctions: int, ticks: int) -> dict[str, 
     """
     alive, events = _alive(model), 2 * junctions if engine == "events" else 0
     summed = 1 if model.strengths is None or isinstance(model.strengths, Fixed) else 2
-    cells = cells_per_tick(model) if model.slider is not None and not model.is_two_way else 0
+    moves = not model.is_two_way and (model.slider is not None or model.separation is not None)
+    cells = cells_per_tick(model) if moves else 0
     centred = model.pulse.offset == "none"
     overlaps = "overlap" if centred else "off-centre overlap"
     pushes = ("fine push" if narrow(model, cells) else "push") if centred else "off-centre push"

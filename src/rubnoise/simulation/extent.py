@@ -24,5 +24,6 @@ def extent(model: Model, seed: int) -> Extent:
         ticks=model.tick_count + 1,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way else 0,
+        load=0 if model.separation is None else model.tick_count + 1,
         blocks=max(len(born), 1),  # a run without a single birth has ticks to be played all the same
     )

@@ -15,6 +15,7 @@ from rubnoise.simulation.draws import start
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervening, Intervention
 from rubnoise.simulation.junctions import play_block
+from rubnoise.simulation.load import load_propagator
 from rubnoise.simulation.observer import Notifier, Observer
 from rubnoise.simulation.slider import Propagator, propagator
 from rubnoise.simulation.state import State
@@ -22,10 +23,14 @@ from rubnoise.simulation.state import State
 
 @lru_cache(maxsize=8)
 def slider_constants(model: Model) -> Propagator | None:
-    """Return the constants of the slider's exact step, or None where no slider is coupled one way."""
-    if model.slider is None or model.sliding_speed is None or model.is_two_way:
+    """Return the constants of the exact step of slider and separation; None where neither moves, and two ways."""
+    if model.sliding_speed is None or model.is_two_way:
         return None
     cells = cells_per_tick(model)
+    if model.separation is not None:
+        return load_propagator(model, model.separation, cells)
+    if model.slider is None:
+        return None
     return propagator(model.slider, model.sliding_speed, model.tick, cells)
 
 

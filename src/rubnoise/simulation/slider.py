@@ -4,8 +4,10 @@ Read it from above: how finely a tick must be divided so that the motion is righ
 through such a cell, the compiled recurrence over the cells, and the slider on its way.
 """
 
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +15,16 @@ from numpy.typing import NDArray
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare, fused
 from rubnoise.model import Model, Slider
-from rubnoise.simulation.area import ForceMoments, Sample, force_moments
+from rubnoise.simulation.area import ForceMoments, Sample, cell_moments, over_cells
 from rubnoise.simulation.kernels import Scratch
 from rubnoise.simulation.state import LiveRows
 from rubnoise.simulation.ticks import TickRange
 
-_DIGITS = 150
-_DOUBLE_ROOT_SPLIT = "1e-60"
-_MOMENTS = 3
+_DIGITS: Final = 150
+_MOMENTS: Final = 3
+
+Rows = Sequence[Sequence[Fraction | int]]
+"""A matrix of exact numbers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +33,7 @@ class Propagator:
 
     transition (2, 2): free motion over a cell less the identity, so that rounding does not turn the phase of a lightly
     damped slider; gains (2, 3): what Legendre moments of the force over distance, int F P_i(2y - 1) ds (uN um), add.
+    Under a load that weighs the state is (x, x', z, z'), and gains (4, 6) are of moments of area (um^2 um), then force.
     """
 
     transition: NDArray[np.float64]
@@ -47,56 +52,52 @@ class Propagator:
 def propagator(slider: Slider, speed: float, tick: float, cells_per_tick: int = 1) -> Propagator:
     """Return the constants of a one-way slider at a sliding speed (um/s) for ticks (um) of so many cells each.
 
-    With the roots L of m L^2 + c L + k = 0, the impulse response g(t) = (e^(L1 t) - e^(L2 t)) / (L1 - L2) and h the
-    time of a cell: x(h) = x (L1 e2 - L2 e1)/(L1 - L2) + x' g(h), and the i-th gain of x is
-    (2i + 1)/(m V) int_0^1 g(h (1 - y)) P_i(2y - 1) dy; for x' the same with g'.
-    At 150 digits, since near critical damping and for short ticks these differences cancel, and rounded once.
+    Of m x'' + c x' + k x = F.
+    """
+    mass = Fraction(slider.mass)
+    rates: Rows = [[0, 1], [-Fraction(slider.stiffness) / mass, -Fraction(slider.damping) / mass]]
+    return linear_propagator(rates, [[0], [1 / mass]], speed, tick, cells_per_tick)
+
+
+def linear_propagator(rates: Rows, inputs: Rows, speed: float, tick: float, cells_per_tick: int) -> Propagator:
+    """Return the constants of y' = rates y + inputs f at a speed (um/s) for ticks (um) of so many cells.
+
+    With h the time of a cell, transition = exp(rates h) - 1, and the i-th gain of an input b is
+    (2i + 1)/V int_0^1 exp(rates h (1 - y)) b P_i(2y - 1) dy, from int exp(rates h (1 - y)) b y^n dy = n! phi_(n+1) b
+    in the exponential of a larger matrix (Al-Mohy and Higham 2011, doi:10.1137/100788860). At 150 digits, since near
+    critical damping and for short ticks differences cancel, and rounded once.
     """
     import mpmath
 
+    size = len(rates)
     with mpmath.workdps(_DIGITS):
         step = mpmath.mpf(tick) / mpmath.mpf(speed) / cells_per_tick
-        one, two = _roots(slider)
-        first, second = mpmath.exp(one * step), mpmath.exp(two * step)
-        impulse = (first - second) / (one - two)
-        transition = [
-            [(one * second - two * first) / (one - two) - 1, impulse],
-            [-one * two * impulse, (one * first - two * second) / (one - two) - 1],
-        ]
-        gains: list[list[Any]] = [[], []]
-        for i, (a, b) in enumerate(zip(_legendre(one * step), _legendre(two * step), strict=True)):
-            weight = (2 * i + 1) / (mpmath.mpf(slider.mass) * mpmath.mpf(speed) * (one - two))
-            gains[0].append(weight * (a - b))
-            gains[1].append(weight * (one * a - two * b))
+        gains: list[list[Any]] = [[] for _ in range(size)]
+        for column in range(len(inputs[0])):
+            larger = mpmath.zeros(size + _MOMENTS)
+            for row in range(size):
+                for other, rate in enumerate(rates[row]):
+                    larger[row, other] = _exact(rate) * step
+                larger[row, size] = _exact(inputs[row][column])
+            for n in range(1, _MOMENTS):
+                larger[size + n - 1, size + n] = 1
+            grown = mpmath.expm(larger, method="taylor")
+            for row in range(size):
+                mean, slope, bend = (grown[row, size + n] * mpmath.factorial(n) for n in range(_MOMENTS))
+                legendre = (mean, 2 * slope - mean, 6 * bend - 6 * slope + mean)
+                gains[row] += [(2 * i + 1) * each / mpmath.mpf(speed) for i, each in enumerate(legendre)]
+        free = [[grown[row, other] - (row == other) for other in range(size)] for row in range(size)]
         return Propagator(
-            transition=_real(transition),
-            gains=_real(gains),
+            transition=np.array(free, dtype=np.float64),
+            gains=np.array(gains, dtype=np.float64),
             cells_per_tick=cells_per_tick,
         )
 
 
-def _roots(slider: Slider) -> tuple[Any, Any]:
-    """Return the two roots of m L^2 + c L + k = 0; a double one is split by a relative 1e-60, far below rounding."""
+def _exact(number: Fraction | int) -> Any:
     import mpmath
 
-    decay = mpmath.mpf(slider.damping) / (2 * mpmath.mpf(slider.mass))
-    square = decay**2 - mpmath.mpf(slider.stiffness) / mpmath.mpf(slider.mass)
-    spread = mpmath.sqrt(square) if square != 0 else decay * mpmath.mpf(_DOUBLE_ROOT_SPLIT)
-    return -decay + spread, -decay - spread
-
-
-def _legendre(z: Any) -> list[Any]:
-    """Return int_0^1 e^(z (1 - y)) P_i(2y - 1) dy for i = 0, 1, 2, from powers of y: m_n = (n m_(n-1) - 1) / z."""
-    import mpmath
-
-    powers = [(mpmath.exp(z) - 1) / z]
-    for n in range(1, _MOMENTS):
-        powers.append((n * powers[-1] - 1) / z)
-    return [powers[0], 2 * powers[1] - powers[0], 6 * powers[2] - 6 * powers[1] + powers[0]]
-
-
-def _real(rows: list[list[Any]]) -> NDArray[np.float64]:
-    return np.array([[float(value.real) for value in row] for row in rows])
+    return mpmath.mpf(number.numerator) / number.denominator
 
 
 @compiled_bare
@@ -133,14 +134,22 @@ class SliderMotion:
     """A slider on its way: ``displacement`` (um) and ``velocity`` (um/s) at the last finished tick."""
 
     def __init__(
-        self, model: Model, constants: Propagator, scratch: Scratch, displacement: float, velocity: float
+        self,
+        model: Model,
+        constants: Propagator,
+        scratch: Scratch,
+        displacement: float,
+        velocity: float,
+        separation: float = 0.0,
+        separation_velocity: float = 0.0,
     ) -> None:
-        """Start from a state; ``scratch`` is for the moments of cells that are not ticks."""
+        """Start from a state; ``scratch`` is for the moments of cells that are not ticks. A separation is held."""
         self._model = model
         self._constants = constants
         self._scratch = scratch
         self.displacement = displacement
         self.velocity = velocity
+        self.separation, self.separation_velocity = separation, separation_velocity
 
     def through(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> dict[str, NDArray[Any]]:
         """Move through a tick range's cells and return the columns of /slider at its ticks."""
@@ -163,9 +172,8 @@ class SliderMotion:
         }
 
     def _force(self, tick_range: TickRange, rows: LiveRows, sample: Sample) -> ForceMoments:
-        if sample.force is None:
-            return force_moments(self._model, rows, tick_range, self._constants.cells_per_tick, self._scratch)
-        if tick_range.first == 0:
-            # No cell ends where the run begins.
-            return replace(sample.force, moments=sample.force.moments[:, 1:])
-        return sample.force
+        weight = rows.strength * (rows.diameter * rows.diameter)
+        cells = self._constants.cells_per_tick
+        return over_cells(sample, tick_range) or cell_moments(
+            self._model, rows, weight, tick_range, cells, self._scratch
+        )

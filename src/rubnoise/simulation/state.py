@@ -19,6 +19,10 @@ CENTRED: Final = ("junction", "birth", "diameter", "strength", "departure")
 """What every row has; of passes off the centre line there is the offset, too."""
 
 
+MOVING: Final = ("displacement", "velocity", "separation", "separation_velocity")
+"""What of a state moves in time, where sliding distance does not depend on it."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiveRows:
     """Junctions whose death lies beyond the last finished tick, in order of birth.
@@ -91,7 +95,8 @@ class State:
     block: the next block; next_birth (um): its first birth, where the block before it ended; junctions: rows born so
     far; ticks: ticks finished so far; events: events that the queue has seen, if there is one; live: the rows that are
     carried; slider_rows: rows of /slider so far; displacement (um) and velocity (um/s) of the slider in the last one,
-    where it is coupled one way; two_way: where a slider is that is coupled two ways, written down by itself.
+    where it is coupled one way; separation (um) and its velocity (um/s) there, under a load that weighs; two_way: where
+    a slider is that is coupled two ways, written down by itself.
     """
 
     block: int
@@ -104,6 +109,8 @@ class State:
     slider_rows: int
     displacement: float
     velocity: float
+    separation: float = 0.0
+    separation_velocity: float = 0.0
     two_way: bytes = b""
 
     def pack(self) -> bytes:

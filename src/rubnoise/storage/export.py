@@ -25,7 +25,7 @@ CHUNK_ROWS: Final = 65_536
 ROW_GROUP: Final = 262_144
 """Rows that are read at once, and those of a row group of a Parquet file."""
 
-TABLES: Final = ("junctions", "trace", "slider", "landmarks")
+TABLES: Final = ("junctions", "trace", "slider", "load", "landmarks")
 """The groups that are exported; the life curve is the same in every run of one pulse."""
 
 

@@ -206,6 +206,7 @@ def expected(scenario: Scenario) -> Budget:
         blocks=ceil(births / births_per_block(model)) + 1,
         slider=model.slider_rows,
         landmarks=None if model.is_two_way else 0,
+        load=0 if model.separation is None else model.tick_count + 1,
     )
     return _budget(scenario, rows)
 

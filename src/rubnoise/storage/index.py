@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rubnoise.storage.layout import stored_columns
 from rubnoise.storage.pages import unfailing
 from rubnoise.storage.provenance import now, package_version
-from rubnoise.storage.schema import CONVENTIONS, HASH, SLIDER, TRACE, Column, Feature, Group
+from rubnoise.storage.schema import CONVENTIONS, HASH, LOAD, SLIDER, TRACE, Column, Feature, Group
 from rubnoise.storage.structure import LIBRARY_VERSIONS, put_text, text_bytes
 
 FORMAT: Final = "rubnoise-sweep"
@@ -65,7 +65,8 @@ class Stack:
     def groups(self) -> dict[Group, int]:
         """The groups of columns of which its runs have equally many rows, and how many."""
         of_slider = {SLIDER: self.slider} if "slider" in self.features and self.slider is not None else {}
-        return {TRACE: self.ticks} | of_slider
+        of_load = {LOAD: self.ticks} if "load" in self.features else {}
+        return {TRACE: self.ticks} | of_slider | of_load
 
     def columns(self, group: Group) -> tuple[Column, ...]:
         """The columns of a group that its runs have, the scale first."""

@@ -42,6 +42,7 @@ def features_of(model: Model) -> frozenset[Feature]:
         "slider": model.slider,
         "two-way": model.is_two_way or None,
         "offset": None if model.pulse.offset == "none" else model.pulse.offset,
+        "load": model.separation,
     }
     return frozenset(feature for feature, value in given.items() if value is not None)
 
@@ -78,6 +79,7 @@ def stored_extent(rows: Mapping[str, int]) -> Extent:
         blocks=rows.get("blocks", 0),
         slider=None if "slider" in growing else rows.get("slider", 0),
         landmarks=None if "landmarks" in growing else rows.get("landmarks", 0),
+        load=rows.get("load", 0),
     )
 
 

@@ -77,6 +77,7 @@ def _features(file: h5py.File) -> frozenset[Feature]:
         "slider": has_hard_link(file, "slider"),
         "two-way": has_hard_link(file, "landmarks"),
         "offset": has_hard_link(junctions, "lateral_offset"),
+        "load": has_hard_link(file, "load"),
     }
     needed: tuple[tuple[Feature, str], ...] = (("speed", "birth_time"), ("strength", "shear_strength"))
     for feature, column in needed:

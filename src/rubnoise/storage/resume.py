@@ -100,7 +100,7 @@ class CommittedRun:
     def __init__(self, run: RunFile, found: Unfinished) -> None:
         """Stand for the first rows of an open part file."""
         self._run = run
-        self._rows = {"junctions": found.junctions, "trace": found.ticks, "slider": found.ticks}
+        self._rows = {"junctions": found.junctions, "trace": found.ticks, "slider": found.ticks, "load": found.ticks}
         self._left_out = frozenset(found.grown) | (set(run.columns) - {*self._rows, *LIFE_TABLES})
         self.path, self.extent = run.path, run.extent
         self.attributes, self.provenance = run.attributes, run.provenance

@@ -8,9 +8,9 @@ from rubnoise.contact.off_centre import OFF_CENTRE_LENS
 from rubnoise.contact.pulses import PULSES
 from rubnoise.record.rows import LandmarkKind, Phase
 
-Feature = Literal["speed", "strength", "slider", "two-way", "offset"]
-"""What a scenario may add to the bare contact: times, forces, the motion of a slider, that it pushes back, and passes
-off the centre line."""
+Feature = Literal["speed", "strength", "slider", "two-way", "offset", "load"]
+"""What a scenario may add to the bare contact: times, forces, a slider, that it pushes back, passes off the
+centre line, and a load that weighs."""
 
 Scalar = float | int | str
 """What an attribute holds."""
@@ -69,7 +69,7 @@ class Group:
 
     name: str
     long_name: str
-    length: Literal["junctions", "ticks", "slider", "landmarks", "balance", "blocks", "curve", "table"]
+    length: Literal["junctions", "ticks", "slider", "load", "landmarks", "balance", "blocks", "curve", "table"]
     columns: tuple[Column, ...]
     plotted: str
     needs: Feature | None = None
@@ -155,6 +155,27 @@ SLIDER: Final = Group(
             long_name="how the slider moves over the surface",
             needs="two-way",
             values=_values(Phase),
+        ),
+    ),
+)
+
+LOAD: Final = Group(
+    name="load",
+    long_name="the slider as it rises and falls under its load, to which both friction_force belong; /junctions,"
+    " real_contact_area and junction_count are those at the mean separation",
+    length="load",
+    needs="load",
+    plotted="separation",
+    columns=(
+        Column(name="time", units="s", symbol="t", long_name="time"),
+        Column(name="separation", units="um", symbol="z", long_name="separation of the surfaces less its mean"),
+        Column(name="velocity", units="um/s", symbol="z'", long_name="normal velocity of the slider"),
+        Column(name="load", units="uN", symbol="P", long_name="load that the junctions bear"),
+        Column(
+            name="live_overlap",
+            units="um",
+            symbol="delta",
+            long_name="mean overlap of the live junctions in height; nan without live junctions",
         ),
     ),
 )
@@ -275,6 +296,20 @@ BLOCKS: Final = Group(
             long_name="velocity of the slider at the last tick before it",
             needs="slider",
         ),
+        Column(
+            name="separation",
+            units="um",
+            symbol="z",
+            long_name="separation less its mean at the last tick before it",
+            needs="load",
+        ),
+        Column(
+            name="separation_velocity",
+            units="um/s",
+            symbol="z'",
+            long_name="normal velocity of the slider at the last tick before it",
+            needs="load",
+        ),
     ),
 )
 
@@ -310,4 +345,4 @@ LIFE_TABLE: Final = Group(
     ),
 )
 
-GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE, LIFE_TABLE)
+GROUPS: Final = (JUNCTIONS, TRACE, SLIDER, LOAD, LANDMARKS, BALANCE, BLOCKS, LIFE_CURVE, LIFE_TABLE)

@@ -27,6 +27,9 @@ from rubnoise.sweep.stopping_rule import AdaptiveReplicates
 from rubnoise.units import RATIO, Quantity
 
 _UNITS: Final = {column.name: column.units for group in (TRACE, SLIDER) for column in group.columns} | {
+    "separation": "um",
+    "normal_velocity": "um/s",
+    "load": "uN",
     "mean_force": "uN",
     "sticks_per_s": "1/s",
     "reversals_per_s": "1/s",

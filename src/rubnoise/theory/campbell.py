@@ -11,6 +11,7 @@ from rubnoise.theory import birth_noise
 from rubnoise.theory.birth_noise import has_noise_of_its_own
 from rubnoise.theory.mean_life import ORDERS
 from rubnoise.theory.regular_births import are_at_random, regular_cumulants
+from rubnoise.theory.response import force_variance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,9 +62,12 @@ def force_cumulants(model: Model) -> Cumulants:
     """Return the cumulants of stationary friction force in uN^n, n = 1 ... 6.
 
     kappa_n = lam c_n m_(2n+1) E[psi^n] for Poisson births; strengths psi (MPa) are independent of sizes. Raises Refused
-    without a strength. Source: as `area_cumulants`, for the pulse psi A of paper Eq. (1).
+    without a strength. Under a load that weighs the variance is that of `force_variance`, and higher ones are nan: they
+    are not known. Source: as `area_cumulants`, for the pulse psi A of paper Eq. (1).
     """
     psi = strengths_of(model)
+    if model.separation is not None:
+        return Cumulants(values=(psi.moment(1) * model.stationary_mean_area, force_variance(model), *[nan] * 4))
     return _cumulants(model, tuple(psi.moment(n) for n in range(ORDERS + 1)))
 
 

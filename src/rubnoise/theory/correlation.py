@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.contact.pulses import Pulse
+from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory import off_centre
 from rubnoise.theory.birth_noise import excess_of_area, has_noise_of_its_own
@@ -35,7 +36,10 @@ def force_autocovariance(model: Model, strengths: Law, lag: ArrayLike) -> Double
     """Return the autocovariance of friction force in uN^2 for lags in um (any shape), as `autocovariance`.
 
     Strengths psi (MPa) are independent of sizes: E[psi^2] goes with E[A A], E[psi]^2 with E[A] E[A] and the lines.
+    Raises Refused under a load that weighs, where the spectrum has what is known.
     """
+    if model.separation is not None:
+        raise Refused("the autocovariance of a force under [load] is not known; its spectral density is")
     return _covariance(model, lag, strengths.moment(2), strengths.mean**2)
 
 

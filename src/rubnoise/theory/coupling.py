@@ -197,6 +197,8 @@ def _unknown(model: Model, drive: Drive, strength: float) -> str | None:
         return "without damping nothing is stationary"
     if not are_at_random(model):
         return "it is known for births at random alone"
+    if model.separation is not None:
+        return "it is known at constant separation alone"
     if 3.0 * strength + _kick(model, drive) >= WEAK:
         return "the coupling is too strong for the law of weak coupling"
     if response(model).one_way_validity ** 2 < WHITE * strength:

@@ -15,6 +15,7 @@ from rubnoise.theory.coupling import Coupling, coupling
 from rubnoise.theory.crossings import crossing_rate, gaussian_crossing_rate
 from rubnoise.theory.distribution import Distribution, distribution
 from rubnoise.theory.estimated_spectrum import EstimatedSpectrum, estimated_spectrum
+from rubnoise.theory.load import LoadMotion, load_motion
 from rubnoise.theory.motion_cumulants import MotionCumulants, motion_cumulants
 from rubnoise.theory.occupancy import (
     count_from_empty,
@@ -34,6 +35,8 @@ from rubnoise.units import in_unit
 class Exact:
     """Exact stationary results: area in um^2, force in uN (None without a strength), slider (None without one).
 
+    ``load`` is the motion under a load that weighs, of first order: None without one.
+
     >>> import rubnoise
     >>> theory = rubnoise.exact(rubnoise.load("scenarios/paper/fig5.toml"))
     >>> round(theory.area.mean, 4), round(theory.area.std, 4)
@@ -52,6 +55,7 @@ class Exact:
     expected_junction_rows: float
     force: Cumulants | None
     slider: Response | None
+    load: LoadMotion | None = None
 
     def _repr_html_(self) -> str:
         known = ((name, getattr(self, name)) for name in self.__slots__ if name != "model")
@@ -150,5 +154,6 @@ def exact(model: Model) -> Exact:
         expected_births=expected_births(model),
         expected_junction_rows=expected_junction_rows(model),
         force=None if model.strengths is None else force_cumulants(model),
-        slider=None if model.slider is None or model.slider.excitation != "friction" else response(model),
+        slider=None if model.slider is None else response(model),
+        load=None if model.separation is None else load_motion(model),
     )

@@ -230,6 +230,8 @@ def motion_cumulants(model: Model) -> MotionCumulants:
     """
     need_random_births(model, "the joint law of displacement and velocity")
     need_centred_passes(model, "the joint law of displacement and velocity")
+    if model.separation is not None:
+        raise Refused("the joint law of displacement and velocity is known without a table [load] alone")
     drive = drive_of(model)
     if drive.slider.damping == 0.0:
         raise Refused("without damping the slider's motion is not stationary")

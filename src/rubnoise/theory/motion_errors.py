@@ -3,20 +3,21 @@
 from cmath import exp as complex_exp
 from cmath import sqrt as complex_sqrt
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import hypot, inf, pi
+from dataclasses import dataclass, replace
+from math import hypot, inf, pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from rubnoise.arrays import Doubles
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model, Slider
-from rubnoise.theory.campbell import force_cumulants
-from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.campbell import force_cumulants, strengths_of
+from rubnoise.theory.drive import Drive, drive_of, force_power, force_terms, separation_of, squared_strengths
 from rubnoise.theory.off_centre import offset_probabilities, pass_energies
 from rubnoise.theory.quadrature import size_rule
 from rubnoise.theory.regular_births import need_random_births, resolved_error
-from rubnoise.theory.response import Rule, mean_displacement, response, response_rules
+from rubnoise.theory.response import mean_displacement, response, response_rules
 from rubnoise.theory.sampling import variance_of_mean_force
 from rubnoise.theory.spectrum import mean_spectral_density, spectral_density
 from rubnoise.theory.transform import transform_of
@@ -38,10 +39,16 @@ class MotionErrors:
 def mean_force_error(model: Model, distance: float | None = None) -> float:
     """Return the standard error in uN of the mean friction force over a stationary record, exact for every length.
 
-    Over ``distance`` um or the model's ticks; 0 below 1e-12 of the mean, where rounding decides. Raises Refused without
-    a strength. Source: as `rubnoise.theory.sampling.variance_of_time_mean`, for the pulse psi A.
+    Over ``distance`` um or the model's ticks; 0 below 1e-12 of the mean, where rounding decides. Under a load that
+    weighs the deviations of strengths have it, and the mean of P is known but for what momentum carries: a bound.
+    Raises Refused without a strength. Source: as `rubnoise.theory.sampling.variance_of_time_mean`, for the pulse psi A.
     """
-    return resolved_error(variance_of_mean_force(model, distance), force_cumulants(model).mean)
+    error = resolved_error(variance_of_mean_force(model, distance), force_cumulants(model).mean)
+    if model.separation is None:
+        return error
+    separation, length = separation_of(model), distance or (model.tick_count + 1) * model.tick
+    drive = drive_of(separation)
+    return error + strengths_of(model).mean / drive.strengths.mean * carried_momentum(separation) * drive.speed / length
 
 
 def expected_mean_displacement(model: Model, distance: float) -> float:
@@ -67,11 +74,17 @@ def mean_displacement_error(model: Model, distance: float) -> float:
     changes over the run, spread by no more than their stationary std plus that of the decaying start (whose energy
     only falls). Raises Refused without slider, strength or speed; inf without damping.
     """
+    drive = drive_of(model)
+    change = carried_momentum(model) * drive.speed / distance
+    return (mean_force_error(model, distance) + change) / drive.slider.stiffness
+
+
+def carried_momentum(model: Model) -> float:
+    """Return a bound in uN s of the spread of m dv + c dx over a run: what the mean force need not balance."""
     drive, motion = drive_of(model), response(model)
     slider, natural = drive.slider, drive.slider.natural_angular_frequency
     start = hypot(motion.displacement_std, motion.velocity_std / natural)
-    change = slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
-    return (mean_force_error(model, distance) + change * drive.speed / distance) / slider.stiffness
+    return slider.damping * (motion.displacement_std + start) + slider.mass * (motion.velocity_std + natural * start)
 
 
 def motion_errors(model: Model, distance: float) -> MotionErrors:
@@ -88,7 +101,12 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     need_random_births(model, "the standard error of the slider's motion")
     if drive.slider.damping == 0.0:
         return MotionErrors(mean_displacement=inf, displacement_std=inf, velocity_std=inf)
-    displacement, velocity = np.sqrt(_mean_square_variances(model, drive) * drive.speed / distance)
+
+    def gains(k: Doubles) -> Doubles:
+        gain = drive.gain(k)
+        return np.stack([gain, gain * np.square(drive.speed * k)])
+
+    displacement, velocity = np.sqrt(mean_square_variances(model, drive, gains) * drive.speed / distance)
     return MotionErrors(
         mean_displacement=mean_displacement_error(model, distance),
         displacement_std=float(displacement) / (2.0 * motion.displacement_std),
@@ -96,19 +114,31 @@ def motion_errors(model: Model, distance: float) -> MotionErrors:
     )
 
 
-def _mean_square_variances(model: Model, drive: Drive) -> Doubles:
-    """Return the integrals over all lags in s of Cov[x^2, x^2] and Cov[x'^2, x'^2]."""
+def force_std_error(model: Model, distance: float) -> float:
+    """Return the standard error in uN of the std of friction force under a load, as those of `motion_errors`."""
+    drive = drive_of(separation_of(model))
+    drive = replace(drive, strengths=strengths_of(model))
+    square = mean_square_variances(model, drive, lambda k: np.ones((1, k.size)))[0]
+    return sqrt(float(square) * drive.speed / distance) / (2.0 * force_cumulants(model).std)
+
+
+def mean_square_variances(model: Model, drive: Drive, gains: Callable[[Doubles], Doubles]) -> Doubles:
+    """Return the integrals over all lags in s of Cov[u^2, u^2], u the force after filters of some power gains."""
     diameters, probabilities = size_rule(model.sizes, _SIZES)
     lives, shares = _energies_of_lives(model.pulse)
     rules = response_rules(model, drive)
-    squares, energies = np.zeros(2), np.zeros((2, shares.size, diameters.size))
-    for rule, density, square in zip(rules, (spectral_density, mean_spectral_density), lives, strict=True):
-        k, weights, powers = _weighted(rule, drive)
-        squares += np.square(density(model, k) * powers) @ weights
-        energies += np.einsum("vk,lkd->vld", powers * weights, square(np.multiply.outer(k, diameters)) * diameters**6)
-    first = drive.strengths.moment(2) ** 2 * 2.0 / (pi * drive.speed) * squares
-    fourth = shares @ np.square(energies / (pi * drive.speed)) @ probabilities
-    return first + model.birth_rate * drive.speed * drive.strengths.moment(4) * fourth
+    squares: Any = 0.0
+    energies: Any = 0.0
+    for (k, weights), density, square in zip(rules, (spectral_density, mean_spectral_density), lives, strict=True):
+        powers, life = gains(k), square(np.multiply.outer(k, diameters)) * diameters**6
+        power = density(model, k) * force_power(model, drive.strengths, k) * powers
+        squares = squares + np.square(power) @ weights
+        energies = energies + np.stack(
+            [np.einsum("vk,lkd->vld", powers * weights * term, life) for term in force_terms(model, drive.strengths, k)]
+        )
+    first = 2.0 / (pi * drive.speed) * squares
+    fourth = shares @ squared_strengths(drive.strengths, energies / (pi * drive.speed)) @ probabilities
+    return first + model.birth_rate * drive.speed * fourth
 
 
 def _energies_of_lives(pulse: Pulse) -> tuple[tuple[Energies, Energies], Doubles]:
@@ -117,13 +147,6 @@ def _energies_of_lives(pulse: Pulse) -> tuple[tuple[Energies, Energies], Doubles
         return (pass_energies, pass_energies), offset_probabilities()
     transform = transform_of(pulse)
     return (lambda z: transform.square(z)[None], lambda z: transform.mean_square(z)[None]), np.ones(1)
-
-
-def _weighted(rule: Rule, drive: Drive) -> tuple[Doubles, Doubles, Doubles]:
-    """Return wavenumbers, weights, and the gains of displacement and velocity."""
-    k, weights = rule
-    gain = drive.gain(k)
-    return k, weights, np.stack([gain, gain * np.square(drive.speed * k)])
 
 
 def _free_decay(slider: Slider, duration: float) -> tuple[float, float]:

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
-from rubnoise.theory.campbell import force_cumulants
-from rubnoise.theory.drive import Drive, drive_of
+from rubnoise.theory.drive import Drive, drive_of, separation_of
 from rubnoise.theory.pulse_energy import largest_swinging_wavenumber
 from rubnoise.theory.quadrature import distinct, panels, size_range
 from rubnoise.theory.regular_births import spectral_lines
@@ -32,9 +31,12 @@ def response_rules(model: Model, drive: Drive) -> tuple[Rule, Rule]:
     """Return nodes and weights over k > 0 in rad/um: where panels follow the swing of S(k), where they average over it.
 
     Panels grow by octaves from far below to far above every corner, by octaves of distance from the resonance
-    (beginning at half its half-width), and never exceed a phase of 8 where the swing counts.
+    (beginning at half its half-width), and never exceed a phase of 8 where the swing counts. Under a load that weighs
+    they are those for its resonance, too.
     """
     edges = response_edges(model, drive)
+    if model.separation is not None:
+        edges = distinct(np.append(edges, response_edges(model, drive_of(separation_of(model)))))
     follows = np.diff(edges) * size_range(model.sizes)[1] <= 1.001 * _SWING
     nodes, weights = (part.reshape(-1, _NODES) for part in panels(edges, _NODES))
     return (nodes[follows].ravel(), weights[follows].ravel()), (nodes[~follows].ravel(), weights[~follows].ravel())
@@ -122,7 +124,8 @@ class Response:
 
 def mean_displacement(model: Model) -> float:
     """Return the mean of x in um, E[psi] mean A_r / k: the static deflection. Raises Refused as `response` does."""
-    return force_cumulants(model).mean / drive_of(model).slider.stiffness
+    drive = drive_of(model)
+    return drive.strengths.moment(1) * model.stationary_mean_area / drive.slider.stiffness
 
 
 @lru_cache(maxsize=8)
@@ -156,6 +159,15 @@ def _variances(model: Model, drive: Drive) -> tuple[float, float]:
     k, power = spectral_lines(model)
     variances += _moved(drive, k, 2.0 * drive.strengths.mean**2 * power)
     return float(variances[0]), float(variances[1])
+
+
+def force_variance(model: Model) -> float:
+    """Return the variance of friction force in uN^2 under a load that weighs, (1/pi) int_0^inf S_F dk."""
+    drive = drive_of(separation_of(model))
+    strengths, variance = model.strengths or drive.strengths, 0.0
+    for (k, weights), exact in zip(response_rules(model, drive), (True, False), strict=True):
+        variance += float(weights @ force_spectral_density(model, strengths, k, exact=exact)) / pi
+    return variance
 
 
 def _moved(drive: Drive, wavenumber: Doubles, force: Doubles) -> Doubles:

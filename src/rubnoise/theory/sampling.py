@@ -49,9 +49,12 @@ def variance_of_mean_force(model: Model, distance: float | None = None) -> float
     """Return the variance in uN^2 of the mean friction force over a stationary record, exact for every length.
 
     Over ``distance`` um or the model's ticks, for strengths psi independent of sizes: E[psi^2] goes with what each
-    junction brings, E[psi]^2 with what they bring on average. Raises Refused without a strength.
+    junction brings, E[psi]^2 with what they bring on average. Under a load that weighs, of the deviations of strengths
+    alone. Raises Refused without a strength.
     """
     psi = strengths_of(model)
+    if model.separation is not None:
+        return _variance_of_mean(model, distance, max(psi.moment(2) - psi.mean**2, 0.0), 0.0)
     return _variance_of_mean(model, distance, psi.moment(2), psi.mean**2)
 
 

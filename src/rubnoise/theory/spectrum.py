@@ -12,7 +12,7 @@ from rubnoise.arrays import Doubles
 from rubnoise.contact.laws import Law
 from rubnoise.model import Model
 from rubnoise.theory.birth_noise import excess_density, has_noise_of_its_own
-from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.drive import force_power
 from rubnoise.theory.pulse_energy import energy_spread, mean_energy
 from rubnoise.theory.regular_births import are_at_random, need_random_births, spectral_lines
 
@@ -46,8 +46,12 @@ def force_spectral_density(model: Model, strengths: Law, wavenumber: ArrayLike, 
     """Return the two-sided spectral density of friction force in uN^2 per rad/um, strengths psi independent of sizes.
 
     lam E[psi^2] E[|A^|^2], less lam E[psi]^2 |E[A^]|^2 for regular births, whose lines carry that. Not ``exact``, it is
-    averaged as `mean_spectral_density`. Source: as `spectral_density`, for the pulse psi A of paper Eq. (1).
+    averaged as `mean_spectral_density`. Under a load that weighs, Var[psi] + E[psi]^2 |r|^2 takes the place of E[psi^2]
+    (`rubnoise.theory.drive.force_power`). Source: as `spectral_density`, for the pulse psi A of paper Eq. (1).
     """
+    if model.separation is not None:
+        k = np.abs(np.asarray(wavenumber, dtype=np.float64))
+        return _density(model, k, 1.0, 1.0, exact=exact) * force_power(model, strengths, k)
     return _density(model, wavenumber, strengths.moment(2), strengths.mean**2, exact=exact)
 
 
@@ -137,5 +141,5 @@ def visible_lines(model: Model) -> tuple[Doubles, Doubles]:
     Equation and source are those of `rubnoise.theory.regular_births.spectral_lines`; none for births at random.
     """
     wavenumber, power = spectral_lines(model)
-    seen = power > _ROUNDING * area_cumulants(model).mean ** 2
+    seen = power > _ROUNDING * model.stationary_mean_area**2
     return wavenumber[seen], power[seen]

@@ -110,8 +110,8 @@ def force_findings(model: Model, trace: TraceSums) -> list[Finding]:
 
     Raises Refused for unequal strengths unless births are random.
     """
-    if model.strengths is None:
-        return []
+    if model.strengths is None or model.separation is not None:
+        return []  # under a load that weighs it belongs to what is left of the load
     if isinstance(model.strengths, Fixed):
         largest = model.strengths.mean * (trace.area.mean + 12.0 * trace.area.std)
         away, allowed = trace.force_deviation, _ROUNDING * largest

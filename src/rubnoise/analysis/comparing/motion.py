@@ -26,7 +26,8 @@ from rubnoise.theory.motion_errors import mean_force_error, motion_errors
 from rubnoise.theory.regular_births import need_random_births
 from rubnoise.theory.response import Response, response
 
-_FORGOTTEN = 1e-3
+FORGOTTEN = 1e-3
+"""Part of a spread that the start of a motion may leave."""
 
 
 def motion_findings(model: Model, rows: Rows) -> list[Finding]:
@@ -63,7 +64,7 @@ def _forgetting(model: Model, exact: Response) -> float:
     if model.start == "empty":
         away = exact.mean_displacement
     spread = hypot(exact.displacement_std, exact.velocity_std / model.slider.natural_angular_frequency)
-    return slowest_decay(model.slider) * log((1.0 + away / spread) / _FORGOTTEN)
+    return slowest_decay(model.slider) * log((1.0 + away / spread) / FORGOTTEN)
 
 
 def _read(rows: Rows, begin: float) -> tuple[Moments, Moments]:

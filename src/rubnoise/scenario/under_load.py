@@ -1,0 +1,70 @@
+"""What a load that weighs asks of a scenario: the contact for which its theory holds, set where nothing is said."""
+
+from collections.abc import Iterator
+from copy import deepcopy
+from dataclasses import replace
+from math import pi, sqrt
+from typing import Any, Final
+
+from rubnoise.scenario.document import Document
+from rubnoise.scenario.layers import Layers
+from rubnoise.scenario.problems import Path, Problem
+from rubnoise.units import RATIO, Quantity
+
+RAYLEIGH: Final = 100.0 * sqrt(4.0 / pi - 1.0)
+"""Standard deviation over mean of Rayleigh sizes, in %: with it the Weibull law has the shape 2."""
+
+CONTACT: Final[dict[Path, str]] = {
+    ("interface", "calibration"): "matched",
+    ("diameter", "law"): "weibull",
+    ("diameter", "spread"): f"{RAYLEIGH!r} %",
+    ("birth", "law"): "poisson",
+    ("pulse", "shape"): "parabola",
+    ("pulse", "offset"): "none",
+}
+"""The contact of exponential heights: paraboloids of Rayleigh sizes that meet at random (Greenwood and Williamson)."""
+
+FREE_MOTION: Final = ("restitution", "impact_damping")
+"""Keys of a slider that leaves its contact."""
+
+_CLOSE: Final = 1e-5  # relative, of a spread that is written in few digits
+
+
+def completed(layers: Layers) -> Layers:
+    """Return layers with the contact set where a table [load] asks for it and nothing is said."""
+    if not isinstance(layers.data.get("load"), dict):
+        return layers
+    data = deepcopy(layers.data)
+    for (table, key), value in CONTACT.items():
+        given = data.setdefault(str(table), {})
+        if isinstance(given, dict) and (key != "spread" or given.get("law") == CONTACT["diameter", "law"]):
+            given.setdefault(str(key), value)
+    return replace(layers, data=data)
+
+
+def load_problems(document: Document, layers: Layers) -> Iterator[Problem]:
+    """Refuse what contradicts a load that weighs, in a document with one."""
+    for path, needed in CONTACT.items():
+        if not _agrees(_value(document, path), needed):
+            message = f"the theory of [load] is for {_words(path, needed)}"
+            hint = f'{path[-1]} = "{needed}", or leave it out: it is set'
+            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+    if document.slider is not None and document.slider.coupling == "two-way":
+        path = ("slider", "coupling")
+        message = "two-way coupling is known at constant separation alone, not with a table [load]"
+        yield Problem(path=path, message=message, place=layers.value_place(path), hint='coupling = "one-way"')
+
+
+def _value(document: Document, path: Path) -> Any:
+    return getattr(getattr(document, str(path[0])), str(path[1]))
+
+
+def _agrees(value: Any, needed: str) -> bool:
+    if isinstance(value, Quantity):
+        return value.kind == RATIO and abs(100.0 * float(value) / RAYLEIGH - 1.0) <= _CLOSE
+    return bool(value == needed)
+
+
+def _words(path: Path, needed: str) -> str:
+    table, key = path
+    return f"Rayleigh sizes ({needed})" if key == "spread" else f"{table}.{key} {needed}"
