@@ -16,7 +16,8 @@ class Slider:
     """The oscillator that holds the slider: m x'' + c x' + k x = F (kg, N s/m, N/m; force in uN, x in um).
 
     coupling: whether the motion changes the sliding distance ("two-way") or not; tolerance: of the displacement in a
-    two-way motion, relative to its equilibrium.
+    two-way motion, relative to its equilibrium. excitation: what drives it; of a base, asperity_height is the height of
+    an asperity over its diameter, of velocity-weakening friction, slope (N s/m) is how fast the force falls with speed.
     """
 
     mass: float
@@ -25,6 +26,9 @@ class Slider:
     start: Literal["equilibrium", "rest"] = "equilibrium"
     coupling: Literal["one-way", "two-way"] = "one-way"
     tolerance: float = field(default=1e-9, repr=False)
+    excitation: Literal["friction", "base", "velocity-weakening"] = "friction"
+    asperity_height: float = 0.0
+    slope: float = 0.0
 
     @property
     def natural_angular_frequency(self) -> float:

@@ -66,7 +66,8 @@ TIME = Kind(name="time", unit="s", dimension=(0, 0, 1), example="0.5 s")
 RATIO = Kind(name="ratio", unit="%", dimension=(0, 0, 0), example="20 %")
 FORCE = Kind(name="force", unit="uN", dimension=(1, 1, -2), example="0.5 mN")
 FREQUENCY = Kind(name="frequency", unit="Hz", dimension=(0, 0, -1), example="20 kHz")
-KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO, FORCE, FREQUENCY)
+DENSITY = Kind(name="density", unit="1/um^2", dimension=(-2, 0, 0), example="300 1/mm^2")
+KINDS = (LENGTH, AREA, SPEED, MASS, STRESS, STIFFNESS, DAMPING, TIME, RATIO, FORCE, FREQUENCY, DENSITY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +107,7 @@ USUAL_UNITS: dict[str, Unit] = {
     **_usual(TIME, {"us": "1e-6", "ms": "1e-3", "s": "1"}),
     **_usual(RATIO, {"%": "1e-2"}),
     **_usual(FORCE, {"uN": "1", "mN": "1e3", "N": "1e6", "kN": "1e9"}),
+    **_usual(DENSITY, {"1/um^2": "1", "1/mm^2": "1e-6", "1/cm^2": "1e-8", "1/m^2": "1e-12"}),
     **_usual(FREQUENCY, {"mHz": "1e-3", "Hz": "1", "kHz": "1e3", "MHz": "1e6"}),
 }
 

@@ -220,7 +220,8 @@ def test_what_has_no_room_here_is_noted(here: Path, monkeypatch: pytest.MonkeyPa
 # `rubnoise new`: a template that runs as it is, names every key, and replaces nothing.
 OPTIONAL = re.compile(r"^#(?=[\[a-z])", re.MULTILINE)
 # One needs another file, some exclude others, one another coupling, and the rest belong to laws without a spread.
-OTHERS = ("load", "hardness", "patch_area", "weights", "parts", "values", "sampled")
+DRIVEN = ("excitation", "asperity_height", "heights", "slope")
+OTHERS = ("load", "hardness", "patch_area", "weights", "parts", "values", "sampled", *DRIVEN)
 ELSEWHERE = ("extends", "damping_ratio", "tolerance", *OTHERS, *LAW_SAMPLES, *BIRTH_SAMPLES)
 
 

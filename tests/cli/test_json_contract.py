@@ -126,6 +126,14 @@ def breaches(answer: Any, section: str, seen: set[tuple[str, ...]] | None = None
     return found + [f"{section}: {'.'.join(path)} is missing" for path in must - met]
 
 
+BASE = tuple(
+    word
+    for change in ("excitation=base", "asperity_height=2 %", "heights=sum")
+    for word in ("--set", f"slider.{change}")
+)
+WEAKENING = ("--set", "slider.excitation=velocity-weakening", "--set", "slider.slope=0.1 N*s/m")
+SURFACE = ("--radius", "50 um", "--height", "0.5 um", "--density", "300 1/mm^2", "--modulus", "100 GPa")
+GREENWOOD = (*SURFACE, "--load", "1 N")
 LONGER = ("--set", "sliding.distance=700 um")
 
 
@@ -152,6 +160,8 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         "format = 1" + under + '[strength]\nmean = "250 MPa"\n[sliding]\nspeed = "1 mm/s"\ndistance = "1 mm"\n',
         encoding="utf-8",
     )
+    one_size = WITH_SLIDER.partition("[diameter]")[0] + WITH_SLIDER[WITH_SLIDER.index("[strength]") :]
+    (here / "based.toml").write_text(one_size, encoding="utf-8")
     (here / "wrong.toml").write_text("format = 1\n", encoding="utf-8")
     sweep = "[sweep]\nreplicates = 2\n[sweep.grid]\ninterface.mean_junction_count = [10, 20]\n"
     (here / "sweep.toml").write_text(CONTACT + sweep, encoding="utf-8")
@@ -209,6 +219,10 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("theory", ("theory", full, "--at-area", "0,1,1e9", "--json")),
         ("theory", ("theory", full, "--at-distance", "1,2", "--segment", "64", "--json")),
         ("theory", ("theory", "bare.toml", "--set", "birth.law=regular", "--segment", "64", "--json")),
+        ("theory", ("theory", full, "--white", "--json")),
+        ("theory", ("theory", "based.toml", *BASE, "--json")),
+        ("theory", ("theory", full, *WEAKENING, "--json")),
+        ("contact", ("contact", *GREENWOOD, "--json")),
         ("junction", ("junction", "full.h5", "17", "--json")),
         ("junction", ("junction", "bare.h5", "3", "--json")),
         ("junctions", ("junctions", "full.h5", "--json")),

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from rubnoise.scenario.sweep import expand
     from rubnoise.simulation.intervention import LiveJunctions
     from rubnoise.simulation.observer import Observer
+    from rubnoise.theory.asperities import greenwood_williamson
     from rubnoise.theory.exact import Exact
 
 __all__ = [
@@ -63,6 +64,7 @@ __all__ = [
     "example",
     "examples",
     "expand",
+    "greenwood_williamson",
     "infer",
     "load",
     "load_sweep",
@@ -99,6 +101,7 @@ HOMES: Final = {
     "rubnoise.scenario.sweep": ("expand",),
     "rubnoise.simulation.intervention": ("LiveJunctions",),
     "rubnoise.simulation.observer": ("Observer",),
+    "rubnoise.theory.asperities": ("greenwood_williamson",),
     "rubnoise.theory.exact": ("Exact",),
 }
 

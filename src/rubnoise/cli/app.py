@@ -40,6 +40,7 @@ COMMANDS: Final = {
     "plot": "plot.command",
     "animate": "animate.command",
     "theory": "theory.command",
+    "contact": "contact.command",
     "figures": "figures.command",
     "claims": "claims.command",
     "listen": "listen.command",

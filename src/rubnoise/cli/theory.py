@@ -49,6 +49,9 @@ def command(
             "--segment", help="Add the expected result of Welch's method with segments of N ticks.", metavar="N"
         ),
     ] = None,
+    white: Annotated[
+        bool, typer.Option("--white", help="Add white noise of the same level at low frequency (Kilburn).")
+    ] = False,
     as_csv: Annotated[bool, typer.Option("--csv", help="Print CSV, one row per number.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
     plot: Annotated[bool, typer.Option("--plot", help="Draw it into a png, pdf or svg file.")] = False,
@@ -69,7 +72,7 @@ def command(
         raise typer.BadParameter("only one of --csv, --json and --plot")
     if not plot and (picture is not None or force):
         raise typer.BadParameter(f"{picture or '--force'} is for --plot")
-    if plot and (wavenumbers or lags or areas or levels or distances or segment is not None):
+    if plot and (wavenumbers or lags or areas or levels or distances or segment is not None or white):
         raise typer.BadParameter("--plot draws curves; points are for numbers")
     if plot:
         picture = picture or Path(f"{file.stem}_theory.png")
@@ -91,7 +94,7 @@ def command(
         distances=distances,
         brief=brief,
     )
-    answer = theory_answer.theory_as_json(model, points, segment)
+    answer = theory_answer.theory_as_json(model, points, segment, white=white)
     if as_json:
         print(json.dumps(answer))
     else:
@@ -128,6 +131,20 @@ UNITS: Final = {
     "diameter.calibrated": "um",
     "diameter.mean": "um",
     "diameter.length_biased_mean": "um",
+    "base_excitation.base_mean": "um",
+    "base_excitation.base_std": "um",
+    "base_excitation.displacement_std": "um",
+    "base_excitation.velocity_std": "um/s",
+    "velocity_weakening.border": "N*s/m",
+    "velocity_weakening.mean_displacement": "um",
+    "velocity_weakening.amplitude": "um",
+    "velocity_weakening.slowest": "um/s",
+    "velocity_weakening.fastest": "um/s",
+    "velocity_weakening.period": "s",
+    "white_noise.force_density": "uN^2*s",
+    "white_noise.displacement_std": "um",
+    "white_noise.velocity_std": "um/s",
+    "white_noise.wavenumber": "rad/um",
     "spectrum.wavenumber": "rad/um",
     "spectrum.density": "um^4/(rad/um)",
     "spectral_lines.wavenumber": "rad/um",
@@ -161,6 +178,13 @@ UNITS: Final = {
 }
 """Units by the path of a field; what is not here is a plain number, but for cumulants, each of its own unit."""
 
+OTHER_MODELS: Final = {
+    "base_excitation": "excitation by the base (Rice and Moslehy)",
+    "velocity_weakening": "a force that falls with speed (Block; Oden and Martins)",
+    "white_noise": "white noise of the same level at low frequency (Kilburn)",
+}
+"""Groups of older models, and what they are called."""
+
 CURVES: Final = {
     "spectrum": "wavenumber",
     "spectral_lines": "wavenumber",
@@ -182,6 +206,7 @@ def format_theory(heading: str, calibration: str, answer: dict[str, Any], *, two
         *_moment_lines(calibration, answer),
         *_slider_lines(answer.get("slider"), two_way=two_way),
         *(format_load(answer["load"]) if "load" in answer else ()),
+        *_other_lines(answer),
         *_curve_lines(answer),
     ]
 
@@ -213,6 +238,17 @@ def _slider_lines(slider: dict[str, Any] | None, *, two_way: bool) -> Iterator[s
     yield from format_coupling(slider, two_way=two_way)
     if two_way:
         yield remark(f"note: {ONE_WAY_ALONE}")
+
+
+def _other_lines(answer: dict[str, Any]) -> Iterator[str]:
+    """Yield what older models of the family say: a name, a value and its unit in each line."""
+    for group in OTHER_MODELS:
+        fields = answer.get(group, {})
+        if fields:
+            yield from ("", sentence(OTHER_MODELS[group]))
+        for name, value in fields.items():
+            shown = ("yes" if value else "no") if isinstance(value, bool) else _shown(value)
+            yield line(name.replace("_", " "), f"{shown} {UNITS.get(f'{group}.{name}', '')}".rstrip())
 
 
 def _curve_lines(answer: dict[str, Any]) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import combinations_with_replacement
 from math import isfinite
 from typing import Any, Final, Self
@@ -15,6 +15,7 @@ from rubnoise.cli.layout import printable
 from rubnoise.cli.load import load_as_json
 from rubnoise.errors import Refused
 from rubnoise.model import Model
+from rubnoise.theory.base_excitation import base_response
 from rubnoise.theory.campbell import Cumulants, area_cumulants
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.distribution import distribution
@@ -22,6 +23,8 @@ from rubnoise.theory.exact import Exact, exact
 from rubnoise.theory.lags import covariance_reach, longest_life
 from rubnoise.theory.load import third_octaves
 from rubnoise.theory.spectrum import spectral_density, visible_lines
+from rubnoise.theory.velocity_weakening import velocity_weakening
+from rubnoise.theory.white_noise import white_noise
 
 NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 LONGEST_SHOWN: Final = 40
@@ -147,11 +150,11 @@ CONVENTION: Final = (
 MOST_LINES: Final = 64
 
 
-def theory_as_json(model: Model, points: Points, segment: int | None = None) -> dict[str, Any]:
+def theory_as_json(model: Model, points: Points, segment: int | None = None, *, white: bool = False) -> dict[str, Any]:
     """Return moments, and spectrum, autocovariance, distribution and the rest at the points; None for what is infinite.
 
-    ``segment``: ticks of one for what Welch's method shows. A group that does not apply to the model is left out;
-    raises Refused where an option requests it.
+    ``segment``: ticks of one for what Welch's method shows; ``white``: whether to add Kilburn's white noise. A group
+    that does not apply to the model is left out; raises Refused where an option requests it.
     """
     theory = exact(model)
     answer: dict[str, Any] = {
@@ -160,7 +163,7 @@ def theory_as_json(model: Model, points: Points, segment: int | None = None) -> 
     }
     if theory.force is not None:
         answer["force"] = _moments(theory.force)
-    answer |= _motion(theory) | _load(theory)
+    answer |= _motion(theory) | _load(theory) | _other_models(model, white=white)
     answer["diameter"] = {
         "calibrated": model.calibrated_diameter,
         "mean": theory.mean_diameter,
@@ -207,6 +210,18 @@ def _load(theory: Exact) -> dict[str, Any]:
         "load_covariances": {f"{one}*{other}": motion.covariance(one, other) for one, other in pairs},
         "third_octaves": {"frequency": bands.frequency, "velocity": bands.velocity, "level": bands.level},
     }
+
+
+def _other_models(model: Model, *, white: bool) -> dict[str, Any]:
+    """Return what an older model says instead of, or beside, the contact's own force."""
+    found: dict[str, Any] = {}
+    if model.slider is not None and model.slider.excitation == "base":
+        found["base_excitation"] = asdict(base_response(model))
+    if model.slider is not None and model.slider.excitation == "velocity-weakening":
+        found["velocity_weakening"] = asdict(velocity_weakening(model))
+    if white:
+        found["white_noise"] = asdict(white_noise(model))
+    return found
 
 
 def _at(model: Model, points: Points) -> dict[str, Any]:

@@ -23,6 +23,8 @@ _PATCH: Path = ("interface", "patch_area")
 _CALIBRATION: Path = ("interface", "calibration")
 _WIDTH: Path = ("birth", "cluster_width")
 _OFFSET: Path = ("pulse", "offset")
+_FEW_ASPERITIES = 0.3
+_EXCITATION: Path = ("slider", "excitation")
 _MOST_SPACINGS = 1e4
 _COUNT: Path = ("interface", "mean_junction_count")
 
@@ -81,6 +83,7 @@ def modelled(document: Document, layers: Layers) -> tuple[Model | None, Quantity
         model,
         tick,
         [
+            *_excitation_problems(document, layers, model),
             *_cluster_problems(layers, model),
             *_crowd_problems(layers, model),
             *_cost_problems(document, layers, model),
@@ -110,6 +113,22 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
         if value not in possible:
             message = f"gives {value:.3g} {what}; possible: {possible.low:g} to {possible.high:g}"
             yield Problem(path=path, message=message, place=layers.value_place(path))
+
+
+def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
+    """Refuse what has no run, heights that only equal sizes have, and sums of asperities that nobody asked for."""
+    slider = document.slider
+    if slider is None or slider.excitation in {None, "friction"}:
+        return
+    message = f'the excitation "{slider.excitation}" has no run: rubnoise theory works it out'
+    yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), forbids_run=True)
+    if slider.excitation == "base" and document.diameter.law != "fixed":
+        message, hint = "excitation by the base is known for equal diameters alone", 'diameter.law = "fixed"'
+        yield Problem(path=_EXCITATION, message=message, place=layers.value_place(_EXCITATION), hint=hint)
+    if slider.excitation == "base" and model.mean_junction_count > _FEW_ASPERITIES and slider.heights != "sum":
+        message = f"{model.mean_junction_count:g} asperities at once: a rigid body rides on the highest"
+        hint = f'at most {_FEW_ASPERITIES:g}, or slider.heights = "sum" if sums are wanted'
+        yield Problem(path=_COUNT, message=message, place=layers.value_place(_COUNT), hint=hint)
 
 
 def _cluster_problems(layers: Layers, model: Model) -> Iterator[Problem]:

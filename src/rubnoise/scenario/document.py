@@ -243,6 +243,30 @@ class Slider(Section):
             "and the slider may stick and turn round."
         ),
     ] = "one-way"
+    excitation: Annotated[
+        str | None,
+        Choice(("friction", "base", "velocity-weakening")),
+        About(
+            description="friction, the default: the force of the junctions; base: asperities lift the slider's base "
+            "(Rice and Moslehy); velocity-weakening: a mean force that falls with speed, without junctions. Only "
+            "theory has the last two."
+        ),
+    ] = None
+    asperity_height: Annotated[
+        Quantity | None,
+        Measure((RATIO, LENGTH), possible=Range(1e-9, 1e6), plausible=Range(1e-9, 1e6)),
+        About(description="Height of a triangular impulse: a percentage of d, or a length; for base."),
+    ] = None
+    heights: Annotated[
+        str | None,
+        Choice(("highest", "sum")),
+        About(description="sum: impulses add up also where asperities meet, of which a rigid body rides the highest."),
+    ] = None
+    slope: Annotated[
+        Quantity | None,
+        Measure((DAMPING,), possible=Range(1e-15, 1e15), plausible=Range(1e-9, 1e9)),
+        About(description="By how much the force falls with speed; for velocity-weakening."),
+    ] = None
     tolerance: Annotated[
         float | None,
         Number(Range(1e-12, 1e-4)),

@@ -55,6 +55,8 @@ _RIGHT_FORMS: dict[Path, str] = {
     ("sliding", "speed"): 'speed = "1 mm/s"',
     ("slider", "mass"): 'mass = "5 g"',
     ("slider", "stiffness"): 'stiffness = "300 N/m"',
+    ("slider", "asperity_height"): 'asperity_height = "2 %"',
+    ("slider", "slope"): 'slope = "0.1 N*s/m"',
     ("slider", "damping"): 'damping = "0.05 N*s/m" or damping_ratio = 0.02',
     ("load", "height_scale"): 'height_scale = "0.5 um"',
     ("load", "mass"): 'mass = "5 g"',
@@ -158,7 +160,8 @@ def _rule_problems(layers: Layers) -> Iterator[Problem]:
     """What keys ask of one another, from what the file holds, whether or not their values are right."""
     slider, sliding = (_table(layers, name) for name in ("slider", "sliding"))
     if isinstance(layers.data.get("slider"), dict):
-        if "strength" not in layers.data:
+        yield from _excitation_problems(layers, slider)
+        if "strength" not in layers.data and slider.get("excitation") != "base":
             yield missing(
                 layers, ("strength", "mean"), "missing; a slider is driven by a force, which needs a strength"
             )
@@ -202,6 +205,25 @@ def _said_twice(layers: Layers, both: list[Path]) -> Problem:
     where = f"{first.source}:{first.line}" if first.line else first.source
     message = f"both {names} are given (the other at {where})"
     return Problem(path=path, message=message, place=second, hint="keep exactly one of the two")
+
+
+_DRIVEN = {"asperity_height": "base", "heights": "base", "slope": "velocity-weakening"}
+
+
+def _excitation_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:
+    """Compare the keys of an excitation with it; a driven motion is known one-way alone."""
+    excitation = slider.get("excitation", "friction")
+    for key, its in _DRIVEN.items():
+        path = ("slider", key)
+        if key in slider and excitation != its:
+            message = f'the excitation "{excitation}" takes no {key}'
+            hint = f'write excitation = "{its}", or leave the {key} out'
+            yield Problem(path=path, message=message, place=layers.value_place(path), hint=hint)
+        if key not in slider and excitation == its and key != "heights":
+            yield missing(layers, path, f'missing; the excitation "{its}" needs it')
+    if excitation in _DRIVEN.values() and slider.get("coupling") == "two-way":
+        message, path = f'the excitation "{excitation}" is known with one-way coupling alone', ("slider", "coupling")
+        yield Problem(path=path, message=message, place=layers.value_place(path), hint='coupling = "one-way"')
 
 
 def _tolerance_problems(layers: Layers, slider: dict[str, Any]) -> Iterator[Problem]:

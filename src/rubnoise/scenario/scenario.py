@@ -225,7 +225,7 @@ def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Mo
         sliding_speed=None if sliding.speed is None else float(sliding.speed),
         distance=float(sliding.distance),
         start=cast(Literal["stationary", "empty"], sliding.start),
-        slider=_slider(document.slider) if document.slider else None,
+        slider=_slider(document.slider, diameter) if document.slider else None,
         tick=float(tick),
         tick_count=tick_count(sliding.distance, tick),
         pulse=pulse,
@@ -253,7 +253,8 @@ def _strengths(strength: sections.Strength | None) -> Law | None:
     return law_for(float(strength.mean), spread_of(strength)) if strength else None
 
 
-def _slider(slider: sections.Slider) -> Slider:
+def _slider(slider: sections.Slider, diameter: float) -> Slider:
+    height = slider.asperity_height
     mass, stiffness = float(slider.mass), float(slider.stiffness)
     critical = 2.0 * sqrt(stiffness * mass)
     ratio = slider.damping_ratio
@@ -266,4 +267,7 @@ def _slider(slider: sections.Slider) -> Slider:
         start=start,
         coupling=cast(Literal["one-way", "two-way"], slider.coupling),
         tolerance=slider.tolerance or TOLERANCE,
+        excitation=cast(Literal["friction", "base", "velocity-weakening"], slider.excitation or "friction"),
+        asperity_height=0.0 if height is None else float(height) / (1.0 if height.kind == RATIO else diameter),
+        slope=float(slider.slope or 0.0),
     )

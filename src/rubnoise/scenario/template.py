@@ -46,6 +46,10 @@ SAMPLES: Final[dict[tuple[str, str], Any]] = {
     ("load", "mass"): "5 g",
     ("load", "damping"): "4 N*s/m",
     ("load", "damping_ratio"): 0.05,
+    ("slider", "excitation"): "friction",
+    ("slider", "asperity_height"): "2 %",
+    ("slider", "heights"): "sum",
+    ("slider", "slope"): "10 N*s/m",
     ("output", "tick"): "0.1 um",
     (SWEEP, "precision"): 0.005,
 }

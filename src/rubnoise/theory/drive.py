@@ -55,6 +55,8 @@ def drive_of(model: Model) -> Drive:
     """Return the drive of a model; raises Refused where slider, strength or sliding speed is missing."""
     if model.slider is None or model.strengths is None or model.sliding_speed is None:
         raise Refused("the slider's response needs [slider], a shear strength ([strength]) and sliding.speed")
+    if model.slider.excitation != "friction":
+        raise Refused(f'the slider is not driven by friction but by slider.excitation = "{model.slider.excitation}"')
     return Drive(slider=model.slider, strengths=model.strengths, speed=model.sliding_speed)
 
 

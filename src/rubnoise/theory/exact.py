@@ -154,6 +154,6 @@ def exact(model: Model) -> Exact:
         expected_births=expected_births(model),
         expected_junction_rows=expected_junction_rows(model),
         force=None if model.strengths is None else force_cumulants(model),
-        slider=None if model.slider is None else response(model),
         load=None if model.separation is None else load_motion(model),
+        slider=None if model.slider is None or model.slider.excitation != "friction" else response(model),
     )

@@ -1,0 +1,139 @@
+"""The static contact of a rough surface under a load (Greenwood and Williamson): real contact area and contacts."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import exp, gamma, inf, pi, sqrt
+from typing import Any, Literal
+
+from rubnoise.errors import Refused
+from rubnoise.units import AREA, DENSITY, FORCE, LENGTH, STRESS, QuantityError, read_quantity
+
+_FARTHEST = 12.0  # separations over the height scale, to either side, among which a load is looked for
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoughContact:
+    """A static contact: separation in um, load in uN, real contact area in um^2, contacts, mean pressure in MPa.
+
+    ``plasticity_index`` is (E*/H) sqrt(s/R), None without a hardness: contacts are elastic below 0.6, plastic above 1.
+    """
+
+    separation: float
+    load: float
+    real_contact_area: float
+    junction_count: float
+    mean_pressure: float
+    plasticity_index: float | None
+
+    def interface(self) -> str:
+        """Return the table [interface] of a scenario with this area and count."""
+        area, count = f"{self.real_contact_area:.9g} um^2", f"{self.junction_count:.9g}"
+        return f'[interface]\nmean_real_contact_area = "{area}"\nmean_junction_count = {count}\n'
+
+
+def height_integral(heights: str, power: float, separation: float) -> float:
+    """Return F_n(h) = int_h^inf (t - h)^n phi(t) dt for heights of unit scale, n >= 0; exp(-h) n! if exponential.
+
+    Source: Greenwood and Williamson (1966), doi:10.1098/rspa.1966.0242, Eqs. 10 to 14.
+    """
+    if heights == "exponential":
+        return exp(-separation) * gamma(power + 1.0)
+    from scipy.integrate import quad
+
+    def part(root: float) -> float:  # t - h = root^2: smooth for half powers too
+        return float(2.0 * root ** (2.0 * power + 1.0) * exp(-0.5 * (separation + root * root) ** 2) / sqrt(2.0 * pi))
+
+    deep = max(-separation, 0.0)
+    ends = sorted({0.0, sqrt(deep), sqrt(deep + 3.0), sqrt(deep + 42.0)})
+    pieces = (quad(part, low, high, epsabs=0.0, epsrel=1e-12)[0] for low, high in pairwise(ends))
+    return float(sum(pieces))
+
+
+def greenwood_williamson(
+    *,
+    radius: Any,
+    height: Any,
+    density: Any,
+    modulus: Any,
+    load: Any = None,
+    separation: Any = None,
+    nominal_area: Any = "1 mm^2",
+    hardness: Any = None,
+    heights: Literal["gaussian", "exponential"] = "gaussian",
+    regime: Literal["elastic", "plastic"] = "elastic",
+) -> RoughContact:
+    """Return the static contact of a rough surface with a smooth one, at a load or at a separation of mean planes.
+
+    radius R, height scale s (standard deviation; of exponential heights the mean), density eta of asperities, modulus
+    E* (of both, plane strain), as texts with units or numbers in um, 1/um^2, MPa, uN. With h the separation over s, n
+    eta times the nominal area: N = n F_0(h), elastic A = pi n R s F_1(h), P = (4/3) n E* sqrt(R) s^1.5 F_1.5(h);
+    plastic twice that area, and P = H A. It is static: sliding changes the contact. Raises Refused.
+    Source: Greenwood and Williamson (1966), doi:10.1098/rspa.1966.0242.
+
+    >>> import rubnoise
+    >>> found = rubnoise.greenwood_williamson(
+    ...     radius="50 um", height="0.5 um", density="300 1/mm^2", modulus="100 GPa", load="1 N"
+    ... )
+    >>> round(found.real_contact_area, 1), round(found.junction_count, 2)
+    (294.8, 9.61)
+    """
+    if (load is None) == (separation is None):
+        raise Refused("either a load or a separation")
+    if regime == "plastic" and hardness is None:
+        raise Refused("a plastic contact needs a hardness")
+    if heights not in {"gaussian", "exponential"} or regime not in {"elastic", "plastic"}:
+        raise Refused("heights are gaussian or exponential, and a regime elastic or plastic")
+    r, s = _positive("radius", radius, LENGTH), _positive("height", height, LENGTH)
+    whole = _positive("density", density, DENSITY) * _positive("nominal area", nominal_area, AREA)
+    stiff = _positive("modulus", modulus, STRESS)
+    hard = None if hardness is None else _positive("hardness", hardness, STRESS)
+
+    def area_at(h: float) -> float:
+        return (2.0 if regime == "plastic" else 1.0) * pi * whole * r * s * height_integral(heights, 1.0, h)
+
+    def load_at(h: float) -> float:
+        if regime == "plastic" and hard is not None:
+            return hard * area_at(h)
+        return 4.0 / 3.0 * whole * stiff * sqrt(r) * s**1.5 * height_integral(heights, 1.5, h)
+
+    if load is None:
+        h = _number("separation", separation, LENGTH) / s
+    else:
+        h = _separation_of(_positive("load", load, FORCE), load_at, 0.0 if heights == "exponential" else -_FARTHEST)
+    if heights == "exponential" and h < 0.0:
+        raise Refused("exponential heights begin at the mean plane: the separation is not negative")
+    area, force = area_at(h), load_at(h)
+    return RoughContact(
+        separation=h * s,
+        load=force,
+        real_contact_area=area,
+        junction_count=whole * height_integral(heights, 0.0, h),
+        mean_pressure=force / area if area else 0.0,
+        plasticity_index=None if hard is None else stiff / hard * sqrt(s / r),
+    )
+
+
+def _separation_of(load: float, load_at: Any, least: float) -> float:
+    from scipy.optimize import brentq
+
+    fewest, most = load_at(_FARTHEST), load_at(least)
+    if not fewest <= load <= most:
+        raise Refused(f"a load of {load:g} uN: this surface carries {fewest:.3g} to {most:.3g} uN")
+    return float(brentq(lambda h: load_at(h) - load, least, _FARTHEST, xtol=1e-14, rtol=1e-14))
+
+
+def _positive(name: str, value: Any, kind: Any) -> float:
+    number = _number(name, value, kind)
+    if not 0.0 < number < inf:
+        raise Refused(f"{name}: must be above 0")
+    return number
+
+
+def _number(name: str, value: Any, kind: Any) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return float(value)
+    try:
+        return float(read_quantity(value, kind))
+    except (QuantityError, TypeError) as error:
+        hint = getattr(error, "hint", "")
+        raise Refused(f'{name}: {error}; {hint or f"""right form: "{kind.example}" """.strip()}') from None

@@ -1,0 +1,151 @@
+"""Older models beside this one: published figures of each, limits, and what is refused."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import rubnoise
+from rubnoise.contact.laws import Spread
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.theory.asperities import height_integral
+from rubnoise.theory.base_excitation import base_response
+from rubnoise.theory.response import response
+from rubnoise.theory.velocity_weakening import velocity_weakening
+from rubnoise.theory.white_noise import white_noise
+from tests.models import model
+from tests.unit.scenarios import WHOLE, refusal
+
+
+def one_size(**slider: object) -> Model:
+    run = model(spread=Spread())
+    return replace(run, slider=replace(run.slider, **slider))  # type: ignore[type-var]
+
+
+def test_white_noise_has_its_published_figures() -> None:
+    found, own = white_noise(one_size()), response(one_size())
+    assert found.force_density == pytest.approx(1436574.38, rel=1e-8)
+    assert (found.displacement_std, found.velocity_std) == pytest.approx((218.828, 53602.0), rel=1e-5)
+    assert found.life_phase == pytest.approx(4.50, abs=5e-3)
+    assert found.displacement_std / own.displacement_std == pytest.approx(1.129, abs=5e-4)
+    assert found.velocity_std / own.velocity_std == pytest.approx(1.143, abs=5e-4)
+    assert white_noise(replace(model(births="gamma"), pulse=one_size().pulse)).wavenumber is None
+
+
+@pytest.mark.parametrize(("count", "times"), [(20.0, 1.0), (0.2, 0.1)])
+def test_a_base_of_asperities_has_its_published_figures(count: float, times: float) -> None:
+    run = model(spread=Spread(), area=10.0 * count, count=count)
+    height = 0.1 / run.calibrated_diameter
+    found = base_response(replace(run, slider=replace(run.slider, excitation="base", asperity_height=height)))  # type: ignore[type-var]
+    assert found.base_mean == pytest.approx(count / 20.0, rel=1e-12)
+    assert found.base_std == pytest.approx(0.2581989 * times, rel=1e-7)
+    assert (found.displacement_std, found.velocity_std) == pytest.approx(
+        (1.1066318 * times, 267.2051 * times), rel=2e-6
+    )
+    with pytest.raises(Refused, match="excitation"):
+        base_response(run)
+    with pytest.raises(Refused, match="driven"):
+        response(replace(run, slider=replace(run.slider, excitation="base")))  # type: ignore[type-var]
+
+
+BORDER = [(0.0, True), (0.05, True), (0.0500001, False), (0.1, False), (0.5, False)]
+
+
+@pytest.mark.parametrize(("slope", "steady"), BORDER)
+def test_the_border_is_the_damping(slope: float, steady: bool) -> None:  # noqa: FBT001  (a case)
+    run = one_size(excitation="velocity-weakening", slope=slope)
+    found = velocity_weakening(run)
+    assert (found.steady, found.border) == (steady, 0.05)
+    assert (found.amplitude > 0.0) == (not steady)
+
+
+def test_a_cycle_obeys_its_closed_solution() -> None:
+    """In the slip y is a growing oscillation about 0, which begins at the spring's largest pull with the speed V."""
+    run, slope = one_size(excitation="velocity-weakening", slope=0.3), 0.3
+    found, slider = velocity_weakening(run), run.slider
+    assert slider is not None
+    rate = 0.5 * (slope - slider.damping) / slider.mass
+    turn = np.sqrt(slider.stiffness / slider.mass - rate**2)
+    start, speed = 2.0 * rate * slider.mass * 1000.0 / slider.stiffness, 1000.0
+    slipped = found.period * (1.0 - found.stick_fraction)
+    t = np.linspace(0.0, slipped, 20001)
+    ahead = (speed - rate * start) / turn
+    y = np.exp(rate * t) * (start * np.cos(turn * t) + ahead * np.sin(turn * t))
+    velocity = np.gradient(y, t)
+    assert velocity[-1] == pytest.approx(speed, rel=2e-3)
+    assert velocity.min() == pytest.approx(found.slowest, rel=1e-4)
+    assert 0.5 * np.ptp(y) == pytest.approx(found.amplitude, rel=1e-4)
+    assert (start - y[-1]) / speed == pytest.approx(found.period * found.stick_fraction, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("h", "first", "more"),
+    [
+        (0.0, 0.3989422804, 0.4300199937),
+        (1.0, 0.0833154706, 0.0756681774),
+        (2.0, 0.0084907026, 0.0066481776),
+        (3.0, 0.000382154317, 0.000263967554),
+    ],
+)
+def test_height_integrals_have_their_published_figures(h: float, first: float, more: float) -> None:
+    assert height_integral("gaussian", 1.0, h) == pytest.approx(first, rel=2e-8)
+    assert height_integral("gaussian", 1.5, h) == pytest.approx(more, rel=2e-8)
+    assert height_integral("gaussian", 1.0, -8.0) == pytest.approx(8.0, rel=1e-12)
+
+
+def test_a_rough_contact_has_its_published_figures() -> None:
+    surface = {"radius": 50.0, "height": 0.5, "density": "20 1/mm^2", "modulus": 1e5, "hardness": "2 GPa"}
+    found = rubnoise.greenwood_williamson(**surface, separation=0.0, heights="exponential")
+    assert found.load == pytest.approx(8.862269e6, rel=1e-7)
+    assert (found.real_contact_area, found.junction_count) == pytest.approx((1570.796, 20.0), rel=1e-6)
+    assert (found.mean_pressure, found.plasticity_index) == pytest.approx((5641.896, 5.0), rel=1e-7)
+    for load in ("1 mN", "1 N"):  # the area of a contact is pi R s, whatever the load
+        light = rubnoise.greenwood_williamson(**surface, load=load, heights="exponential")
+        assert light.real_contact_area / light.junction_count == pytest.approx(pi * 25.0, rel=1e-12)
+    plastic = rubnoise.greenwood_williamson(**surface, load="1 N", regime="plastic")
+    assert plastic.mean_pressure == pytest.approx(2000.0, rel=1e-12)
+    text = f'format = 1\n{plastic.interface()}[sliding]\ndistance = "1 mm"\n'
+    assert rubnoise.scenario.loads(text).model().mean_real_contact_area == pytest.approx(500.0, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({}, "either a load or a separation"),
+        ({"load": "1 N", "separation": "1 um"}, "either a load or a separation"),
+        ({"load": "1 kg"}, "load: "),
+        ({"load": "-1 N"}, "load: must be above 0"),
+        ({"load": "1 kN"}, "this surface carries"),
+        ({"load": "1 N", "regime": "plastic"}, "needs a hardness"),
+    ],
+)
+def test_a_contact_that_is_none_is_refused(change: dict[str, str], said: str) -> None:
+    with pytest.raises(Refused, match=said):
+        rubnoise.greenwood_williamson(
+            radius="50 um",
+            height="0.5 um",
+            density="20 1/mm^2",
+            modulus="100 GPa",
+            **change,  # type: ignore[arg-type]
+        )
+
+
+DRIVEN = WHOLE.replace('law = "normal"\nspread = "0.2 um"\n', "").replace(
+    'damping = "0.05', 'excitation = "base"\nasperity_height = "2 %"\ndamping = "0.05'
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (DRIVEN, "20 asperities at once: a rigid body rides on the highest"),
+        (DRIVEN.replace("mean_junction_count = 20", "mean_junction_count = 0.2"), 'the excitation "base" has no run'),
+        (DRIVEN.replace('asperity_height = "2 %"\n', ""), "slider.asperity_height: missing"),
+        (DRIVEN.replace("damping =", 'coupling = "two-way"\ndamping ='), 'the excitation "base" is known with one-way'),
+        (WHOLE.replace("damping =", 'slope = "1 N*s/m"\ndamping ='), 'the excitation "friction" takes no slope'),
+    ],
+)
+def test_wrong_excitations_are_refused(text: str, said: str) -> None:
+    assert said in refusal(text)
