@@ -15,7 +15,7 @@ from rubnoise.storage.reader import RunFile, refusing
 from rubnoise.storage.run_description import description_of
 from rubnoise.storage.schema import HASH
 
-ELSEWHERE: Final = frozenset({"/ source", f"/provenance {HASH}"})
+ELSEWHERE: Final = frozenset({"/ attribute source", f"/provenance attribute {HASH}"})
 """Attributes that say which version of the program began a run, and the hash that goes with them: checked by value."""
 
 
@@ -52,4 +52,4 @@ def _places(objects: Inventory) -> Iterator[tuple[str, str]]:
     for path, about in objects.items():
         yield path, json.dumps({name: value for name, value in about.items() if name != "attributes"})
         for name, attribute in about["attributes"].items():
-            yield f"{path} {name}", json.dumps(attribute["value"] if name in OF_HDF5 else attribute)
+            yield f"{path} attribute {name}", json.dumps(attribute["value"] if name in OF_HDF5 else attribute)
