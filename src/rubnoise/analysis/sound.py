@@ -11,6 +11,7 @@ import numpy as np
 from rubnoise.analysis.spectra import Spectrum, WelchSum
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.model import Model
 from rubnoise.record.reader import Reader
 from rubnoise.record.tally import Moments
 from rubnoise.scenario.reading import stored
@@ -59,11 +60,12 @@ def _round(value: float) -> float:
     return min((factor * power for factor in (1.0, 2.0, 5.0, 10.0)), key=lambda near: abs(log10(near / value)))
 
 
-What = Literal["velocity", "force", "displacement"]
+What = Literal["velocity", "force", "displacement", "normal-velocity"]
 COLUMNS: Final[dict[What, str]] = {
     "velocity": "velocity",
     "force": "friction_force",
     "displacement": "displacement",
+    "normal-velocity": "velocity",
 }
 PEAK: Final = 10.0 ** (-3.0 / 20.0)
 """How far the loudest sample goes of full scale: 3 dB below it."""
@@ -116,7 +118,7 @@ class Sound:
             rate=rate,
             ratio=ratio,
             samples=samples,
-            natural=None if model.slider is None else model.slider.natural_frequency,
+            natural=_natural(model, group),
         )
 
     @property
@@ -199,6 +201,10 @@ def samples_of(sound: Sound, level: Level, between: Between) -> Iterator[Doubles
 
 def _group(file: Reader, what: What) -> str:
     """Return the group that holds a quantity; raises Refused if the run has none."""
+    if what == "normal-velocity" or (what == "velocity" and "slider" not in file.columns and "load" in file.columns):
+        if "load" not in file.columns:
+            raise Refused("the run has no normal velocity; a table [load] in its scenario would give it one")
+        return "load"
     if "slider" in file.columns:
         return "slider"
     if what != "force":
@@ -209,6 +215,13 @@ def _group(file: Reader, what: What) -> str:
     if COLUMNS[what] not in file.columns["trace"]:
         raise Refused("the run has no friction force to hear; [strength] in its scenario would give it one")
     return "trace"
+
+
+def _natural(model: Model, group: str) -> float | None:
+    """Return the frequency in Hz at which what is heard swings by itself."""
+    if group == "load":
+        return None if model.separation is None else model.separation.oscillator.natural_frequency
+    return None if model.slider is None else model.slider.natural_frequency
 
 
 def _samples(whole: int, rate: int, seconds: float | None) -> int:

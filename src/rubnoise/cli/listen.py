@@ -21,6 +21,7 @@ class What(StrEnum):
     VELOCITY = "velocity"
     FORCE = "force"
     DISPLACEMENT = "displacement"
+    NORMAL_VELOCITY = "normal-velocity"
 
 
 class Rate(StrEnum):
@@ -38,7 +39,7 @@ def command(
         typer.Option("-o", "--output", help="The file to write; default: RUN_WHAT.wav, in this folder.", metavar="WAV"),
     ] = None,
     what: Annotated[
-        What, typer.Option(help="The sound: velocity, force or displacement.", metavar="WHAT")
+        What, typer.Option(help="The sound: velocity, force, displacement or normal-velocity.", metavar="WHAT")
     ] = What.VELOCITY,
     speed_up: Annotated[
         float, typer.Option("--speed-up", help="Factor by which the sound is faster than the run.", metavar="X")
