@@ -69,7 +69,7 @@ def stage(source: Path) -> None:
     """Put every page where Sphinx reads it."""
     source.mkdir()
     for name in COPIED:
-        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__", "*.h5"))
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__", "*.h5", "scans"))
     for path in [*ROOT.glob("*.md"), ROOT / "LICENSE", ROOT / "CITATION.cff", *PAGES.iterdir()]:
         if path.is_file():
             shutil.copy(path, source)

@@ -96,7 +96,7 @@ def test_an_option_with_fixed_choices_names_them_all(
     start = re.search(rf"^│ [* ]*{option}\b", text, re.MULTILINE)
     assert start
     row = re.split(r"\n│ {1,4}-|╰", text[start.start() + 6 :])[0]
-    assert set(choices) <= set(re.findall(r"\w+", row))
+    assert set(choices) <= set(re.findall(r"[\w-]+", row))
 
 
 def test_choices_are_those_of_scenarios_and_pictures() -> None:

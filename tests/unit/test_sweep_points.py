@@ -211,7 +211,7 @@ def _grid(line: str) -> str:
          "did you mean interface.mean_junction_count?"),
         ('"interface.mean_junction_count" = [1]', "sweep.grid.interface.mean_junction_count: unknown key",
          "write interface.mean_junction_count without quotation marks: a dotted key stands for its table"),
-        ("slider.sped = [1]", "sweep.grid.slider.sped: unknown key", "did you mean sliding.speed?"),
+        ("sliding.sped = [1]", "sweep.grid.sliding.sped: unknown key", "did you mean sliding.speed?"),
         ("run.seed = [1, 2]", "sweep.grid.run.seed: is not swept",
          "seeds follow from run.seed, the point and the replicate; replicates = 4 makes four of each"),
         ('title = ["a"]', "sweep.grid.title: unknown key",

@@ -40,7 +40,7 @@ def command(
     group: Annotated[
         ExportedGroup | None,
         typer.Option(
-            help="One group of the run: junctions, trace, slider or landmarks; default: all.", metavar="GROUP"
+            help="One group of the run: junctions, trace, slider, load or landmarks; default: all.", metavar="GROUP"
         ),
     ] = None,
     output: Annotated[

@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rubnoise.cli.layout import line, number, remark
-from rubnoise.theory.exact import Exact
+
+if TYPE_CHECKING:
+    from rubnoise.theory.exact import Exact
 
 HELD = "separation held"
 """The regime of a scenario without a load that weighs: the gap is constant, and the load is not."""
@@ -14,7 +16,7 @@ WORTH_A_SHARE = 1e-4
 """Share of time with a negative load from which it is told."""
 
 
-def load_as_json(theory: Exact) -> dict[str, Any]:
+def load_as_json(theory: "Exact") -> dict[str, Any]:
     """Return the regime of a contact by name, and its motion under a load that weighs; an unknown error is None."""
     motion = theory.load
     if motion is None:

@@ -17,6 +17,10 @@ QUANTITIES: Final[dict[str, tuple[str, str]]] = {
     "displacement_std": ("standard deviation of the\ndisplacement", "µm"),
     "velocity_std": ("standard deviation of the\nvelocity", "µm/s"),
     "one_way_validity": ("standard deviation of the\nvelocity over sliding speed", ""),
+    "separation_std": ("standard deviation of the\nseparation", "µm"),
+    "normal_velocity_std": ("standard deviation of the\nnormal velocity", "µm/s"),
+    "load_mean": ("mean load", "µN"),
+    "load_std": ("standard deviation of the\nload", "µN"),
 }
 """Figures of a run as a label has them, and their units."""
 

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from rubnoise.errors import Refused, needing
-from rubnoise.sweep.execution import in_words, versions
+from rubnoise.sweep.execution import SCHEDULER_GONE, WorkLost, in_words, versions
 
 PATIENCE: Final = 30.0
 """Seconds for a scheduler to answer."""
@@ -140,7 +140,10 @@ class Cluster:
         """The number of threads of all workers there are now; one where there are none yet."""
         now = time.monotonic()
         if now - self._counted >= _COUNTED_EVERY:
-            self._counted, self._lanes = now, max(1, sum(self._client.nthreads().values()))
+            try:
+                self._counted, self._lanes = now, max(1, sum(self._client.nthreads().values()))
+            except OSError as problem:
+                raise WorkLost(SCHEDULER_GONE) from problem
         return self._lanes
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any) -> "Future[Any]":

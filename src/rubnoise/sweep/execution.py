@@ -85,6 +85,9 @@ class Workers(Protocol):
         ...
 
 
+SCHEDULER_GONE: Final = "the scheduler is gone; the same command resumes the sweep"
+
+
 class WorkLost(RubnoiseError):  # noqa: N818  (says what happened)
     """The process that handed out the work has ended, or hands it to workers that are of no use."""
 
@@ -229,7 +232,7 @@ class Execution(Generic[Result]):
         try:
             attempt = future.result()
         except CancelledError as problem:
-            raise WorkLost("the scheduler is gone; the same command resumes the sweep") from problem
+            raise WorkLost(SCHEDULER_GONE) from problem
         except Exception as problem:  # noqa: BLE001  (whatever it says, the worker did not come back)
             yield from self._lost(points, problem)
             return
