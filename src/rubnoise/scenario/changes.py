@@ -27,7 +27,7 @@ def replaced(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     values: dict[str, Any] = {"format": 1, **deepcopy(dict(scenario.given))}
     # The seed and the engine may have been changed since the file was read.
     values["run"] = dict(scenario.resolved()["run"])
-    places = [(*_place(name, values), value) for name, value in changes.items()]
+    places = [(*_place(name, value, values), value) for name, value in changes.items()]
     named = {key for _, key, _ in places}
     for table, key, value in places:
         if not table:
@@ -62,7 +62,7 @@ def _set(table: dict[str, Any], key: str, value: Any) -> None:
         table[key] = value
 
 
-def _place(name: str, values: Mapping[str, Any]) -> tuple[str, str]:
+def _place(name: str, value: Any, values: Mapping[str, Any]) -> tuple[str, str]:
     """Return the table of a key, empty at the top, and the key in it; raises ScenarioRefused for no such key.
 
     A key of several tables is that of the only one that a scenario has.
@@ -70,9 +70,9 @@ def _place(name: str, values: Mapping[str, Any]) -> tuple[str, str]:
     table, dot, key = name.partition(".")
     if dot:
         return table, key
-    if name in Document.model_fields:
-        return "", name
     homes = [section for section, kind in SECTIONS.items() if name in kind.model_fields]
+    if name in Document.model_fields and not (homes and isinstance(value, str)):  # `load` is a table and a key
+        return "", name
     homes = [section for section in homes if section in values] or homes
     if len(homes) == 1:
         return homes[0], name
