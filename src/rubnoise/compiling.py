@@ -19,6 +19,7 @@ SOURCES = (
     "contact/plain_deviates.py",
     "simulation/coupled/*.py",
     "simulation/kernels/*.py",
+    "simulation/slider.py",
 )
 """Files that are compiled into functions of other files."""
 

@@ -289,16 +289,16 @@ def test_names_are_unique_and_texts_are_there() -> None:
 def test_every_column_has_the_unit_of_its_quantity() -> None:
     """Of what a column is, told by its symbol: a length in um is an area in um^2 when it is squared, and so on."""
     units = {
-        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x"},
+        "um": {"s", "s_birth", "s_death", "L_j", "d", "b", "x", "z", "delta"},
         "um^2": {"A_r", "A_jmax"},
-        "um/s": {"x'"},
+        "um/s": {"x'", "z'"},
         "s": {"t", "t_birth", "t_death", "t_stick"},
         "um*s": {"I_x"},
         "um^2*s": {"I_xx"},
         "um^2/s": {"I_vv"},
         "uN*um": {"W", "W_-"},
         "MPa": {"psi"},
-        "uN": {"F_s", "F_-", "F_+"},
+        "uN": {"F_s", "F_-", "F_+", "P"},
         "1": {"j", "state", "N_j", "k", "j_0", "i_0", "u", "b/d", "a", "n", "phase", "kind"},
     }
     found: dict[str, set[str]] = {}

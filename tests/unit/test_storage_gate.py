@@ -214,15 +214,15 @@ def other_seed(file: h5py.File) -> None:
 
 
 CHANGES: dict[Callable[[h5py.File], None], str] = {
-    other_unit: "/trace/distance units is not that of a run",
-    other_meaning: "/junctions/state flag_meanings is not that of a run",
-    other_formula: "/ junction_area_formula is not that of a run",
-    no_name: "/slider/velocity long_name is missing",
-    one_more_attribute: "/slider colour belongs to no run",
+    other_unit: "/trace/distance attribute units is not that of a run",
+    other_meaning: "/junctions/state attribute flag_meanings is not that of a run",
+    other_formula: "/ attribute junction_area_formula is not that of a run",
+    no_name: "/slider/velocity attribute long_name is missing",
+    one_more_attribute: "/slider attribute colour belongs to no run",
     one_more_column: "/trace/temperature belongs to no run",
     one_more_group: "/notes belongs to no run",
-    no_name_of_a_group: "/blocks long_name is missing",
-    other_scale: "/trace/friction_force DIMENSION_LIST is missing",
+    no_name_of_a_group: "/blocks attribute long_name is missing",
+    other_scale: "/trace/friction_force attribute DIMENSION_LIST is missing",
     other_figure: "/provenance xxh3_128 is ",
     other_seed: "/provenance xxh3_128 is ",
 }
