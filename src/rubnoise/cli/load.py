@@ -13,7 +13,7 @@ HELD = "separation held"
 """The regime of a scenario without a load that weighs: the gap is constant, and the load is not."""
 
 WORTH_A_SHARE = 1e-4
-"""Share of time with a negative load from which it is told."""
+"""Share of time with a negative load from which it is printed."""
 
 
 def load_as_json(theory: "Exact") -> dict[str, Any]:

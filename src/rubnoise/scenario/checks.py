@@ -116,7 +116,7 @@ def _contact_problems(document: Document, layers: Layers) -> Iterator[Problem]:
 
 
 def _excitation_problems(document: Document, layers: Layers, model: Model) -> Iterator[Problem]:
-    """Refuse what has no run, heights that only equal sizes have, and sums of asperities that nobody asked for."""
+    """Refuse what has no run, heights that only equal sizes have, and sums of asperities without `heights = "sum"`."""
     slider = document.slider
     if slider is None or slider.excitation in {None, "friction"}:
         return

@@ -204,7 +204,7 @@ def _summed(model: Model, rows: Rows, distance: Doubles) -> tuple[Doubles, Doubl
     for chunk in chunks(rows, "junctions"):
         birth, diameter, death = (chunk[name] for name in ("birth_distance", "diameter", "death_distance"))
         offset = chunk.get("lateral_offset")
-        # Nobody before the first of these rows lives on to a distance, and from the last on nobody is born yet.
+        # No junction before the first of these rows lives to a distance, and from the last on none is born yet.
         first = np.searchsorted(np.maximum.accumulate(death), distance, side="right")
         last = np.searchsorted(birth, distance, side="right")
         for n in np.flatnonzero(first < last).tolist():
