@@ -1,6 +1,7 @@
 """Contacts beside each other, sections, and a stage that stays in sight."""
 
 from collections.abc import Callable, Iterator
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,9 @@ SIDES = """(() => {
     counts: [...side.counts], births: side.births,
   });
 })()"""
+STAGE = """rub.run.living.map((row) => [
+  row.id, ...rub.stage.placeOf(row), row.diameter, rub.stage.along(row),
+])"""
 ROWS = "rub.run.rows.map((row) => [row.birth, row.diameter])"
 MEMORY = """(lives) => {
   document.getElementById('lag').value = lives;
@@ -54,7 +58,7 @@ def walk(browser: Any, lesson_file: str) -> Iterator[Walk]:
 
 
 @pytest.mark.parametrize("title", PAIRS)
-def test_two_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: str) -> None:
+def test_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: str) -> None:
     first, second = PAIRS[title]
     walk.open(title)
     assert walk.page.locator("#beside").is_hidden()
@@ -62,11 +66,13 @@ def test_two_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: s
     walk.run(first)
     walk.page.evaluate("rub.run.pause()")
     sides = walk.page.evaluate(SIDES)
-    assert sides[0] is not None
-    assert sides[1] is None, "what is not run yet gives nothing away"
-    walk.run(second)
-    walk.page.evaluate("rub.run.pause(), rub.run.goTo(300)")
-    few, many = walk.page.evaluate(SIDES)
+    assert sides[first] is not None
+    assert sides[second] is None, "what is not run yet gives nothing away"
+    for run in (first, second):
+        walk.run(run)
+        walk.page.evaluate("rub.run.pause(), rub.run.goTo(300)")
+        sides = walk.page.evaluate(SIDES)
+    few, many = sides[first], sides[second]
     assert walk.page.locator("#beside").is_visible()
     assert (few["spacing"], few["top"]) == (many["spacing"], many["top"])
     places = (many["first"] + np.arange(400)) * many["spacing"]
@@ -86,28 +92,61 @@ def test_two_contacts_stand_beside_each_other_on_equal_axes(walk: Walk, title: s
 def test_a_jump_far_ahead_shows_what_a_slow_run_does(walk: Walk) -> None:
     walk.open("8. Many small")
     walk.predict()
-    walk.run(0)
     walk.run(1)
     walk.page.evaluate("rub.run.pause(), rub.run.goTo(2000)")
-    there = walk.page.evaluate(SIDES)
+    there = walk.page.evaluate(SIDES)[1:]
     walk.page.evaluate("rub.run.goTo(0)")
     for place in range(100, 2001, 100):
         walk.page.evaluate(f"rub.run.goTo({place}), rub.beside.draw()")
-    slowly = walk.page.evaluate(SIDES)
+    slowly = walk.page.evaluate(SIDES)[1:]
     assert slowly == there
     for side in slowly:
         assert side["looks"] == sum(side["counts"]) == int(2000 / side["spacing"]) // 8 + 1
     walk.page.evaluate("rub.run.goTo(1000)")
-    assert walk.page.evaluate(SIDES) != there
+    assert walk.page.evaluate(SIDES)[1:] != there
 
 
-def test_the_last_two_runs_are_the_ones_on_show(walk: Walk) -> None:
+def test_a_run_stays_when_another_one_runs(walk: Walk) -> None:
+    """Picture and column of a run stay; a control that is turned writes into a column of its own."""
     walk.open("5. The sum")
     walk.predict()
-    for run, labels in ((2, [1, 2]), (0, [0, 2]), (1, [0, 1])):
+    column = "[...document.querySelectorAll(\"[data-seen^='%d.']\")].map((cell) => cell.textContent)"
+    kept: list[Any] = []
+    for run, count in enumerate((2, 20, 100)):
         walk.run(run)
-        shown = walk.page.evaluate("rub.beside.runs.map((run) => run.set.meanCount)")
-        assert shown == [[2, 20, 100][i] for i in labels], run
+        walk.page.evaluate("rub.run.pause()")
+        walk.slide_on()
+        sides = walk.page.evaluate(SIDES)
+        assert [side is not None for side in sides] == [i <= run for i in range(3)], count
+        assert sides[:run] == [side for side, _ in kept]
+        assert [walk.page.evaluate(column % i) for i in range(run)] == [figures for _, figures in kept]
+        kept.append((sides[run], walk.page.evaluate(column % run)))
+    walk.page.evaluate("rub.set({ meanCount: 50 }), rub.run.goTo(500)")
+    assert "controls as they are" in walk.article.locator(".lesson-table").inner_text()
+    assert [walk.page.evaluate(column % i) for i in range(3)] == [figures for _, figures in kept]
+
+
+def test_hills_of_one_surface_do_not_overlap_and_births_at_random_form_no_lattice(walk: Walk) -> None:
+    """Of random places x is uniform, and does not follow from that of the row before."""
+    walk.page.evaluate("rub.set({ meanCount: 40, spread: 0.5 })")
+    found: dict[int, list[float]] = {}
+    worst = 0.0
+    for place in range(20, 1500, 2):
+        rows = np.array(walk.page.evaluate(f"rub.run.goTo({place}), {STAGE}"))
+        found |= {int(row[0]): list(row[1:3]) for row in rows}
+        _, x, y, diameter, along = rows.T
+        for way in (-0.5, 0.5):
+            apart = np.hypot(*(each[:, None] - each for each in (x + way * along, y)))
+            overlap = 0.5 * (diameter[:, None] + diameter) - apart
+            np.fill_diagonal(overlap, -np.inf)
+            worst = max(worst, overlap.max() / diameter.mean())
+    assert worst <= 0.02, "in diameters"
+    places = np.array([found[row] for row in sorted(found)])
+    share = (places - places.min(axis=0)) / np.ptp(places, axis=0)
+    assert len(share) > 2000
+    assert np.abs(share.mean(axis=0) - 0.5).max() < 4 * sqrt(1 / 12 / len(share))
+    step = np.diff(share, axis=0) % 1
+    assert step.std(axis=0).min() > 0.2, "a low-discrepancy sequence has one step"
 
 
 def test_the_correlation_at_a_lag_is_that_of_the_trace(walk: Walk) -> None:

@@ -1,7 +1,7 @@
 """Every figure that a lesson shows: the law's are those of the Python package, the run's follow from its rows."""
 
 from bisect import bisect_left
-from math import exp, sqrt
+from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -59,8 +59,19 @@ def sizes(exact):
 def births(exact):
     per_life = 2 * exact.mean_diameter / exact.model.mean_birth_spacing
     if isinstance(exact.model.births, RegularBirths):
-        return [exact.model.mean_birth_spacing, 0, per_life, 0]
-    return [exact.model.mean_birth_spacing, exp(-1), per_life, per_life]
+        return [exact.model.mean_birth_spacing, 0, 0, per_life, 0]
+    return [exact.model.mean_birth_spacing, 1 - exp(-0.5), exp(-1), per_life, per_life]
+
+
+def swings(exact):
+    slider = exact.slider
+    own = exact.model.slider.natural_frequency
+    return [
+        slider.displacement_std,
+        slider.one_way_validity,
+        slider.velocity_std / (2 * pi * slider.displacement_std),
+        own,
+    ]
 
 
 LESSONS = [
@@ -70,7 +81,7 @@ LESSONS = [
     lambda exact: [exact.mean_diameter, exact.length_biased_mean_diameter, 0.5, exact.count_mean],
     lambda exact: [exact.area.mean, exact.area.std, swing(exact), exact.area.skewness],
     correlations,
-    lambda exact: [exact.slider.displacement_std, exact.slider.one_way_validity],
+    swings,
     lambda exact: [swing(exact), exact.slider.displacement_std],
     sizes,
 ]
@@ -154,6 +165,7 @@ def figures(found):
         "areaSkewness": np.mean((area - area.mean()) ** 3) / spread(area) ** 1.5,
         "gapMean": gaps.mean(),
         "gapsBeyondMean": np.mean(gaps > found["spacing"]),
+        "gapsBelowHalf": np.mean(gaps < 0.5 * found["spacing"]),
         "birthsMean": windows.mean(),
         "birthsVariance": spread(windows),
         "bornMean": diameter[inside].mean(),

@@ -39,6 +39,7 @@ _FIRST: Final = (
     "seen.js",
     "reading.js",
     "plot.js",
+    "places.js",
     "stage.js",
     "stack.js",
     "traces.js",

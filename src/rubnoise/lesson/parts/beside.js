@@ -1,5 +1,5 @@
 'use strict';
-/* Two contacts beside each other on equal axes, each as far as the run on the stage: area, births, how often. */
+/* The contacts of a lesson beside each other on equal axes, each as far as it was run: area, births, how often. */
 (() => {
   const rub = (globalThis.rub ??= {});
   const { ink, pen, line, leftAxis, lowerAxis } = rub.plot;
@@ -14,13 +14,14 @@
   class Side {
     constructor(world, spacing, top) {
       Object.assign(this, { spacing, top, source: new rub.model.Births({ ...world }) });
-      Object.assign(this, { coming: [], live: [], births: [], next: 0, looks: 0 });
+      Object.assign(this, { coming: [], live: [], births: [], next: 0, looks: 0, reached: 0 });
       this.areas = new Float64Array(COLUMNS + 1);
       this.counts = new Float64Array(BINS);
     }
 
     /** Go on to a distance; of columns that have left the picture by then only some are looked at. */
     until(distance) {
+      this.reached = distance;
       const last = Math.floor(distance / this.spacing);
       for (; this.next <= last; this.next += 1) {
         const isLook = this.next % LOOK === 0;
@@ -58,24 +59,31 @@
   /** Return the settings of a run of the open lesson, with the knobs that it leaves alone. */
   const worldOf = (run) => ({ ...rub.world, ...run.set });
 
-  /** Show runs of a lesson beside each other: {label, set, pressed}; those not pressed yet keep their place. */
+  /** Show runs beside each other: {label, set, pressed, running}; those not pressed yet keep their place. */
   beside.show = (runs) => {
-    Object.assign(beside, { runs, sides: [] });
+    Object.assign(beside, { runs });
   };
 
-  /** Make the contacts anew where they are not those of the settings, or where the run has gone back. */
+  /** Make the contacts anew that have other settings than before; the others stay as far as they were run. */
   function renew() {
-    const key = JSON.stringify([beside.runs, rub.world.seed]);
-    const wentBack = beside.sides.some((side) => side && (side.next - 1) * side.spacing > rub.run.reached);
-    if (key === beside.key && beside.sides.length && !wentBack) return;
-    const exact = beside.runs.map((run) => rub.theory.exact(worldOf(run)));
-    const spacing = (LIVES * Math.max(...exact.map((each) => each.lifeMean))) / COLUMNS;
-    const top = Math.max(...exact.map((each) => rub.traces.topOf(each)));
-    const sides = beside.runs.map((run) => (run.pressed ? new Side(worldOf(run), spacing, top) : null));
-    Object.assign(beside, { key, sides, spacing, top });
+    const worlds = beside.runs.map(worldOf);
+    const key = JSON.stringify(worlds);
+    if (key !== beside.key) {
+      const exact = worlds.map((world) => rub.theory.exact(world));
+      const spacing = (LIVES * Math.max(...exact.map((each) => each.lifeMean))) / COLUMNS;
+      const top = Math.max(...exact.map((each) => rub.traces.topOf(each)));
+      Object.assign(beside, { key, spacing, top, sides: worlds.map(() => null) });
+    }
+    beside.runs.forEach((run, i) => {
+      if (run.pressed && !(run.running && wentBack(beside.sides[i]))) beside.sides[i] ??= sideOf(run);
+      else beside.sides[i] = run.pressed ? sideOf(run) : null;
+    });
   }
 
-  /** Draw every contact in a part of the canvas, with the same axes. */
+  const sideOf = (run) => new Side(worldOf(run), beside.spacing, beside.top);
+  const wentBack = (side) => side && side.reached > rub.run.reached;
+
+  /** Draw every contact in a part of the canvas, with the same axes; that of the run on the stage goes on. */
   beside.draw = () => {
     const { width, height } = beside.pen;
     if (!width || !beside.runs.length) return;
@@ -83,6 +91,7 @@
     renew();
     const part = width / beside.runs.length;
     beside.sides.forEach((side, i) => {
+      if (side && beside.runs[i].running) side.until(rub.run.reached);
       const box = { left: i * part + 46, top: 18, right: (i + 1) * part - 10, bottom: height - 18 };
       drawSide(side, beside.runs[i].label, box);
     });
@@ -91,12 +100,11 @@
   function drawSide(side, label, box) {
     const { ctx } = beside.pen;
     const trace = { ...box, right: box.right - 0.16 * (box.right - box.left) };
-    const last = Math.floor(rub.run.reached / beside.spacing);
+    const last = side ? Math.floor(side.reached / beside.spacing) : 0;
     const first = Math.max(0, last - COLUMNS);
     const y = leftAxis(ctx, box, 0, beside.top, [`${label}: area, µm²`, label]);
     const x = lowerAxis(ctx, trace, first * beside.spacing, (first + COLUMNS) * beside.spacing, 'µm');
     if (!side) return hint(label, box);
-    side.until(rub.run.reached);
     drawBirths(side, x, trace);
     ctx.strokeStyle = ink.ink;
     ctx.lineWidth = 1.5;
@@ -119,12 +127,12 @@
   }
 
   /** Mark each birth at the lower edge, where single ones can be seen. */
-  function drawBirths({ births, source }, x, box) {
+  function drawBirths({ births, source, reached }, x, box) {
     if (x(source.contact.spacing) - x(0) < LEAST_GAP) return;
     const { ctx } = beside.pen;
     ctx.fillStyle = ink.birth;
     for (const birth of births) {
-      if (x(birth) >= box.left && birth <= rub.run.reached) ctx.fillRect(x(birth) - 0.5, box.bottom - 9, 1.2, 9);
+      if (x(birth) >= box.left && birth <= reached) ctx.fillRect(x(birth) - 0.5, box.bottom - 9, 1.2, 9);
     }
   }
 

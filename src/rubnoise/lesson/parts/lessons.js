@@ -65,7 +65,7 @@
   /** Return what is known of a lesson that has not begun: no prediction, no stake, no check answered. */
   function fresh() {
     const further = { step: STEPS.asked, said: '' };
-    const runs = { running: -1, pressed: [], watched: {}, read: {} };
+    const runs = { running: -1, pressed: [], watched: {}, kept: {}, read: {} };
     return { step: STEPS.asked, said: '', stake: 0, look: '', ...runs, right: {}, further };
   }
 
@@ -151,12 +151,9 @@
     rub.fragment('progress', written());
   }
 
-  /** Return the two runs that stand beside each other: the last two pressed, or the last one and its neighbour. */
-  function pair({ experiment: { runs } }, { pressed }) {
-    const last = pressed[0] ?? 0;
-    const other = pressed[1] ?? (last + 1 < runs.length ? last + 1 : last - 1);
-    return [last, other].sort().map((i) => ({ ...runs[i], pressed: pressed.includes(i) }));
-  }
+  /** Return the runs of a lesson, which stand beside each other, with what was pressed and what is running. */
+  const beside = ({ experiment: { runs } }, { pressed, running }) =>
+    runs.map((run, i) => ({ ...run, pressed: pressed.includes(i), running: i === running }));
 
   /** Return why the question does not fit the settings any more, or nothing. */
   function misfit(lesson, world) {
@@ -179,7 +176,7 @@
     add,
     fresh,
     revealed,
-    pair,
+    beside,
     chosen,
     written,
     recall,

@@ -7,7 +7,7 @@
     experiment: 'Opens when you have made your prediction.',
     after: 'Opens when you have said what you see.',
   };
-  const AHEAD = 'Slide 200 lives ahead';
+  const AHEAD = { type: 'button', class: 'quiet', 'data-act': 'ahead' };
 
   /** Return a new element with attributes (text: its text, html: its content) and children. */
   function make(tag, attributes = {}, ...children) {
@@ -100,7 +100,7 @@
         'div',
         { class: 'lesson-buttons' },
         ...buttons,
-        begun && !reading && make('button', { type: 'button', class: 'quiet', 'data-act': 'ahead', text: AHEAD }),
+        begun && !reading && make('button', { ...AHEAD, text: `Slide ${lessons.ahead(lesson)} lives ahead` }),
       ),
       make('p', { class: 'lesson-verdict', id: 'lesson-running', role: 'status' }),
       begun && reading && lessons.reading.form(lesson, state.lessons[index]),
@@ -110,28 +110,10 @@
     );
   }
 
-  /** Return the table of what the run has shown so far; the law's column waits until it gives no answer away. */
+  /** Return the table of what the runs have shown. */
   function seenTable(lesson, index) {
     if (lesson.experiment.reading) return lessons.reading.table(lesson, index);
-    const open = lessons.revealed(state.lessons[index]);
-    const head = ['quantity', 'seen so far', open ? 'the law' : '']
-      .filter(Boolean)
-      .map((text) => make('th', { scope: 'col', text }));
-    const rows = lesson.experiment.table.map((row, i) => {
-      const unit = row.unit ? `, ${words.unitName(row.unit)}` : '';
-      return make(
-        'tr',
-        {},
-        make('th', { scope: 'row', html: row.label + unit }),
-        make('td', { 'data-seen': i }),
-        open && make('td', { 'data-exact': i }),
-      );
-    });
-    return make(
-      'div',
-      { class: 'lesson-scroll' },
-      make('table', { class: 'lesson-table' }, make('thead', {}, make('tr', {}, ...head)), make('tbody', {}, ...rows)),
-    );
+    return make('div', { class: 'lesson-scroll' }, lessons.kept.table(lesson, state.lessons[index]));
   }
 
   function law(lesson, index) {

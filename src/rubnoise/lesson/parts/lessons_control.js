@@ -4,7 +4,6 @@
   const rub = globalThis.rub;
   const { lessons } = rub;
   const { list, state, words, page, STEPS } = lessons;
-  const AHEAD = 200; // lives of one step ahead: enough for the second digit of most figures
   const REFRESH = 500; // ms between two updates of the table: numbers that flicker cannot be read
   const phone = matchMedia('(max-width: 55rem)'); // there the pictures lie over the lesson
   let root = null;
@@ -68,14 +67,19 @@
   }
 
   function tellSeen(exact = rub.exact()) {
-    const { table } = list[state.open].experiment;
-    const begun = current().step >= STEPS.run;
-    const seen = begun ? lessons.seen(exact) : null;
-    table.forEach((row, i) => {
-      fill(`[data-seen="${i}"]`, () => (begun ? words.say(row.seen(seen, exact, rub.world)) : '–'));
-      fill(`[data-exact="${i}"]`, () => words.say(row.exact(exact, rub.world)));
-    });
-    if (list[state.open].further) lessons.tellFurther(root, list[state.open].further, seen, exact);
+    const lesson = list[state.open];
+    const seen = current().step >= STEPS.run ? lessons.seen(exact) : null;
+    if (!lesson.experiment.reading) tellKept(lesson, seen, exact);
+    if (lesson.further) lessons.tellFurther(root, lesson.further, seen, exact);
+  }
+
+  /** Keep what the run shows, and write all that was kept; a control that was turned gets a column of its own. */
+  function tellKept(lesson, seen, exact) {
+    if (seen) lessons.kept.keep(lesson, current(), seen, exact);
+    const shown = find('.lesson-table');
+    if (shown && Number(shown.dataset.columns) !== lessons.kept.columns(lesson, current()).length)
+      shown.replaceWith(lessons.kept.table(lesson, current()));
+    lessons.kept.write(root, lesson, current());
   }
 
   /** Open a lesson. */
@@ -100,7 +104,7 @@
   function place() {
     const lesson = list[state.open];
     const { runs, reading } = lesson.experiment;
-    rub.beside.show(runs.length > 1 && !reading ? lessons.pair(lesson, current()) : []);
+    rub.beside.show(runs.length > 1 && !reading ? lessons.beside(lesson, current()) : []);
   }
 
   function predict() {
@@ -128,10 +132,10 @@
   function run(index) {
     const lesson = list[state.open];
     const chosen = lesson.experiment.runs[index];
+    current().running = index;
     rub.set(chosen.set, { restart: true });
     rub.transport.pace(rub.exact().lifeMean * lesson.experiment.pace);
     rub.run.play();
-    current().running = index;
     current().pressed = [index, ...current().pressed.filter((other) => other !== index)];
     place();
     if (chosen.trace) lessons.reading.open(lesson, current(), index);
@@ -171,9 +175,8 @@
   /** Slide on at once by many lives, for those who want figures and not the show. */
   function ahead() {
     const { run: going } = rub;
-    going.goTo(Math.min(going.end, going.distance + AHEAD * rub.exact().lifeMean));
-    watchOn();
-    tellSeen();
+    going.goTo(Math.min(going.end, going.distance + lessons.ahead(list[state.open]) * rub.exact().lifeMean));
+    refresh();
     const lives = words.say(Math.round(going.distance / rub.exact().lifeMean));
     fill('#lesson-running', () => `Now at ${lives} lives${going.distance < going.end ? '' : ', the end of the run'}.`);
   }
@@ -244,6 +247,11 @@
     const now = performance.now();
     if (now - refreshed < REFRESH) return;
     refreshed = now;
+    refresh();
+  }
+
+  /** Take notice of what the run shows now. */
+  function refresh() {
     watchOn();
     tellSeen();
   }
@@ -270,6 +278,6 @@
     if (recalled) root.scrollIntoView();
   }
 
-  lessons.open = open;
+  Object.assign(lessons, { open, refresh });
   rub.on('ready', mount);
 })();

@@ -50,7 +50,7 @@
         counts: new Sums(exact.countMean),
         window: new Sums(exact.countMean),
       });
-      for (const name of ['gaps', 'born', 'lives', 'met', 'alive', 'ages', 'beyond']) this[name] = new Sums(0);
+      for (const name of ['gaps', 'born', 'lives', 'met', 'alive', 'ages', 'beyond', 'short']) this[name] = new Sums(0);
       this.live = [];
       this.next = 0;
       this.looks = 0;
@@ -90,6 +90,7 @@
     gap(gap) {
       this.gaps.add(gap);
       this.beyond.add(gap > this.spacing * (1 + 1e-9) ? 1 : 0);
+      this.short.add(gap < 0.5 * this.spacing ? 1 : 0);
     }
 
     endWindows(place) {
@@ -145,6 +146,7 @@
         lifeMean: this.lives.mean,
         gapMean: this.gaps.mean,
         gapsBeyondMean: this.beyond.mean,
+        gapsBelowHalf: this.short.mean,
         birthsMean: this.window.mean,
         birthsVariance: this.window.variance,
         correlation: (lives) => this.correlation(lives),

@@ -30,12 +30,13 @@
         Below, from above, as on the stage: a circle for each hill, and their overlap is the area in contact.</figcaption>`,
     prediction: {
       options: [
-        { id: 'peak', text: `nearly the whole disc, about 0.75 <var>d</var>²` },
-        { id: 'half', text: `half of the peak, about 0.39 <var>d</var>²` },
-        { id: 'third', text: `about 0.33 <var>d</var>²`, right: true },
-        { id: 'tenth', text: `about 0.1 <var>d</var>²` },
+        { id: 'peak', value: 0.75, text: `nearly the whole disc, about 0.75 <var>d</var>²` },
+        { id: 'half', value: 0.39, text: `half of the peak, about 0.39 <var>d</var>²` },
+        { id: 'third', value: 0.33, text: `about 0.33 <var>d</var>²`, right: true },
+        { id: 'tenth', value: 0.1, text: `about 0.1 <var>d</var>²` },
       ],
     },
+    evidence: { run: 0, row: 1, asks: `Which mean area did the disc have over its lives?` },
     needs: { births: 'regular', pulse: 'lens', spread: 0, meanCount: 1 },
     experiment: {
       pace: 0.25, // lives a second
@@ -121,9 +122,17 @@
         { id: 'equal', text: `there is but one gap; births keep their distance` },
       ],
     },
-    needs: { births: 'poisson' },
+    evidence: {
+      run: 0,
+      row: 1,
+      asks: `“Births at random”: which gaps were the most common?`,
+      /* Of gaps about the mean hardly any would be so short, of even ones a quarter, of exponential ones 39 %. */
+      says: ({ 0: [, short] }) => (short > 0.32 ? 'short' : short > 0.2 ? 'all' : short > 0.02 ? 'mean' : 'equal'),
+    },
+    needs: {},
     experiment: {
       pace: 1, // lives a second
+      lives: 40,
       text: `The same number of births a millimetre, first at random, then at regular distances.`,
       runs: [
         { label: 'Births at random', set: contact({ births: 'poisson' }), show: 'beside gaps' },
@@ -137,6 +146,11 @@
       ],
       table: [
         { label: 'mean gap', unit: 'um', seen: (s) => s.gapMean, exact: (f) => f.spacing },
+        {
+          label: 'share of gaps shorter than half of the mean',
+          seen: (s) => s.gapsBelowHalf,
+          exact: (f, world) => (world.births === 'regular' ? 0 : 1 - Math.exp(-1 / 2)),
+        },
         {
           label: 'share of gaps longer than the mean',
           seen: (s) => s.gapsBeyondMean,
@@ -198,15 +212,17 @@
       much does the number of live junctions typically differ from 20?`,
     prediction: {
       options: [
-        { id: 'one', text: `by about 1: births and deaths balance` },
-        { id: 'root', text: `by 4 or 5`, right: true },
-        { id: 'ten', text: `by about 10` },
-        { id: 'all', text: `by about 20: it is anything from 0 to 40` },
+        { id: 'one', value: 1, text: `by about 1: births and deaths balance` },
+        { id: 'root', value: 4.5, text: `by 4 or 5`, right: true },
+        { id: 'ten', value: 10, text: `by about 10` },
+        { id: 'all', value: 20, text: `by about 20: it is anything from 0 to 40` },
       ],
     },
+    evidence: { run: 0, row: 1, asks: `“Equal sizes”: by how much did the count differ from 20?` },
     needs: { births: 'poisson' },
     experiment: {
       pace: 1, // lives a second
+      lives: 30,
       text: `Equal junctions first, then very unequal ones.`,
       runs: [
         { label: 'Equal sizes', set: contact({ spread: 0 }), show: 'count' },

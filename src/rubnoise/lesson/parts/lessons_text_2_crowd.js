@@ -21,9 +21,16 @@
         { id: 'depends', text: `larger or smaller, depending on the place` },
       ],
     },
+    evidence: {
+      run: 0,
+      row: 1,
+      asks: `How did the mean diameter in contact compare with that at birth?`,
+      says: ({ 0: [born, live] }) => (live > 1.03 * born ? 'larger' : live < born / 1.03 ? 'smaller' : 'same'),
+    },
     needs: { births: 'poisson' },
     experiment: {
       pace: 1, // lives a second
+      lives: 30,
       text: `Very unequal junctions, so that the difference can be seen.`,
       runs: [{ label: 'Run with unequal sizes', set: contact({ spread: 2 }), show: 'sizes' }],
       watch: [
@@ -121,15 +128,17 @@
       by how much does the sum typically stray from its mean, as a share of the mean?`,
     prediction: {
       options: [
-        { id: 'five', text: `about 5 %` },
-        { id: 'twelve', text: `about 12 %` },
-        { id: 'quarter', text: `about 27 %`, right: true },
-        { id: 'half', text: `about 50 %` },
+        { id: 'five', value: 0.05, text: `about 5 %` },
+        { id: 'twelve', value: 0.12, text: `about 12 %` },
+        { id: 'quarter', value: 0.27, text: `about 27 %`, right: true },
+        { id: 'half', value: 0.5, text: `about 50 %` },
       ],
     },
+    evidence: { run: 1, row: 2, asks: `“20 junctions”: by how much did the area stray, as a share of its mean?` },
     needs: { births: 'poisson', pulse: 'lens', spread: 0 },
     experiment: {
-      pace: 1, // lives a second
+      pace: 2, // lives a second
+      lives: 40,
       text: `The same mean area, made of 2, of 20 and of 100 junctions.`,
       runs: [
         { label: '2 junctions', set: contact({ meanCount: 2 }), show: 'beside histogram' },
@@ -140,7 +149,7 @@
         `With 2 junctions the histogram leans to one side. For some of the way there is no contact at all: the thick line
           at area 0 is the exact share.`,
         `With 20 and 100 it becomes narrow and symmetric: the bell curve arrives.`,
-        `The last two runs stand beside each other on equal axes: the same mean, another swing.`,
+        `All runs stand beside each other on equal axes: the same mean, another swing.`,
       ],
       table: [
         { label: 'mean area', unit: 'um^2', seen: (s) => s.areaMean, exact: (f) => f.areaMean },

@@ -14,6 +14,18 @@
     damping: 0.05,
   };
 
+  /* Bartlett: where nothing is left, an estimate over a path S has the variance (2/S) ∫ ρ² dτ. */
+  let perLife = 0;
+  function alone(lives) {
+    if (!perLife) {
+      const f = globalThis.rub.theory.exact({ ...globalThis.rub.world, ...contact({}) });
+      const cells = 200;
+      for (let i = 0; i < cells; i += 1)
+        perLife += (f.autocovariance(((i + 0.5) / cells) * f.lifeMean) / f.autocovariance(0)) ** 2 / cells;
+    }
+    return Math.sqrt((2 * perLife) / lives);
+  }
+
   lessons.add({
     id: 'memory',
     title: 'Memory',
@@ -27,22 +39,35 @@
         { id: 'ever', text: `it fades without ever ending` },
       ],
     },
+    evidence: {
+      run: 0,
+      row: 4,
+      asks: `Where did the correlation come to nothing but chance?`,
+      says: ({ 0: [, quarter, half, , one, later] }, lives) => {
+        const chance = 3 * alone(lives);
+        if (Math.abs(one) > chance || Math.abs(later) > chance) return 'ever';
+        return half > chance ? 'life' : quarter > chance ? 'half' : 'gap';
+      },
+    },
     needs: { births: 'poisson', pulse: 'lens', spread: 0 },
     experiment: {
       pace: 2, // lives a second
+      lives: 1000, // the correlation at half a life then stands 7 times what chance leaves away from 0
       text: `Equal junctions. How strongly is the area correlated with itself, a lag further on?`,
       runs: [{ label: 'Run and compare with itself', set: contact({ spread: 0 }), show: 'memory' }],
       watch: [
         `The trace lies over itself, moved on by a lag. Choose the lag: where both curves are on one side of the mean, it is
           shaded. Beside it is a dot for each place: its area over the area a lag before.`,
-        `The correlation falls as the lag grows, and stays near zero from one life on.`,
+        `The correlation falls as the lag grows, and stays near zero from one life on. After ± stands what chance alone
+          leaves, which is less in a longer run.`,
         `Press “spectrum” above that picture: flat for waves much longer than a life, then it falls steeply, with dips
           of its own.`,
       ],
       table: [0, 1 / 4, 1 / 2, 3 / 4, 1, 3 / 2].map((lives) => ({
-        label: `correlation at a lag of ${lives === 0 ? '0' : `${say(lives)} lives`}`,
+        label: `correlation at a lag of ${lives === 0 ? '0' : lives === 1 ? '1 life' : `${say(lives)} lives`}`,
         seen: (s) => s.correlation(lives),
         exact: (f) => f.autocovariance(lives * f.lifeMean) / f.autocovariance(0),
+        chance: lives ? alone : undefined,
       })),
     },
     law: (f) => `
@@ -102,13 +127,20 @@
         { id: 'still', text: `it settles: what has no rhythm averages out` },
       ],
     },
+    evidence: {
+      run: 0,
+      row: 2,
+      asks: `“Fig. 5 as printed”: what did the mass do?`,
+      says: ({ 0: [moved, , swings, own] }) =>
+        moved < 1 ? 'still' : swings < 0.7 * own ? 'copy' : swings > 1.4 * own ? 'births' : 'ring',
+    },
     needs: { births: 'poisson' },
     experiment: {
       pace: 7, // lives a second: thirty swings in ten seconds
       text: `The slider of the paper's Fig. 5, first as printed, then with ten times the damping.`,
       runs: [
-        { label: 'Fig. 5 as printed', set: FIG5, show: 'slider' },
-        { label: 'Ten times the damping', set: { ...FIG5, damping: 10 * FIG5.damping }, show: 'slider' },
+        { label: 'Fig. 5 as printed', set: FIG5, show: 'force slider' },
+        { label: 'Ten times the damping', set: { ...FIG5, damping: 10 * FIG5.damping }, show: 'force slider' },
       ],
       watch: [
         `The displacement rings although the force does not. Measure ten swings on the axis of distance: with the sliding
@@ -127,6 +159,19 @@
           label: 'standard deviation of the velocity over sliding speed',
           seen: (s, f, world) => s.velocityStd / world.speed,
           exact: (f) => f.oneWay,
+        },
+        /* A Gaussian motion swings std x'/(2π std x) times a second. */
+        {
+          label: 'swings a second',
+          unit: 'Hz',
+          seen: (s) => s.velocityStd / (2 * Math.PI * s.displacementStd),
+          exact: (f) => f.velocityStd / (2 * Math.PI * f.displacementStd),
+        },
+        {
+          label: 'swings a second without any force',
+          unit: 'Hz',
+          seen: (s, f) => f.naturalFrequency,
+          exact: (f) => f.naturalFrequency,
         },
       ],
     },

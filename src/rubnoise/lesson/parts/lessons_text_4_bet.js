@@ -20,13 +20,6 @@
     return few / many;
   }
 
-  /** Return the options whose stated ratio is nearest to a ratio, on a scale of factors. */
-  function nearest(options, ratio) {
-    return options.reduce((best, each) =>
-      Math.abs(Math.log(each.value / ratio)) < Math.abs(Math.log(best.value / ratio)) ? each : best,
-    );
-  }
-
   /** Return how a bet ends: what both contacts show over many lives, and who wins. */
   function settle({ said, stake }, world) {
     const [few, many] = sides(world)
@@ -35,7 +28,7 @@
     const shown = `Over ${lessons.MOST_LIVES} lives each, the area of the few strays by ${share(few)} of its mean, that
       of the many by ${share(many)}: <strong>${say(few / many)} to one</strong>.`;
     if (!stake) return shown;
-    const won = nearest(BETS, few / many).id === said;
+    const won = lessons.kept.nearest(BETS, few / many).id === said;
     return `${shown} ${won ? `You win ${stake} chips!` : `Your ${stake} chips are lost.`}`;
   }
 
@@ -53,6 +46,12 @@
     question: `Two contacts have the same mean real contact area: one of ${FEW} large junctions, one of ${MANY} small
       ones. Which of them is noisier, and how many times? Place a bet before you see it.`,
     prediction: { stake: true, options: BETS },
+    evidence: {
+      run: 0,
+      row: 0,
+      asks: `Which of the two was noisier, and how many times?`,
+      says: ({ 0: few, 1: many }) => lessons.kept.nearest(BETS, few[0] / many[0]).id,
+    },
     needs: { births: 'poisson', pulse: 'lens' },
     experiment: {
       pace: 1, // lives a second

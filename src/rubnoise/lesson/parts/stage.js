@@ -3,21 +3,14 @@
 (() => {
   const rub = (globalThis.rub ??= {});
   const { ink, colourOf } = rub.plot;
-  const ROOMY = 6; // area of the stage over that of the circles that are alive on average
+  const ROOMY = 9; // area of the stage over that of the circles that are alive on average
   const FEW = 6; // junctions alive: so few that a line through the middle would miss most of them
   const stage = { pen: null, calm: false, scale: 1 };
   let scale = 1; // pixels in a um
   let wide = 1;
   let high = 1;
 
-  /** Return where a junction meets, in um: its row number's place in a sequence that fills the stage evenly. */
-  function placeOf(row, into) {
-    const margin = 0.9 * rub.exact().contact.diameter;
-    into[0] = margin + ((row.id * 0.7548776662466927 + 0.37) % 1) * Math.max(0, wide - 2 * margin);
-    into[1] = margin + ((row.id * 0.5698402909980532 + 0.21) % 1) * Math.max(0, high - 2 * margin);
-    return into;
-  }
-
+  const { placeOf } = rub.places;
   const place = [0, 0];
 
   /** Return how far the centres of a row are apart along the motion, negative before mid-life, in um. */
@@ -29,8 +22,10 @@
     const area = ROOMY * Math.max(6, countMean) * 0.25 * Math.PI * contact.diameter ** 2;
     scale = Math.sqrt((stage.pen.width * stage.pen.height) / area);
     stage.scale = scale;
+    const [before, beforeHigh] = [wide, high];
     wide = stage.pen.width / scale;
     high = stage.pen.height / scale;
+    if (wide !== before || high !== beforeHigh) rub.places.within(wide, high);
   }
 
   /** Draw both surfaces and every junction as it is now. */
@@ -218,6 +213,7 @@
   /** Take over the canvas; a click chooses a junction. */
   stage.begin = (canvas) => {
     stage.pen = rub.plot.pen(canvas);
+    rub.on('reset', () => rub.places.within(wide, high));
     canvas.addEventListener('click', (event) => {
       const box = canvas.getBoundingClientRect();
       const { zoom } = stage.pen;

@@ -1,0 +1,115 @@
+'use strict';
+/* What each run of a lesson has shown stays: a column for each run, and what these columns say about the question. */
+(() => {
+  const rub = globalThis.rub;
+  const { lessons } = rub;
+  const { state, words, page, STEPS } = lessons;
+  const { make } = page;
+  const OTHER = 'other'; // the column of controls that fit no run
+  const laws = new Map();
+
+  /** Return the run that the settings are those of, or OTHER after a control was turned. */
+  function running({ experiment: { runs } }, known) {
+    const set = runs[known.running]?.set;
+    const fits = set && Object.entries(set).every(([key, value]) => rub.world[key] === value);
+    return fits ? known.running : OTHER;
+  }
+
+  /** Keep what the run on the stage shows. */
+  function keep(lesson, known, seen, exact) {
+    if (known.step < STEPS.run) return;
+    const figures = lesson.experiment.table.map((row) => row.seen(seen, exact, rub.world));
+    known.kept[running(lesson, known)] = figures;
+  }
+
+  /** Return the law's figures for a run, or for the settings as they are. */
+  function lawOf({ experiment: { runs, table } }, column) {
+    const world = { ...rub.world, ...runs[column]?.set };
+    const key = JSON.stringify([state.open, world]);
+    if (!laws.has(key)) {
+      const exact = rub.theory.exact(world);
+      laws.set(
+        key,
+        table.map((row) => row.exact(exact, world)),
+      );
+    }
+    return laws.get(key);
+  }
+
+  /** Return the columns of a lesson's table: its runs, and the controls as they are if those fit none. */
+  function columns(lesson, known) {
+    const runs = lesson.experiment.runs.map((run, i) => ({ key: i, label: run.label }));
+    const isOther = known.step >= STEPS.run && running(lesson, known) === OTHER;
+    return isOther ? [...runs, { key: OTHER, label: 'controls as they are' }] : runs;
+  }
+
+  const heading = (scope, html, more = {}) => make('th', { scope, html, ...more });
+  const cells = (name, shown, i) => shown.map(({ key }) => make('td', { [`data-${name}`]: `${key}.${i}` }));
+
+  /** Return the table of what the runs have shown; the law's figures wait until they give no answer away. */
+  function table(lesson, known) {
+    const shown = columns(lesson, known);
+    const open = lessons.revealed(known);
+    const isSingle = shown.length === 1;
+    const labels = isSingle ? ['seen', ...(open ? ['the law'] : [])] : shown.map(({ label }) => label);
+    const body = lesson.experiment.table.flatMap((row, i) => {
+      const seen = cells('seen', shown, i);
+      const law = open ? cells('exact', shown, i) : [];
+      const name = heading('row', row.label + (row.unit ? `, ${words.unitName(row.unit)}` : ''));
+      if (isSingle || !open) return [make('tr', {}, name, ...seen, ...law)];
+      return [make('tr', {}, name, ...seen), make('tr', { class: 'law' }, heading('row', 'the law'), ...law)];
+    });
+    const head = make('tr', {}, ...['quantity', ...labels].map((text) => heading('col', text)));
+    const attributes = { class: 'lesson-table', 'data-columns': shown.length };
+    return make('table', attributes, make('thead', {}, head), make('tbody', {}, ...body));
+  }
+
+  /** Write the figures into the table on show. */
+  function write(root, lesson, known) {
+    for (const { key } of columns(lesson, known)) {
+      const kept = known.kept[key];
+      const law = lawOf(lesson, key);
+      lesson.experiment.table.forEach((row, i) => {
+        const put = (name, text) => {
+          const element = root.querySelector(`[data-${name}="${key}.${i}"]`);
+          if (element && element.textContent !== text) element.textContent = text;
+        };
+        const chance = kept && row.chance ? ` ± ${row.chance(livesOf(known, key)).toPrecision(1)}` : '';
+        put('seen', kept ? words.say(kept[i]) + chance : '–');
+        put('exact', words.say(law[i]));
+      });
+    }
+  }
+
+  const livesOf = ({ watched }, key) => (key === OTHER ? rub.run.reached / rub.exact().lifeMean : watched[key]) || 1;
+
+  /** Return the option that is nearest to a figure, on a scale of factors. */
+  const nearest = (options, figure) =>
+    options.reduce((best, each) =>
+      Math.abs(Math.log(each.value / figure)) < Math.abs(Math.log(best.value / figure)) ? each : best,
+    );
+
+  /** Return the option that the kept figures speak for; undefined before all of them are there. */
+  function spoken(lesson, known) {
+    const { run, row, says } = lesson.evidence;
+    if (!(run in known.kept)) return undefined;
+    const { options } = lesson.prediction;
+    if (!says) return nearest(options, known.kept[run][row]);
+    const id = says(known.kept, livesOf(known, run));
+    return options.find((each) => each.id === id);
+  }
+
+  /** Return in words what the table says about an observation. */
+  function answer(lesson, known, option) {
+    const says = lesson.evidence && spoken(lesson, known);
+    if (!says) return '';
+    const { run, row } = lesson.evidence;
+    const { runs, table: rows } = lesson.experiment;
+    const where = `the row “${rows[row].label}”${runs.length > 1 ? `, column “${runs[run].label}”,` : ''}`;
+    const told = `${where} shows ${words.withUnit(known.kept[run][row], rows[row].unit)}`;
+    const said = says === option ? `So does the table: ${told}.` : `The table says ${says.text}: ${told}.`;
+    return says.right ? said : `${said} This run was short; over many lives it comes to the law.`;
+  }
+
+  lessons.kept = { running, keep, table, write, spoken, answer, nearest, columns };
+})();
