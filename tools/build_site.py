@@ -38,6 +38,18 @@ SHOWN: Final = (
 )
 SOUND: Final = ["listen", "fig5.h5", "-o", "site/fig5.wav", "--speed-up", "10"]
 LESSON: Final = ["teach", "-o", "site/lesson.html"]
+NESTED: Final = {
+    "docs/start": ("install", "lesson", "viewer", "docs/gallery", "outputs"),
+    "docs/command-line": ("commands", "docs/sweeps", "docs/json"),
+    "docs/api": ("python", "notebooks/README"),
+    "docs/scenarios": ("scenarios",),
+    "docs/theory": ("docs/two-way", "docs/family", "docs/load", "docs/surfaces"),
+    "docs/comparing": ("docs/paper", "docs/field", "docs/references"),
+    "CONTRIBUTING": ("docs/design", "docs/reproducibility", "docs/performance", "docs/survival"),
+    "docs/design": ("CHANGELOG", "SUPPORT", "SECURITY", "CODE_OF_CONDUCT"),
+}
+"""The pages that the sidebar shows below another one, when a reader is there."""
+DRAWN: Final = re.compile(r"!\[([^\]]+)\]\((\S*pictures/drawn/\w+)\.svg\)")
 VIEWER: Final = ["view", "fig5.h5", "--to", "1mm", "-o", "site/view.html"]
 
 
@@ -70,7 +82,12 @@ def stage(source: Path) -> None:
     source.mkdir()
     for name in COPIED:
         shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__", "*.h5", "scans"))
-    for path in [*ROOT.glob("*.md"), ROOT / "LICENSE", ROOT / "CITATION.cff", *PAGES.iterdir()]:
+    for path in [
+        *(page for page in ROOT.glob("*.md") if page.name != "README.md"),
+        ROOT / "LICENSE",
+        ROOT / "CITATION.cff",
+        *PAGES.iterdir(),
+    ]:
         if path.is_file():
             shutil.copy(path, source)
     (source / "site").mkdir()
@@ -82,7 +99,8 @@ def stage(source: Path) -> None:
     for name, page in written.items():
         (source / f"{name}.md").write_text("\n".join(page(source)) + "\n", encoding="utf-8")
     for path in source.rglob("*.md"):
-        path.write_text(adapted(path.read_text(encoding="utf-8")), encoding="utf-8")
+        name = path.relative_to(source).with_suffix("").as_posix()
+        path.write_text(adapted(path.read_text(encoding="utf-8")) + below(name), encoding="utf-8")
 
 
 def answer(folder: Path, words: list[str]) -> str:
@@ -94,10 +112,17 @@ def answer(folder: Path, words: list[str]) -> str:
 
 
 def adapted(page: str) -> str:
-    """Return a page whose links to folders lead to pages, and whose diagrams are text."""
+    """Return a page with links to pages for folders, text for diagrams, and drawings for light and dark."""
     page = page.replace("](notebooks)", "](notebooks/README.md)").replace("](scenarios)", "](scenarios.md)")
     page = page.replace("](../scenarios)", "](../scenarios.md)")
+    page = DRAWN.sub(r"![\1](\2.svg){.only-light} ![\1](\2-dark.svg){.only-dark}", page)
     return page.replace("```mermaid\n", "```text\n")  # drawn where a reader of Markdown can; here its words are shown
+
+
+def below(name: str) -> str:
+    """Return the list of pages that the sidebar shows below a page; empty without any."""
+    pages = "\n".join(f"/{page}" for page in NESTED.get(name, ()))
+    return f"\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n" if pages else ""
 
 
 def outputs(source: Path) -> Iterator[str]:

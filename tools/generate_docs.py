@@ -1,6 +1,7 @@
 """Write the generated parts of the documentation: `python tools/generate_docs.py [--check]`, with rubnoise installed.
 
-A part stands between `<!-- generated: NAME -->` and `<!-- end -->`; everything else on a page is written by hand.
+A part stands between `<!-- generated: NAME -->` and `<!-- end -->`, a measured number between `<!-- number: NAME -->`
+and `<!-- / -->`; everything else on a page is written by hand.
 """
 
 import json
@@ -12,6 +13,7 @@ from pathlib import Path
 import package_map
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
+from scipy.stats import t as student
 
 from rubnoise.scenario.document import Document
 from rubnoise.scenario.fields import Choice, Field, Line, Measure, Number
@@ -23,6 +25,9 @@ from rubnoise.storage.schema import GROUPS, Column, Feature, Group
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 PAGES = ("data-format.md", "design.md", "scenarios.md")
+KEPT = DOCS.parent / "tests" / "reference" / "coupling.json"
+"""What the study of two-way coupling has measured: of each figure value and standard error, with its command."""
+NUMBER = re.compile(r"(?<=<!-- number: )(\w+)( -->).*?(?=<!-- / -->)")
 PART = re.compile(r"(?<=<!-- generated: )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 TYPES = {"<f8": "float64", "<i8": "int64", "<u4": "uint32", "|u1": "uint8"}
@@ -50,7 +55,8 @@ NEEDS: dict[Feature | None, str] = {
 
 def main(arguments: Sequence[str]) -> int:
     """Write the pages, or with --check only name those that are out of date; 1 where there are any."""
-    stale = [page for page in PAGES if (text := read(page)) != generated(text)]
+    pages = sorted(path.name for path in DOCS.glob("*.md"))
+    stale = [page for page in pages if (text := read(page)) != generated(text)]
     for page in stale:
         if "--check" not in arguments:
             (DOCS / page).write_text(generated(read(page)), encoding="utf-8")
@@ -64,8 +70,21 @@ def read(page: str) -> str:
 
 
 def generated(text: str) -> str:
-    """Return the text of a page with new generated parts; raises KeyError for a part that nothing makes."""
-    return PART.sub(lambda found: found[1] + found[2] + "\n" + "\n".join(PARTS[found[1]]()).rstrip() + "\n\n", text)
+    """Return the text of a page with new generated parts and numbers; a part that another tool makes stays."""
+    text = NUMBER.sub(lambda found: found[1] + found[2] + NUMBERS[found[1]](), text)
+    return PART.sub(lambda found: _part(found) if found[1] in PARTS else found[0], text)
+
+
+def _part(found: re.Match[str]) -> str:
+    return found[1] + found[2] + "\n" + "\n".join(PARTS[found[1]]()).rstrip() + "\n\n"
+
+
+def time_stuck() -> str:
+    """Return the share of the time that the slider of Figure 5 is stuck, two-way, with its 95 % interval."""
+    points = json.loads(KEPT.read_text(encoding="utf-8"))["points"]
+    point = next(each for each in points if each["speed"] == 1000.0 and each["junctions"] == 20)
+    value, error = point["stick_fraction"]
+    return f"{100.0 * value:.1f} ± {100.0 * error * float(student.ppf(0.975, point['runs'] - 1)):.1f} %"
 
 
 def columns() -> Iterator[str]:
@@ -165,6 +184,9 @@ def _table(head: Sequence[str], rows: Iterable[tuple[str, ...]]) -> Iterator[str
 def _sentence(text: str) -> str:
     return f"{text[0].upper()}{text[1:]}."
 
+
+NUMBERS: dict[str, Callable[[], str]] = {"time_stuck": time_stuck}
+"""Measured numbers that pages show by name, as `<!-- number: NAME -->...<!-- / -->`; each has its place in one file."""
 
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
     "columns": columns,

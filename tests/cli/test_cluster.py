@@ -1,4 +1,4 @@
-"""Sweeps on a cluster: the bits that a pool gives, and what docs/cluster.md says of trust."""
+"""Sweeps on a cluster: the bits that a pool gives, and what docs/sweeps.md says of trust."""
 
 import json
 import re
@@ -161,10 +161,10 @@ def test_where_no_scheduler_answers_is_refused(file: Path, monkeypatch: pytest.M
     assert "tcp://127.0.0.1:9: no scheduler answers there" in answer.err
 
 
-# What docs/cluster.md says of trust: where Dask listens after its commands, and that TLS keeps others out.
+# What docs/sweeps.md says of trust: where Dask listens after its commands, and that TLS keeps others out.
 pytest.importorskip("distributed", reason="the extra cluster is not installed")
 
-PAGE = (ROOT / "docs" / "cluster.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```text\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 LINES = [line for block in BLOCKS for line in block.splitlines()]
 PROC = Path("/proc/self/net/tcp")

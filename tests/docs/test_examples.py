@@ -25,11 +25,14 @@ from rubnoise.figures.motion_spectrum import Heard
 from rubnoise.figures.paper import FIGURES
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import Answer, call
+from tools import build_site, draw_pages
 from tools import generate_gallery as tool
 
 # The examples on a page of Markdown: Python blocks and shell commands, in the order in which a reader meets them.
-ELSEWHERE = {"reading.md"}
-"""Pages whose examples need tools of their own, and are run by the tests in tests/reading."""
+ELSEWHERE = {"docs/reading.md"}
+"""Pages whose blocks need tools of their own and are run by the tests in tests/reading; their commands are run here."""
+FIRST = ["docs/start.md", "docs/model.md", "docs/scenarios.md", "docs/reading.md", "docs/your-data.md"]
+"""The five pages that nine readers in ten need, in their order; the first makes fig5.h5 for all others."""
 BLOCK = re.compile(r"^```(\w*)\n((?:(?!^```$).*\n)*)^```$|^ {4}(\S.*)$", re.MULTILINE)
 SHELLS = {"sh", "bash", "console"}
 
@@ -44,10 +47,9 @@ class Example:
 
 
 def pages() -> list[str]:
-    """Return the pages whose examples are run, relative to the root: the README, then those of its table, in order."""
-    table = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## Where to look\n")[2]
-    listed = dict.fromkeys(re.findall(r"\]\((docs/[\w-]+\.md)\)", table))
-    return ["README.md", *(page for page in listed if page.removeprefix("docs/") not in ELSEWHERE)]
+    """Return the pages whose examples are run, relative to the root: the README, the five pages, then the others."""
+    others = sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))
+    return list(dict.fromkeys(["README.md", *FIRST, *others]))
 
 
 def examples(page: str) -> Iterator[Example]:
@@ -73,7 +75,14 @@ def _command(text: str, line: int) -> Iterator[Example]:
 
 # Every example on a page runs, and links, pictures and the first hour lead where they say.
 # Every example in the README, the docs and the docstrings does what it says, those of all pages in one folder.
-PAGES = {name: list(examples((ROOT / name).read_text(encoding="utf-8"))) for name in pages()}
+PAGES = {
+    name: [
+        each
+        for each in examples((ROOT / name).read_text(encoding="utf-8"))
+        if name not in ELSEWHERE or each.text.startswith("rubnoise ")
+    ]
+    for name in pages()
+}
 MODULES = [module.name for module in pkgutil.walk_packages(rubnoise.__path__, "rubnoise.")]
 DOCTESTS = [
     test
@@ -89,8 +98,9 @@ SAVED = re.compile(r'\.save\("(\w+)')
 WITHOUT_INPUT = {"new", "figures", "claims", "examples"}
 
 
-def test_the_readme_can_be_followed(workplace: Path) -> None:
-    _follow("README.md")
+@pytest.mark.parametrize("page", FIRST)
+def test_each_of_the_five_pages_can_be_followed_alone(workplace: Path, page: str) -> None:
+    _follow(page)
 
 
 def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
@@ -100,8 +110,8 @@ def test_all_pages_can_be_followed_in_one_folder(workplace: Path) -> None:
 
 def _follow(page: str) -> None:
     names: dict[str, Any] = {"__name__": "__main__"}
-    if page == "README.md":
-        Path("fig5.h5").unlink()  # the README makes it, for all other pages
+    if page == FIRST[0]:
+        Path("fig5.h5").unlink()  # this page makes it, for all others
     for example in PAGES[page]:
         _play(example, page, names)
 
@@ -122,7 +132,7 @@ def _play(example: Example, page: str, names: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("page", [name for name, found in PAGES.items() if found])
 def test_a_page_reads_nothing_that_only_another_page_makes(page: str) -> None:
-    there = {"fig5"}  # the README makes it, and every page may begin there
+    there = {"fig5"}  # the first page makes it, and every page may begin there
     for example in PAGES[page]:
         if example.kind == "python":
             made = set(SAVED.findall(example.text))
@@ -145,13 +155,19 @@ def test_a_docstring_holds_what_it_says(workplace: Path, test: doctest.DocTest) 
     assert told == [], "".join(told)
 
 
-def test_every_page_is_in_the_table_of_the_readme() -> None:
-    docs = {f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md") if path.name not in ELSEWHERE}
-    assert set(pages()) == {"README.md"} | docs
+def test_the_site_begins_with_the_five_pages_and_the_readme_names_them() -> None:
+    start = (ROOT / "tools" / "site" / "index.md").read_text(encoding="utf-8")
+    assert re.findall(r"^docs/[\w-]+$", start, re.MULTILINE)[:5] == [page.removesuffix(".md") for page in FIRST]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert re.findall(r"\]\((docs/[\w-]+\.md)\)", readme) == FIRST
+
+
+def test_the_five_pages_are_short() -> None:
+    assert sum(len((ROOT / page).read_text(encoding="utf-8").split()) for page in FIRST) <= 9000
 
 
 def test_there_are_examples() -> None:
-    assert {"README.md", "docs/json.md", "docs/api.md", "docs/export.md"} <= {
+    assert {*FIRST[:1], *FIRST[2:], "docs/json.md", "docs/api.md", "docs/command-line.md"} <= {
         name for name, found in PAGES.items() if found
     }
     assert "rubnoise.api.result.Run" in {test.name for test in DOCTESTS}
@@ -286,18 +302,24 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 def test_every_picture_is_shown() -> None:
     pages = " ".join(page.read_text(encoding="utf-8") for page in LINKED_PAGES)
-    pictures = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs" / "pictures").rglob("*.png")]
-    assert [each for each in pictures if each not in pages] == []
+    pictures = [path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs" / "pictures").rglob("*.*g")]
+    assert [each for each in pictures if each.replace("-dark.svg", ".svg") not in pages] == []
+
+
+def test_every_drawing_is_there_for_light_and_dark() -> None:
+    drawn = {path.stem for path in (ROOT / "docs" / "pictures" / "drawn").iterdir()}
+    assert drawn == {f"{name}{suffix}" for name in draw_pages.PICTURES for suffix in draw_pages.INK}
 
 
 def test_every_page_is_on_the_site() -> None:
     start = (ROOT / "tools" / "site" / "index.md").read_text(encoding="utf-8")
+    nested = {name for below in build_site.NESTED.values() for name in below}
     names = [
         path.relative_to(ROOT).with_suffix("").as_posix()
         for path in LINKED_PAGES
-        if path.parent in (ROOT, ROOT / "docs")
+        if path.parent in (ROOT, ROOT / "docs") and path.name != "README.md"
     ]
-    assert [name for name in names if f"\n{name}\n" not in start] == []
+    assert [name for name in names if f"\n{name}\n" not in start and name not in nested] == []
 
 
 @pytest.mark.parametrize(
@@ -315,8 +337,9 @@ def test_a_broken_link_is_found(text: str, said: str) -> None:
     assert list(broken(ROOT / "docs" / "theory.md", f"`{text}`\n```\n{text}\n```\n")) == []
 
 
-# The page of the first hour: twenty things in Python, each in six lines or fewer (test_examples runs them).
-PAGE = (ROOT / "docs" / "first-hour.md").read_text(encoding="utf-8")
+# The first hour: twenty things in Python, each in six lines or fewer (test_examples runs them).
+API = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+PAGE = API.partition("\n## The first hour\n")[2].partition("\n## ")[0]
 MOST_LINES = 6
 
 

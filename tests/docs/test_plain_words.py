@@ -77,9 +77,9 @@ def paragraphs(page: str) -> Iterator[str]:
 
 
 def sentences(page: str) -> Iterator[str]:
-    """Yield the sentences of a page; code in backticks and the address of a link count as no words."""
+    """Yield the sentences of a page; code, a formula and the address of a link count as one word or none."""
     for paragraph in paragraphs(page):
-        plain = re.sub(r"`[^`]*`", "`x`", re.sub(r"\]\([^)]*\)", "]", paragraph))
+        plain = re.sub(r"\$\$?[^$]*\$\$?|`[^`]*`", "`x`", re.sub(r"\]\([^)]*\)", "]", paragraph))
         yield from re.split(r"(?<=[.!?:])\**\s+", plain)
 
 
@@ -248,6 +248,36 @@ def test_a_part_that_is_out_of_date_is_named_and_written(
         "docs/data-format.md is out of date",
         "docs/data-format.md written",
     ]
+
+
+# A measured number has one place: pages draw it from there by name.
+def typed_by_hand(text: str) -> list[str]:
+    """Return the shares of the time stuck in Figure 5 that are typed on a page."""
+    plain = re.sub(r"<!-- (generated|study|measured|number): .*?<!-- (end|/) -->", "", text, flags=re.DOTALL)
+    return [
+        sentence
+        for sentence in sentences(plain)
+        if re.search(r"\bst(icks?|uck)\b", sentence) and re.search(r"\b(0\.7[45]\d*|7[45](\.\d+)? %)", sentence)
+    ]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_no_measured_number_is_typed_by_hand(page: str) -> None:
+    assert typed_by_hand((ROOT / page).read_text(encoding="utf-8")) == []
+
+
+def test_a_number_typed_by_hand_is_found() -> None:
+    page = "It is stuck for 74.6 % of the time.\n\nIt sticks <!-- number: time_stuck -->74.6 %<!-- / --> of it.\n"
+    assert typed_by_hand(page) == ["It is stuck for 74.6 % of the time."]
+
+
+def test_a_number_is_drawn_from_its_place() -> None:
+    page = "stuck <!-- number: time_stuck -->half<!-- / --> of it"
+    assert (
+        generate_docs.generated(page)
+        == f"stuck <!-- number: time_stuck -->{generate_docs.time_stuck()}<!-- / --> of it"
+    )
+    assert generate_docs.generated(generate_docs.read("model.md")) == generate_docs.read("model.md")
 
 
 def test_every_column_is_listed_under_its_group() -> None:

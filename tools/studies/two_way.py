@@ -79,7 +79,6 @@ class Point:
             _with_interval(self.displacement, "{:.1f}"),
             _with_interval(self.change, "{:.3f}"),
             expected,
-            _with_interval(self.stick_fraction, "{:.3f}"),
             _with_interval(self.sticks, "{:.1f}"),
         )
 
@@ -118,7 +117,6 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
         "two-way (um)",
         "change",
         "its law",
-        "share stuck",
         "sticks a second",
     )
     yield f"| {' | '.join(columns)} |"
@@ -137,14 +135,13 @@ def surprise(sweep: SweepResult) -> Iterator[str]:
 
 def figures(one: RunFile, two: RunFile) -> Iterator[str]:
     """Yield Figure 5 both ways: what was measured, and its pictures."""
-    seen, motion = two.summary, two.column("slider", "time", two.rows("slider") - 1)
+    motion = two.column("slider", "time", two.rows("slider") - 1)
     found = StickSlip.of(two, 0.0, inf)
     longer = int((found.slip_lengths > Stretch.of(two).model.calibrated_diameter).sum())
     yield "| of the run with seed 1 | one-way | two-way |"
     yield "|---|---|---|"
     for name, unit in (("displacement_mean", "um"), ("displacement_std", "um"), ("velocity_std", "um/s")):
         yield f"| `{name}` ({unit}) | {_number(one, name)} | {_number(two, name)} |"
-    yield f"| `stick_fraction` | 0 | {float(seen['stick_fraction']):.3f} |"
     yield f"| sticks, slips, reversals | none | {_counts(two)} |"
     yield f"| slips longer than a mean diameter | | {longer} of {found.slip_lengths.size} |"
     yield f"| duration (s) | {one.column('slider', 'time', one.rows('slider') - 1)[0]:.4g} | {motion[0]:.4g} |"

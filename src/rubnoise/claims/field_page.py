@@ -95,7 +95,7 @@ Two things can break this. The force of few junctions is not Gaussian: its skewn
 that reverses meets the force -F, in which F_0 does not cancel.
 
 The study `scenarios/studies/exponents.toml` measures both exponents with both couplings
-([studies.md](studies.md#exponents)). Where the slider sticks and slips, feedback turns the sign of n: the velocity
+([sweeps.md](sweeps.md#exponents)). Where the slider sticks and slips, feedback turns the sign of n: the velocity
 grows about as V^0.5, like the published laws. From 80 to 20 junctions, the sum is 1.01 to 1.05 for velocity and 1.03
 to 1.12 for displacement. From 20 to 5 it is 1.05 to 1.08 and 1.07 to 1.14. So feedback does not repair the sum. A law
 of level needs junctions whose force depends on speed, such as shocks.
