@@ -23,7 +23,7 @@ LARGER = """() => rub.lesson.readings.map(({ diameter, lag }) => rub.reading.byL
 
 @pytest.mark.parametrize("title", TITLES)
 def test_the_evidence_on_the_screen_supports_the_answer(browser: Any, lesson_file: str, title: str) -> None:
-    """At the moment at which the lesson asks, with several seeds; an observation is answered with what the table shows."""
+    """When the lesson asks, with several seeds; an observation is answered with what the table shows."""
     for seed in SEEDS:
         with opened(browser, f"{lesson_file}#seed={seed}", init=UNHURRIED, **CALM) as page:
             walk = Walk(page)

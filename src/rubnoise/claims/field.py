@@ -12,26 +12,20 @@ Range = tuple[float, float]
 
 
 class Known(StrEnum):
-    """How well a statement is known; only an original that was read, or a proof, can carry a verdict on numbers."""
+    """How well a statement is known; the ledger has only what was read at least as an abstract, or is proved."""
 
     PROOF = "proved here"
     ORIGINAL = "original"
     ABSTRACT = "abstract alone"
-    SECOND_HAND = "second-hand"
-    MEMORY = "memory"
+    SECOND_HAND = "law in the abstract, numbers second-hand"
 
 
 class FieldVerdict(StrEnum):
-    """What becomes of a published statement."""
+    """What becomes of a published number."""
 
-    REPRODUCES = "reproduces"
-    CONTRADICTS = "contradicts"
-    OUT_OF_SCOPE = "out of scope"
-    NOT_YET = "not yet"
-
-
-_CARRIES_A_VERDICT = (Known.PROOF, Known.ORIGINAL)
-_SHOWS_ITS_SUBJECT = (*_CARRIES_A_VERDICT, Known.ABSTRACT)
+    AGREES = "agrees"
+    DISAGREES = "disagrees"
+    NO_TEST = "no test"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,9 +41,8 @@ class Publication:
 class FieldClaim:
     """A published statement with the model's numbers.
 
-    ``quantity`` is None if the model has no such number, ``published`` where the source gives none. ``lacks`` says
-    what the model would need to speak of the subject at all, and is None if it does. ``scenario`` is that of the
-    runs. ``cannot_fail`` marks numbers that agree by assumption, whatever is measured: they test nothing.
+    ``published`` is None where the source gives no number. ``scenario`` is that of the runs. ``cannot_fail`` marks
+    numbers that agree by assumption, whatever is measured: they test nothing.
     """
 
     id: str
@@ -59,7 +52,6 @@ class FieldClaim:
     because: str
     quantity: ClaimedNumber | None = None
     published: Range | None = None
-    lacks: str | None = None
     scenario: str | None = None
     cannot_fail: bool = False
 
@@ -77,30 +69,9 @@ class FieldClaim:
 
     @property
     def verdict(self) -> FieldVerdict:
-        """What follows from the numbers, as far as the source is known."""
-        if self.lacks is not None and self.source.known in _SHOWS_ITS_SUBJECT:
-            return FieldVerdict.OUT_OF_SCOPE
-        if self.numbers_agree is None or self.source.known not in _CARRIES_A_VERDICT:
-            return FieldVerdict.NOT_YET
-        return FieldVerdict.REPRODUCES if self.numbers_agree else FieldVerdict.CONTRADICTS
-
-    @property
-    def missing(self) -> str | None:
-        """What a verdict waits for; None if there is one."""
-        if self.verdict is not FieldVerdict.NOT_YET:
-            return None
-        if self.cannot_fail:
-            return "a number that could disagree"
-        if self.source.known not in _CARRIES_A_VERDICT:
-            return f"a look at the original, which is known from {_KNOWN_FROM[self.source.known]}"
-        return "a published number to compare with"
-
-
-_KNOWN_FROM = {
-    Known.ABSTRACT: "its abstract alone",
-    Known.SECOND_HAND: "the notes of others",
-    Known.MEMORY: "memory alone",
-}
+        """What follows from the numbers."""
+        agree = self.numbers_agree
+        return {None: FieldVerdict.NO_TEST, True: FieldVerdict.AGREES, False: FieldVerdict.DISAGREES}[agree]
 
 
 def exponent(near: Estimate, far: Estimate, factor: float) -> Estimate:

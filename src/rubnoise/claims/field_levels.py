@@ -8,35 +8,27 @@ from rubnoise.claims import sources
 from rubnoise.claims.claim import ClaimedNumber
 from rubnoise.claims.evidence import Evidence, Found, Report, gather
 from rubnoise.claims.field import FieldClaim, exponent_of
-from rubnoise.claims.field_peaks import FAST, NORMAL, SLOW, frequencies, jerks
+from rubnoise.claims.field_peaks import FAST, NORMAL, SLOW, frequencies
 from rubnoise.model import Model
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.theory.response import response
 
 DAMPING = "claims/field_damping.toml"
-STUCK = 1
-"""The phase of a slider that sticks."""
 
-_HALF = 0.5
-"""Exponent with which d is assumed to grow with roughness, as Ra^0.5; no source gives it."""
-_SIZES = "An assumption turns roughness into a diameter: d grows as Ra^0.5, so that the exponent of Ra is m_d/2"
 _EITHER = "0.8 to 1.16 and 0.7 to 0.96; two notes differ on which of the two is that of roughness"
 """The exponents of Ben Abdelounis and others (2010), which are known from notes of others alone."""
 _SIMULATED = "simulated rough surfaces, light load, asperity shocks, 20 to 700 mm/s"
 _WHITE = "At these speeds the force is white for the slider, and its vibration goes as d^1.5 V^-0.5."
 
 
-def measured(model: Model, record: MemoryRecord) -> dict[str, float]:
-    """Return how far and how fast the slider of a run swings, and what its births and its phases come to."""
+def measured(_model: Model, record: MemoryRecord) -> dict[str, float]:
+    """Return how far and how fast the slider of a run swings."""
     slider = record["slider"]
     displacement, velocity = float(slider["displacement"].std()), float(slider["velocity"].std())
-    born = record["junctions"]["birth_distance"]
     return {
         "displacement_std": displacement,
         "velocity_std": velocity,
         "frequency": velocity / displacement,
-        "births_per_s": float((born >= 0.0).sum()) * (model.sliding_speed or nan) / model.distance,
-        **({"stuck": float((slider["phase"] == STUCK).mean())} if model.is_two_way else {}),
     }
 
 
@@ -47,13 +39,10 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     return [
         *_identity(slow),
         *_against_speed(fast, slow),
-        *_against_roughness(fast),
         *_sums(slow),
-        _shocks(fast),
         _damping(damping),
         _fretting(slow),
         *frequencies(fast),
-        jerks(slow),
     ]
 
 
@@ -67,13 +56,6 @@ def _of_speed(found: Evidence, name: str, coupling: str = "one-way") -> ClaimedN
     points = [point for point in found.points if _is(point, 20, coupling)]
     near, far = sorted(points, key=_speed)
     return exponent_of(name, _amplitude(near), _amplitude(far), _speed(far) / _speed(near))
-
-
-def _of_diameter(found: Evidence, name: str, times: float = 1.0) -> ClaimedNumber:
-    slowest = min(map(_speed, found.points))
-    small, large = found.at(count=20, speed=slowest), found.at(count=5, speed=slowest)
-    factor = large.model.calibrated_diameter / small.model.calibrated_diameter
-    return exponent_of(name, _amplitude(small), _amplitude(large), factor, times=times)
 
 
 def _sum_of_exponents(found: Evidence, coupling: str) -> ClaimedNumber:
@@ -107,7 +89,7 @@ def _identity(slow: Evidence) -> list[FieldClaim]:
             conditions="one-way, births at random, any pulse, any laws that scale with d, any linear structure",
             quantity=_sum_of_exponents(slow, "one-way"),
             published=(1.0 - 1e-6, 1.0 + 1e-6),
-            because="Every amplitude is d h(V/d); docs/field.md has the proof.",
+            because="Every amplitude is d h(V/d); docs/theory.md has the proof.",
             scenario=SLOW,
         ),
     ]
@@ -175,13 +157,6 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
             "experiment and simulation, wide band, weak interaction; of an amplitude, or of a power (then 3/8)",
             (0.375, 0.75),
         ),
-        (
-            "yokoi1979_speed",
-            sources.YOKOI_NAKAI_1979,
-            "The level rises as V^n, n = 0.6 to 1.1.",
-            "not known",
-            (0.6, 1.1),
-        ),
     )
     return [
         FieldClaim(
@@ -209,71 +184,6 @@ def _against_speed(fast: Evidence, slow: Evidence) -> list[FieldClaim]:
             scenario=SLOW,
         )
     ]
-
-
-def _against_roughness(fast: Evidence) -> list[FieldClaim]:
-    quantity = _of_diameter(fast, "exponent of roughness, velocity, 20 mm/s", times=_HALF)
-    rows = (
-        (
-            "ba2010_roughness",
-            sources.BA_2010_NUMBERS,
-            f"The level rises as Ra^m. The exponents of roughness and speed are {_EITHER}.",
-            (0.7, 1.16),
-            "two rough flats, dry",
-        ),
-        (
-            "dang2013_roughness",
-            sources.DANG_2013,
-            "The level rises as Ra^m, m = 0.63 to 0.67.",
-            (0.63, 0.67),
-            "simulation",
-        ),
-        ("yokoi1979_roughness", sources.YOKOI_NAKAI_1979, "The level rises as Ra^0.8.", (0.8, 0.8), "not known"),
-        (
-            "ba2008",
-            sources.BA_2008,
-            "The exponent of roughness depends strongly on the topography, that of speed on the contact geometry.",
-            None,
-            "dry, light pressure, flat on flat and sphere on flat",
-        ),
-        (
-            "othman1990_line",
-            sources.OTHMAN_ELKHOLY_1990,
-            "Log level against log roughness is one straight line from 0.025 to 100 um.",
-            None,
-            "thin metal blade, several machining processes",
-        ),
-    )
-    return [
-        FieldClaim(
-            id=name,
-            source=source,
-            statement=statement,
-            conditions=f"{conditions}. {_SIZES}",
-            quantity=quantity,
-            published=published,
-            because=f"{_WHITE} For d in proportion to Ra it would be twice as much. It holds as long as a junction "
-            "passes fast compared with a period.",
-            scenario=FAST,
-        )
-        for name, source, statement, published, conditions in rows
-    ]
-
-
-def _shocks(fast: Evidence) -> FieldClaim:
-    slow, quick = fast.at(count=20, speed=20_000.0), fast.at(count=20, speed=80_000.0)
-    pairs = [(each.numbers["births_per_s"], each.model.birth_rate * _speed(each)) for each in (slow, quick)]
-    return FieldClaim(
-        id="ba2011_shocks",
-        source=sources.BA_2011,
-        statement="The rate of shocks falls with speed, while their strength rises.",
-        conditions="simulated profiles, modal damping ratio 0.02",
-        quantity=exponent_of("exponent of speed, births per second", pairs[0], pairs[1], _speed(quick) / _speed(slow)),
-        published=(-inf, 0.0),
-        because="A junction is born wherever asperities meet, so births per second grow as V. Shocks need bodies that "
-        "lift off and fall back.",
-        scenario=FAST,
-    )
 
 
 def _damping(found: Evidence) -> FieldClaim:

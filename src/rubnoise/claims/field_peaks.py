@@ -1,4 +1,4 @@
-"""Published peaks of vibration, whether roughness moves them, and motion by jerks."""
+"""Published peaks of vibration, and whether roughness moves them."""
 
 from math import nan
 
@@ -42,16 +42,6 @@ def frequencies(fast: Evidence) -> list[FieldClaim]:
             cannot_fail=True,
         ),
         FieldClaim(
-            id="akay2002",
-            source=sources.AKAY_2002,
-            statement="In weak contact each body responds at its own natural frequencies.",
-            conditions="review",
-            quantity=own,
-            because=by_assumption,
-            scenario=FAST,
-            cannot_fail=True,
-        ),
-        FieldClaim(
             id="othman_seireg1990",
             source=sources.OTHMAN_SEIREG_1990,
             statement="The dominating frequency is a constant of the material, independent of roughness and load.",
@@ -79,19 +69,3 @@ def _frequency(point: Found) -> float:
     """Return std x' over std x in rad/s, which is 2 pi times the mean rate of a Gaussian motion."""
     motion = response(point.model)
     return motion.velocity_std / motion.displacement_std
-
-
-def jerks(slow: Evidence) -> FieldClaim:
-    """Return the row on stick-slip, from a two-way run at 1 mm/s."""
-    stuck = slow.at(count=20, speed=1000.0, coupling="two-way").numbers["stuck"]
-    return FieldClaim(
-        id="bowden_leben1939",
-        source=sources.BOWDEN_LEBEN_1939,
-        statement="Metals do not slide steadily but by jerks (stick-slip).",
-        conditions="slow sliding",
-        quantity=ClaimedNumber(name="share of the time stuck, two-way, 1 mm/s", unit="", simulated=stuck, exact=nan),
-        because="One-way coupling cannot stick. Two-way coupling sticks most of the time, without a static friction "
-        "above the kinetic one. The source gives no share of the time, so no share could disagree.",
-        scenario=SLOW,
-        cannot_fail=True,
-    )

@@ -39,7 +39,7 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     )
     wide = gather(POWER_LAW, lambda model, record: _of_area(model, record, _WIDE_SEGMENT, _WIDE), report).at(count=20)
     free = gather(FREE, _of_velocity, report).at(count=20)
-    return [*_kilburn(contact), *_fingers(contact, wide), *_blocks(free), _band()]
+    return [*_kilburn(contact), *_fingers(contact, wide), *_blocks(free)]
 
 
 def _of_area(model: Model, record: MemoryRecord, segment: float, bands: tuple[Band, Band]) -> dict[str, float]:
@@ -199,14 +199,3 @@ def _blocks(free: Found) -> list[FieldClaim]:
             scenario=FREE,
         ),
     ]
-
-
-def _band() -> FieldClaim:
-    return FieldClaim(
-        id="ye2003",
-        source=sources.YE_2003,
-        statement="The excited band widens to higher frequencies with speed.",
-        conditions="model of rough surfaces; tones from finite size",
-        because="One-way, S_F(omega) = S(omega/V)/V: every corner moves in proportion to V. The source gives no "
-        "number.",
-    )

@@ -33,10 +33,8 @@ def claims(report: Report) -> Sequence[FieldClaim]:
     return [
         *_rabinowicz_1956(strengths, paper),
         *_rabinowicz_1955(paper, loaded, fine),
-        *_kilburn(paper, loaded),
-        _holm(paper),
+        *_kilburn(paper),
         _campbell(paper),
-        *_without_numbers(),
     ]
 
 
@@ -164,7 +162,7 @@ def _relative_std(point: Found) -> tuple[Estimate, float]:
     return point.numbers["relative_std"], area.std / area.mean
 
 
-def _kilburn(paper: Found, loaded: Found) -> list[FieldClaim]:
+def _kilburn(paper: Found) -> list[FieldClaim]:
     conditions = "cast-iron button on a cast-iron disk, 60 runs"
     scaled = area_cumulants(paper.model).skewness * sqrt(paper.model.mean_junction_count)
     return [
@@ -183,46 +181,7 @@ def _kilburn(paper: Found, loaded: Found) -> list[FieldClaim]:
             "normal. Normal is taken as a skewness below 0.1.",
             scenario=CONTACT,
         ),
-        FieldClaim(
-            id="kilburn1974_spread",
-            source=sources.KILBURN_1974,
-            statement="Mean and standard deviation are functionally related.",
-            conditions=f"{conditions}; here load makes more junctions of the same size",
-            quantity=exponent_of(
-                "exponent of the mean force, std of the force",
-                (paper.numbers["std"], area_cumulants(paper.model).std),
-                (loaded.numbers["std"], area_cumulants(loaded.model).std),
-                loaded.model.mean_real_contact_area / paper.model.mean_real_contact_area,
-            ),
-            because="std grows as the square root of the mean. Which relation was found is not in the abstract.",
-            scenario=CONTACT,
-        ),
-        FieldClaim(
-            id="kilburn1974_speed",
-            source=sources.KILBURN_1974,
-            statement="Load and speed influence friction.",
-            conditions=conditions,
-            because="One-way, the force over sliding distance does not depend on speed at all, and its mean is in "
-            "proportion to A_rm. Two-way coupling adds c Var x'/V to the mean force.",
-        ),
     ]
-
-
-def _holm(paper: Found) -> FieldClaim:
-    return FieldClaim(
-        id="holm1958",
-        source=sources.HOLM_1958,
-        statement="Fluctuations of conduction and friction come mainly from the random appearance of spots.",
-        conditions="sliding electric contacts",
-        quantity=ClaimedNumber(
-            name="variance over mean of the count",
-            simulated=paper.numbers["count_dispersion"],
-            exact=1.0,
-        ),
-        because="Prior art for the model's idea. Births at random make the count Poisson. The same lenses at regular "
-        "spacing leave 0.1 % of the mean and not 27.5 %.",
-        scenario=CONTACT,
-    )
 
 
 def _campbell(paper: Found) -> FieldClaim:
@@ -241,87 +200,3 @@ def _campbell(paper: Found) -> FieldClaim:
         because=f"For the lens it is (9/4)(2 pi/3 - 64/45) = {_LENS:.6f}.",
         scenario=CONTACT,
     )
-
-
-def _without_numbers() -> list[FieldClaim]:
-    """Return the rows about what the model has no number for."""
-    normal = "motion normal to the surface, separation and impact"
-    rows = (
-        (
-            "le_bot2010",
-            sources.LE_BOT_2010,
-            "Vibration energy is in proportion to nominal area in one regime, and independent of it in another.",
-            "constant load and speed, low load, nominal area over two orders of magnitude",
-            "nominal area, and dissipation in the contact",
-            (
-                "The model knows the real area alone, so its energy does not depend on nominal area: the second "
-                "regime, for another reason."
-            ),
-        ),
-        (
-            "le_bot2011",
-            sources.LE_BOT_2011,
-            "Both regimes come from a competition of internal damping with damping in the contact.",
-            "normal vibration of sliding rough surfaces",
-            "damping in the contact",
-            "The only damping is that of the slider.",
-        ),
-        (
-            "othman1990_size",
-            sources.OTHMAN_ELKHOLY_1990,
-            "The noise is independent of specimen size and material.",
-            "thin blade drawn over the surface, friction force small enough to excite the blade only",
-            "specimens, with a size and a material",
-            "The slider is one mass on one spring.",
-        ),
-        (
-            "zouabi2016",
-            sources.ZOUABI_2016,
-            "Contact is unbroken at low speed; at higher speed the slider jumps, with many impacts.",
-            "rough slider under its own weight, vertical acceleration",
-            normal,
-            "The separation is constant.",
-        ),
-        (
-            "ponthus2019",
-            sources.PONTHUS_2019,
-            (
-                "The rms of normal motion is much smaller than the equivalent roughness; slider size over wavelength "
-                "sets it."
-            ),
-            "rigid self-affine surfaces, contact in a single point, simulation",
-            normal,
-            "The separation is constant.",
-        ),
-        (
-            "rice_moslehy1997",
-            sources.RICE_MOSLEHY_1997,
-            "Asperities and debris excite both sides of an interface by displacement.",
-            "unlubricated sliding, two machines",
-            "excitation by displacement",
-            "Junctions excite by force.",
-        ),
-        (
-            "greenwood_williamson1966",
-            sources.GREENWOOD_WILLIAMSON_1966,
-            "Number of contacts and real area are in proportion to load; the mean contact size does not depend on it.",
-            "static, elastic spheres of one radius, exponential heights",
-            "a load and measured heights",
-            "A_rm and N_jm are inputs. The rows on load above take this law for granted.",
-        ),
-        (
-            "sykulski2019",
-            sources.SYKULSKI_2019,
-            "A debiased Whittle likelihood cuts bias by up to two orders of magnitude.",
-            "second-order stationary series, some of them not Gaussian",
-            None,
-            (
-                "`rubnoise infer` fits bands of the spectrum with the exact expectation of the estimate itself, so the "
-                "bias that the source corrects does not arise (docs/inference.md)."
-            ),
-        ),
-    )
-    return [
-        FieldClaim(id=name, source=source, statement=statement, conditions=conditions, lacks=lacks, because=because)
-        for name, source, statement, conditions, lacks, because in rows
-    ]

@@ -146,8 +146,6 @@ _FILES = ("field.md", "field.json")
 
 def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
     """Return a row by name, numbers in the unit of its quantity; None if there is no number."""
-    from rubnoise.claims.field_page import agreement
-
     quantity, published = claim.quantity, claim.published
     low, high = published or (None, None)
     interval = (None, None) if quantity is None else quantity.simulated.interval
@@ -164,9 +162,7 @@ def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
         "exact": None if quantity is None else _number(quantity.exact),
         "simulated": None if quantity is None else quantity.simulated.value,
         "interval": [_number(end) for end in interval],
-        "numbers": agreement(claim) or None,
         "verdict": claim.verdict.value,
-        "missing": claim.missing,
         "because": claim.because,
         "scenario": claim.scenario,
     }
@@ -174,7 +170,7 @@ def row_as_json(claim: "FieldClaim") -> dict[str, Any]:
 
 def format_ledger(claims: Sequence["FieldClaim"]) -> list[str]:
     """Return all rows as lines to print."""
-    from rubnoise.claims.field_page import agreement, as_range
+    from rubnoise.claims.field_page import as_range
 
     lines = []
     for claim in claims:
@@ -184,7 +180,7 @@ def format_ledger(claims: Sequence["FieldClaim"]) -> list[str]:
             lines += [table_row(f"  {'':<{_FIELD_LABEL}}", f"{'exact':>9} {'simulated (95 %)':>20}")]
             lines += [_numbers(claim.quantity)]
         if claim.published is not None:
-            lines += [remark(f"Published: {as_range(claim.published)}; the numbers {agreement(claim)}.")]
+            lines += [remark(f"Published: {as_range(claim.published)}.")]
         if claim.cannot_fail:
             lines += [remark("No test: these numbers cannot disagree.")]
         lines += [remark(claim.because), ""]
