@@ -106,6 +106,29 @@ def test_seconds_cut_from_the_start(result: Path, here: Path) -> None:
     np.testing.assert_allclose(short[:-400], long[:4400], rtol=0.0, atol=1e-3 * np.abs(long).max())
 
 
+def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, here: Path) -> None:
+    """In the band that a laptop plays too: at the speed-up that is taken when nobody says one."""
+    quiet = ("--set", "interface.mean_junction_count=80")
+    assert call("run", SLIDER, "-q", "-o", "y.h5", *quiet, "--set", "sliding.distance=0.25 mm").code == 0
+    answer = call("listen", "x.h5", "y.h5")
+    assert (answer.code, answer.err) == (0, "")
+    assert names(here) == ["x.h5", "x_velocity.wav", "y.h5", "y_velocity.wav"]
+    told = [_comment(here / f"{name}_velocity.wav") for name in "xy"]
+    assert told[0]["full_scale"] == told[1]["full_scale"]
+    samples = [_samples(here / f"{name}_velocity.wav") for name in "xy"]
+    assert samples[0].size == samples[1].size
+    spreads = []
+    for name in "xy":
+        with h5py.File(here / f"{name}.h5") as file:
+            spreads.append(float(np.std(file["slider/velocity"][:])))
+    wanted = 20.0 * np.log10(spreads[0] / spreads[1])
+    levels = [float(each.split()[-9]) for each in answer.out.splitlines() if "level in 200 to 4000 Hz" in each]
+    assert levels[0] - levels[1] == pytest.approx(wanted, abs=1.0)
+    assert abs(wanted) > 3.0
+    assert call("listen", "x.h5", "x.h5").code == 2
+    assert call("listen", "x.h5", "y.h5", "-o", "z.wav").code == 2
+
+
 def test_the_force_is_heard_of_a_run_without_a_slider(here: Path) -> None:
     changes = ("--set", "sliding.speed=1 mm/s", "--set", "strength.mean=250 MPa")
     assert call("run", CONTACT, "-q", "-o", "x.h5", *changes).code == 0

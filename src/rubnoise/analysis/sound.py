@@ -1,9 +1,9 @@
 """A run as sound: the column, the speed-up, and the part that an ear can hear."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, floor, log10, pi
+from math import ceil, floor, inf, log10, pi
 from typing import Final, Literal, Self
 
 import numpy as np
@@ -24,15 +24,22 @@ HIGHEST: Final = 20_000.0
 COMFORTABLE: Final = (100.0, 5000.0)
 """Frequencies in Hz that small loudspeakers give and most people hear."""
 
+LAPTOP: Final = (200.0, 4000.0)
+"""Frequencies in Hz that the loudspeaker of a laptop plays."""
+
 AIM: Final = 300.0
 """Frequency in Hz to which a suggestion moves the middle of the power."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hearing:
-    """Share of a sound's power between 20 Hz and 20 kHz, and the frequency in Hz below which half of the power lies."""
+    """Shares of a sound's power between 20 Hz and 20 kHz, and in the band of a laptop's loudspeaker.
+
+    ``middle`` is the frequency in Hz below which half of the power lies.
+    """
 
     audible: float
+    laptop: float
     middle: float
 
     @classmethod
@@ -40,9 +47,12 @@ class Hearing:
         """Return what is heard of a spectrum over w in rad/s; its power without that at w = 0, the mean."""
         frequency, power = spectrum.wavenumber[1:] / (2.0 * pi), spectrum.density[1:]
         running = np.cumsum(power)
-        heard = (frequency >= LOWEST) & (frequency <= HIGHEST)
+        shares = (
+            float(power[(frequency >= low) & (frequency <= high)].sum() / running[-1])
+            for low, high in ((LOWEST, HIGHEST), LAPTOP)
+        )
         middle = frequency[np.searchsorted(running, 0.5 * running[-1])]
-        return cls(audible=float(power[heard].sum() / running[-1]), middle=float(middle))
+        return cls(audible=next(shares), laptop=next(shares), middle=float(middle))
 
     def better(self, speed_up: float) -> float | None:
         """Return a speed-up, 1, 2 or 5 times a power of ten, that brings the middle to some 300 Hz; None if it is well.
@@ -156,12 +166,35 @@ class Sound:
 class Level:
     """What the samples of a sound are measured in: sample = (value - mean) / full_scale, in the unit of the column.
 
-    ``spectrum`` is that of the run over w in rad/s as heard, None if it is too short for one.
+    ``variance`` is that of the rows. ``spectrum`` is that of the run over w in rad/s as heard, None if it is too short
+    for one.
     """
 
     mean: float
     full_scale: float
+    variance: float
     spectrum: Spectrum | None
+
+    @property
+    def laptop(self) -> float | None:
+        """Level in dB re full scale of what the loudspeaker of a laptop plays; None without a spectrum."""
+        if self.spectrum is None:
+            return None
+        power = Hearing.of(self.spectrum).laptop * self.variance / self.full_scale**2
+        return 10.0 * log10(power) if power > 0.0 else -inf
+
+
+def audible(sound: Sound, between: Between) -> float:
+    """Return a speed-up, 1, 2 or 5 times a power of ten, at which small loudspeakers play a sound of true speed."""
+    spectrum = level_of(sound, between).spectrum
+    return 1.0 if spectrum is None else Hearing.of(spectrum).better(1.0) or 1.0
+
+
+def on_one_scale(levels: Iterable[Level]) -> list[Level]:
+    """Return levels with the largest full scale of them all, so that sounds differ as their runs do."""
+    found = list(levels)
+    largest = max(level.full_scale for level in found)
+    return [replace(level, full_scale=largest) for level in found]
 
 
 def level_of(sound: Sound, between: Between) -> Level:
@@ -181,7 +214,7 @@ def level_of(sound: Sound, between: Between) -> Level:
     if loudest <= _NOTHING * abs(moments.mean):
         raise Refused(f"the {sound.what} does not vary, so there is nothing to hear")
     spectrum = None if total is None else total.spectrum()
-    return Level(mean=moments.mean, full_scale=loudest / PEAK, spectrum=spectrum)
+    return Level(mean=moments.mean, full_scale=loudest / PEAK, variance=moments.variance, spectrum=spectrum)
 
 
 def _loudest(sound: Sound, mean: float, between: Between) -> float:

@@ -1,6 +1,8 @@
 """`rubnoise listen`: a run as sound, and what of it can be heard."""
 
+from contextlib import ExitStack
 from enum import StrEnum
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +14,8 @@ from rubnoise.cli.layout import grouped, line, number, remark, sentence
 from rubnoise.cli.progress import watching
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rubnoise.analysis.sound import Hearing, Level, Sound
 
 
@@ -32,7 +36,7 @@ class Rate(StrEnum):
 
 
 def command(
-    file: Annotated[Path, typer.Argument(help="A result file.", metavar="RUN.h5", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(help="Result files.", metavar="RUN.h5...", show_default=False)],
     *,
     output: Annotated[
         Path | None,
@@ -42,8 +46,14 @@ def command(
         What, typer.Option(help="The sound: velocity, force, displacement or normal-velocity.", metavar="WHAT")
     ] = What.VELOCITY,
     speed_up: Annotated[
-        float, typer.Option("--speed-up", help="Factor by which the sound is faster than the run.", metavar="X")
-    ] = 1.0,
+        float | None,
+        typer.Option(
+            "--speed-up",
+            help="Factor by which the sound is faster than the run; default: 1, of several runs an audible one.",
+            metavar="X",
+            show_default=False,
+        ),
+    ] = None,
     seconds: Annotated[
         float | None,
         typer.Option(help="Length of the sound, from the start; default: all.", metavar="S", show_default=False),
@@ -53,28 +63,59 @@ def command(
 ) -> None:
     """Write the slider's motion as sound: band-limited, without mean, peak at -3 dB, physical scale in the file.
 
-    Example: rubnoise listen fig5.h5 -o noise.wav --speed-up 10
+    Several runs get one scale and one length, so that they differ in loudness as they do in motion.
+
+    Example: rubnoise listen few.h5 many.h5 --speed-up 10
     """
-    from rubnoise.analysis.sound import Sound, level_of, samples_of
+    from rubnoise.analysis.sound import Sound, audible, level_of, on_one_scale
     from rubnoise.cli.loading import finished_run
-    from rubnoise.storage.output import check_output, whole_file
-    from rubnoise.storage.wave_file import check_length, write_wave
+    from rubnoise.storage.wave_file import check_length
 
     for option, value in (("--speed-up", speed_up), ("--seconds", seconds)):
         if value is not None and not (isfinite(value) and value > 0.0):
             raise typer.BadParameter(f"{option}: {value:g} is no number above 0")
-    path = output or Path(f"{file.stem}_{what}.wav")
-    if path.suffix.lower() != ".wav":
-        raise typer.BadParameter(f"{path} does not end in .wav")
-    check_output(path, force=force)
-    with finished_run(file) as run, watching(1.0, shown=False) as watcher:
-        sound = Sound.of(run, what.value, rate=int(rate), speed_up=speed_up, seconds=seconds)
-        check_length(sound.samples)
-        level = level_of(sound, lambda: watcher(0.0, 0, 0))
-        with whole_file(path, force=force) as part:
-            chunks = samples_of(sound, level, lambda: watcher(0.0, 0, 0))
-            write_wave(part, chunks, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
-        print(*format_sound(path, sound, level), sep="\n")
+    paths = _paths(files, output, what, force=force)
+    with ExitStack() as opened, watching(1.0, shown=False) as watcher:
+        between = partial(watcher, 0.0, 0, 0)
+        runs = [opened.enter_context(finished_run(file)) for file in files]
+        sounds = [Sound.of(run, what.value, rate=int(rate), speed_up=speed_up or 1.0, seconds=None) for run in runs]
+        faster = speed_up or (audible(sounds[0], between) if len(sounds) > 1 else 1.0)
+        choose = partial(Sound.of, what=what.value, rate=int(rate), speed_up=faster)
+        sounds = [choose(run, seconds=seconds) for run in runs]
+        shortest = min(sound.seconds for sound in sounds)
+        sounds = [sound if sound.seconds == shortest else choose(sound.file, seconds=shortest) for sound in sounds]
+        for sound in sounds:
+            check_length(sound.samples)
+        levels = on_one_scale(level_of(sound, between) for sound in sounds)
+        for path, sound, level in zip(paths, sounds, levels, strict=True):
+            _write(path, sound, level, between, force=force)
+            print(*format_sound(path, sound, level, others=len(sounds) - 1), sep="\n")
+
+
+def _paths(files: list[Path], output: Path | None, what: What, *, force: bool) -> list[Path]:
+    """Return where to write the sound of each file; raises Refused before anything is read if that cannot be."""
+    from rubnoise.storage.output import check_output
+
+    if output and len(files) > 1:
+        raise typer.BadParameter("-o names one file; several runs are written as RUN_WHAT.wav in this folder")
+    paths = [output or Path(f"{file.stem}_{what}.wav") for file in files]
+    for i, path in enumerate(paths):
+        if path in paths[:i]:
+            raise typer.BadParameter(f"{files[paths.index(path)]} and {files[i]} would both be written to {path}")
+        if path.suffix.lower() != ".wav":
+            raise typer.BadParameter(f"{path} does not end in .wav")
+        check_output(path, force=force)
+    return paths
+
+
+def _write(path: Path, sound: "Sound", level: "Level", between: "Callable[[], None]", *, force: bool) -> None:
+    from rubnoise.analysis.sound import samples_of
+    from rubnoise.storage.output import whole_file
+    from rubnoise.storage.wave_file import write_wave
+
+    with whole_file(path, force=force) as part:
+        chunks = samples_of(sound, level, between)
+        write_wave(part, chunks, samples=sound.samples, rate=sound.rate, texts=wave_comments(sound, level))
 
 
 def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
@@ -95,15 +136,16 @@ def wave_comments(sound: "Sound", level: "Level") -> dict[str, str]:
     }
 
 
-def format_sound(path: Path, sound: "Sound", level: "Level") -> list[str]:
-    """Return what was written, its scale, and what of it can be heard."""
+def format_sound(path: Path, sound: "Sound", level: "Level", others: int = 0) -> list[str]:
+    """Return what was written, its scale, and what of it can be heard; ``others`` have the same scale."""
     from rubnoise.storage.wave_file import BITS
 
+    whose = "the loudest sample of all runs" if others else "the loudest sample"
     rate = f"{grouped(sound.rate)} samples a second of {BITS} bits"
     return [
         sentence(f"{path}: {sound.seconds:.6g} s of {sound.what}, {rate}"),
         line("speed-up", number(sound.speed_up)),
-        line("full scale", f"{number(level.full_scale)} {sound.units}, the loudest sample 3 dB below"),
+        line("full scale", f"{number(level.full_scale)} {sound.units}, {whose} 3 dB below"),
         line("mean, taken away", f"{number(level.mean)} {sound.units}"),
         *_natural_lines(sound),
         *_audible_lines(sound, level),
@@ -125,6 +167,7 @@ def _audible_lines(sound: "Sound", level: "Level") -> list[str]:
     lines = [
         line("half of the power below", f"{hearing.middle:.3g} Hz"),
         line("audible, 20 Hz to 20 kHz", f"{100.0 * hearing.audible:.3g} % of the power"),
+        line("level in 200 to 4000 Hz", f"{level.laptop:.1f} dB re full scale, what a laptop plays"),
     ]
     better = hearing.better(sound.speed_up)
     return lines if better is None else [*lines, remark(_advice(hearing, sound.speed_up, better))]
