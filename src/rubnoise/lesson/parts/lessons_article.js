@@ -90,7 +90,10 @@
     const locked = step < STEPS.predicted ? LOCKED.experiment : '';
     const { text, runs, watch, reading } = lesson.experiment;
     const begun = step >= STEPS.run;
-    const buttons = runs.map((run, i) => make('button', { type: 'button', 'data-run': i, text: `▶ ${run.label}` }));
+    const buttons = runs.flatMap((run, i) => [
+      make('button', { type: 'button', 'data-run': i, text: `▶ ${run.label}` }),
+      begun && lesson.experiment.sound && soundButton(run, i),
+    ]);
     return part(
       'experiment',
       'Experiment',
@@ -108,6 +111,12 @@
       make('ul', {}, ...watch.map((html) => make('li', { html }))),
       seenTable(lesson, index),
     );
+  }
+
+  /** Return the button that plays a run as sound, on one scale with the others. */
+  function soundButton({ label }, i) {
+    const text = `♪ ${lessons.sounds.LETTERS[i]}`;
+    return make('button', { type: 'button', class: 'quiet', 'data-sound': i, text, 'aria-label': `${text}: ${label}` });
   }
 
   /** Return the table of what the runs have shown. */

@@ -172,6 +172,12 @@
     else show(lessons.reading.next(list[state.open], current()));
   }
 
+  /** Play the sound of a run; the run on the stage stays as it is. */
+  function listen(index) {
+    const told = lessons.sounds.play(list[state.open].experiment, index);
+    if (told) fill('#lesson-running', () => told);
+  }
+
   /** Slide on at once by many lives, for those who want figures and not the show. */
   function ahead() {
     const { run: going } = rub;
@@ -208,9 +214,10 @@
   function clicked(event) {
     const button = event.target.closest('button');
     if (!button) return;
-    const { open: index, run: chosen, act, further } = button.dataset;
+    const { open: index, run: chosen, act, further, sound } = button.dataset;
     if (index !== undefined) open(Number(index));
     else if (chosen !== undefined) run(Number(chosen));
+    else if (sound !== undefined) listen(Number(sound));
     else if (act === 'skip') skip();
     else if (act === 'ahead') ahead();
     else if (act === 'restart') restart();

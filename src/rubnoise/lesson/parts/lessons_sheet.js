@@ -72,6 +72,8 @@
   rub.on('ready', () => {
     const print = matchMedia('print');
     print.addEventListener('change', () => printing(print.matches));
+    addEventListener('beforeprint', () => printing(true));
+    addEventListener('afterprint', () => printing(false));
     document.getElementById('print').addEventListener('click', () => window.print());
   });
 })();

@@ -137,6 +137,7 @@
     evidence: { run: 1, row: 2, asks: `“20 junctions”: by how much did the area stray, as a share of its mean?` },
     needs: { births: 'poisson', pulse: 'lens', spread: 0 },
     experiment: {
+      sound: 'force',
       pace: 2, // lives a second
       lives: 40,
       text: `The same mean area, made of 2, of 20 and of 100 junctions.`,

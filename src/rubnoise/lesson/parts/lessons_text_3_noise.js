@@ -136,6 +136,7 @@
     },
     needs: { births: 'poisson' },
     experiment: {
+      sound: 'velocity',
       pace: 7, // lives a second: thirty swings in ten seconds
       text: `The slider of the paper's Fig. 5, first as printed, then with ten times the damping.`,
       runs: [
@@ -145,7 +146,7 @@
       watch: [
         `The displacement rings although the force does not. Measure ten swings on the axis of distance: with the sliding
           speed they become a time, nearly the same every time.`,
-        `With more damping it rings less. Listen to it under “Ear”.`,
+        `With more damping it rings less. Press ♪ A and ♪ B to hear both on one scale.`,
         `Compare the spread of the slider's velocity with the sliding speed.`,
       ],
       table: [

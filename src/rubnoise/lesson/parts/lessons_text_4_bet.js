@@ -54,6 +54,7 @@
     },
     needs: { births: 'poisson', pulse: 'lens' },
     experiment: {
+      sound: 'velocity',
       pace: 1, // lives a second
       text: `One after the other, over many lives each. The bet is settled by what the two runs show, not by the
         formula.`,
@@ -64,7 +65,7 @@
       watch: [
         `Both contacts beside each other, on equal axes: that of the few goes up and down in large steps, that of the many
           hums along its mean.`,
-        `Listen to both under “Ear”.`,
+        `Press ♪ A and ♪ B: both on one scale. Which is louder?`,
       ],
       table: [
         {

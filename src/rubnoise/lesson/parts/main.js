@@ -21,7 +21,11 @@
   };
 
   /* How much of a phone's screen the pictures take, below which the lessons go on. */
-  const pin = () => document.documentElement.style.setProperty('--pinned', `${find('pictures').offsetHeight}px`);
+  const pin = () => {
+    const heights = { pinned: 'pictures', 'stage-end': 'panel-stage', transport: 'transport' };
+    for (const [name, id] of Object.entries(heights))
+      document.documentElement.style.setProperty(`--${name}`, `${find(id).offsetHeight}px`);
+  };
 
   /** Fold the traces that no lesson shows now, or unfold all of them. */
   function fold(away) {

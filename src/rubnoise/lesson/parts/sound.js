@@ -82,6 +82,19 @@
     find('sound-play').textContent = '♪ listen';
   };
 
+  /** Play samples until their end. */
+  sound.start = (samples) => {
+    sound.context ??= new AudioContext();
+    const buffer = sound.context.createBuffer(1, samples.length, sound.context.sampleRate);
+    buffer.copyToChannel(samples, 0);
+    const source = new AudioBufferSourceNode(sound.context, { buffer });
+    source.connect(sound.context.destination);
+    source.onended = () => sound.source === source && sound.stop();
+    source.start();
+    sound.source = source;
+    find('sound-play').textContent = '■ stop';
+  };
+
   /** Play, or stop what plays. */
   sound.toggle = () => {
     if (sound.source) return sound.stop();
@@ -89,14 +102,7 @@
     const made = sound.samples(sound.context.sampleRate);
     find('sound-mapping').textContent = mapping(made);
     if (!made.samples.length) return undefined;
-    const buffer = sound.context.createBuffer(1, made.samples.length, sound.context.sampleRate);
-    buffer.copyToChannel(made.samples, 0);
-    const source = new AudioBufferSourceNode(sound.context, { buffer });
-    source.connect(sound.context.destination);
-    source.onended = () => sound.source === source && sound.stop();
-    source.start();
-    sound.source = source;
-    find('sound-play').textContent = '■ stop';
+    sound.start(made.samples);
     return undefined;
   };
 
@@ -113,5 +119,6 @@
     rub.on('settings', () => sound.source && sound.stop());
   };
 
+  Object.assign(sound, { FACTORS, AUDIBLE, PEAK, between });
   rub.sound = sound;
 })();
