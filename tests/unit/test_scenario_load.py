@@ -35,7 +35,7 @@ def test_a_bare_scenario_has_the_defaults() -> None:
     model = scenario.model()
     diameter = model.calibrated_diameter
     assert diameter == pytest.approx((3 * 10) ** 0.5, rel=1e-15)
-    assert (model.sizes, model.calibration, model.start) == (Fixed(value=diameter), "exact", "stationary")
+    assert (model.sizes, model.calibration, model.start) == (Fixed(value=diameter), "matched", "stationary")
     assert (model.strengths, model.sliding_speed, model.slider) == (None, None, None)
     assert model.tick == diameter / 100
     assert (scenario.run.seed, scenario.run.engine, scenario.output.compression) == (1, "events", "none")

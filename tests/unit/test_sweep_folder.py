@@ -63,7 +63,7 @@ def test_a_sweep_that_has_the_same_points_and_others_goes_on(
     [
         (GRID, ("sliding.distance=3 mm",), "sliding.distance is 2000 um there, and 3000 um here"),
         (GRID, ("run.seed=2",), "run.seed is 1 there, and 2 here"),
-        (GRID, ("interface.calibration=paper",), "interface.calibration is exact there, and paper here"),
+        (GRID, ("interface.calibration=paper",), "interface.calibration is matched there, and paper here"),
         (GRID, ("strength.mean=1 MPa",), "strength.law is not given there, and constant here"),
         (
             GRID.replace("[10, 20, 30]", "[10, 20]"), (),

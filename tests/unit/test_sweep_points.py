@@ -92,7 +92,7 @@ def test_seeds_are_spread_over_their_whole_range(tmp_path: Path) -> None:
         GRID.replace("replicates = 2", "replicates = 5"),
         GRID.replace("100 um^2", "0.0001 mm^2").replace("[10,", "[10.0,"),
         "[sweep]\nreplicates = 2\n[sweep.grid]\n" + "\n".join(reversed(GRID.splitlines()[3:])) + "\n",
-        GRID + '[sweep.zip]\ninterface.calibration = ["exact"]\n',
+        GRID + '[sweep.zip]\ninterface.calibration = ["matched"]\n',
     ],
     ids=["in another order, with a point more", "more replicates", "other units", "other order of keys", "another key"],
 )
@@ -351,3 +351,10 @@ def test_a_broken_line_is_told_beside_the_rest(tmp_path: Path) -> None:
     assert report.count("error:") == 2
     assert "a value with a unit needs quotation marks" in report
     assert "sweep.grid.diameter.sprea: unknown key" in report
+
+
+def test_what_said_the_first_calibration_keeps_its_name_and_seed(tmp_path: Path) -> None:
+    # Name and seed are those of the version whose default was exact, where no file had to say it.
+    sweep = sweep_of(tmp_path, GRID, "interface.calibration=exact")
+    first = next(point for point in expand(sweep) if point.replicate == 0)
+    assert (first.run_id, first.seed) == ("22bead39afcfb42b", 765688994715997)

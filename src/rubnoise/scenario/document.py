@@ -58,7 +58,7 @@ class Interface(Section):
         str,
         Choice(("paper", "exact", "matched")),
         About(description="Life mean over d_m^2: paper 0.327 (lens), exact the pulse's own, matched solves for A_rm."),
-    ] = "exact"
+    ] = "matched"
 
 
 def _listed(one_value: str) -> str:

@@ -94,7 +94,8 @@ def _name(resolved: Mapping[str, Any], seed: int) -> str:
 def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
     """Return a scenario as the one JSON text of it: keys sorted, defaults left out, quantities in working units.
 
-    Defaults are left out so that a key of a later version, with its default, changes no name and no seed.
+    Defaults are left out so that a key of a later version, with its default, changes no name and no seed. A calibration
+    is left out if it is exact, the first default, or does what exact does: matched, for equal diameters.
     """
     return _canonical(scenario.resolved(), without)
 
@@ -102,7 +103,7 @@ def canonical(scenario: Scenario, *, without: Collection[str] = ()) -> bytes:
 def _canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
     resolved = {
         name: _without_defaults(name, value) if isinstance(value, dict) else value
-        for name, value in resolved.items()
+        for name, value in _without_calibration(resolved).items()
         if name not in without
     }
     kept = {name: value for name, value in resolved.items() if value != {}}
@@ -111,4 +112,12 @@ def _canonical(resolved: Mapping[str, Any], without: Collection[str]) -> bytes:
 
 def _without_defaults(section: str, table: dict[str, Any]) -> dict[str, Any]:
     fields = SECTIONS[section].model_fields
-    return {key: value for key, value in table.items() if value != fields[key].default}
+    return {key: value for key, value in table.items() if key == "calibration" or value != fields[key].default}
+
+
+def _without_calibration(resolved: Mapping[str, Any]) -> Mapping[str, Any]:
+    interface = resolved["interface"]
+    same_as_exact = {"exact", "matched"} if resolved["diameter"]["law"] == "fixed" else {"exact"}
+    if interface["calibration"] not in same_as_exact:
+        return resolved
+    return {**resolved, "interface": {key: value for key, value in interface.items() if key != "calibration"}}

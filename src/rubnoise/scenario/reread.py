@@ -16,6 +16,7 @@ from rubnoise.scenario.sweep import Choice
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
 
 NAME: Final = "scenario_toml"
+_FIRST_CALIBRATION: Final = "exact"  # what a text without the key meant when older runs were made
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,9 +39,16 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
     """
     self_contained = "extends" not in Source(NAME, text).data
     given = from_text(text, NAME, overrides) if self_contained else from_text_over(run, text, NAME, overrides)
+    if run["interface"].get("calibration") == _FIRST_CALIBRATION and _has_no_calibration(given):
+        given = from_text(text, NAME, [*overrides, f"interface.calibration={_FIRST_CALIBRATION}"])
     if SWEEP in given.data:
         return _point(given, run, self_contained=self_contained)
     return Reread(resolved=_scenario(given).resolved(), self_contained=self_contained)
+
+
+def _has_no_calibration(given: Layers) -> bool:
+    interface = given.data.get("interface")
+    return isinstance(interface, dict) and "calibration" not in interface
 
 
 def _scenario(given: Layers) -> Scenario:
