@@ -1,6 +1,7 @@
 """The scenarios of the paper's figures, made short: what is drawn of them is the same, only rougher."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,3 +31,10 @@ def of_colour(pixels: np.ndarray, colour: str) -> np.ndarray:
     """Return where an image has a colour."""
     wanted = [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
     return np.all(np.abs(pixels - wanted) < 0.03, axis=2)
+
+
+def band_of(axes: Any) -> dict[float, float]:
+    """Return two standard errors of each bin of a panel of ratios, by its place."""
+    (band,) = (each for each in axes.collections if "std errors" in str(each.get_label()))
+    corners = band.get_paths()[0].vertices
+    return {float(x): float(np.abs(corners[corners[:, 0] == x][:, 1] - 1.0).max()) for x in np.unique(corners[:, 0])}

@@ -19,17 +19,19 @@ import rubnoise
 from rubnoise.analysis.spectra import Spectrum
 from rubnoise.errors import Refused
 from rubnoise.figures import paper_spread, style
-from rubnoise.figures.overview import overview_png
+from rubnoise.figures.overview import overview_figure
 from rubnoise.figures.paper import FIGURES, caption, check_sources, chosen, paper_figure
 from rubnoise.figures.paper_sources import Sources
 from rubnoise.figures.paper_spectra import FIRST, WIDEST, merged_bins
 from rubnoise.figures.paper_spread import spreads_of
+from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import Spot
-from rubnoise.figures.style import FORMATS, Format, as_bytes, house_style, logarithmic, new_figure
+from rubnoise.figures.style import FORMATS, Format, as_bytes, as_png, house_style, logarithmic, new_figure
 from rubnoise.figures.theory import theory_figure, theory_picture
 from rubnoise.model import Model
 from rubnoise.scenario.shipped import shipped
 from rubnoise.scenario.sweep import load_sweep
+from rubnoise.storage.reader import open_run
 from tests.figures.papers import PAPER, of_colour, short_papers
 from tests.verification.scores import seed_of
 
@@ -340,23 +342,27 @@ PNG = b"\x89PNG\r\n\x1a\n"
 def run(tmp_path_factory):
     pytest.importorskip("matplotlib")
     scenario = rubnoise.load(ROOT / "scenarios" / "paper" / "fig5.toml", ["sliding.distance=500 um"])
-    with rubnoise.run(scenario, tmp_path_factory.mktemp("overview") / "run.h5") as opened:
-        yield opened
+    path = tmp_path_factory.mktemp("overview") / "run.h5"
+    rubnoise.run(scenario, path).close()
+    with open_run(path) as opened:
+        yield Stretch.of(opened)
 
 
-def test_it_is_a_png_and_the_same_each_time(run):
-    picture = overview_png(run, 60)
+def overview(stretch, number):
+    with house_style():
+        return as_png(overview_figure(stretch, number))
+
+
+def test_an_overview_is_the_same_each_time_and_that_of_its_junction(run):
+    picture = overview(run, 60)
     assert picture.startswith(PNG)
-    assert overview_png(run, 60) == picture
-
-
-def test_another_junction_makes_another_picture(run):
-    assert overview_png(run, 60) != overview_png(run, 61)
+    assert overview(run, 60) == picture
+    assert overview(run, 61) != picture
 
 
 def test_a_junction_that_is_not_there_is_refused(run):
-    with pytest.raises(IndexError, match="100000"):
-        overview_png(run, 100_000)
+    with pytest.raises(Refused, match="100000"):
+        overview(run, 100_000)
 
 
 def test_the_readme_shows_it():

@@ -23,6 +23,7 @@ from rubnoise.storage.reader import open_run
 from rubnoise.theory.correlation import autocovariance
 from rubnoise.theory.response import response
 from rubnoise.theory.spectrum import spectral_density
+from tests.figures.papers import band_of
 
 SCENARIO: dict[str, Any] = {
     "format": 1,
@@ -88,20 +89,25 @@ def _of_colour(pixels: np.ndarray, colour: str) -> int:
     return int(np.all(np.abs(pixels - wanted) < 0.02, axis=2).sum())
 
 
+WITHOUT_THEORY = {"overview", "spectrogram", "contact"}
+PALE = {"histogram", "sizes", "life_distances", "gaps", "spectrogram", "contact"}
+"""Pictures in which nothing is exact, and those whose colours are mixed."""
+
+
 @pytest.mark.parametrize("name", [name for name in PICTURES if name != "landmarks"])
-def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: str) -> None:
+def test_it_shows_simulation_and_theory_and_cuts_nothing_off(full: Stretch, name: Any) -> None:
     png = picture(name, full, "png")
     pixels = _pixels(png)
     border = np.concatenate([pixels[:2].reshape(-1, 3), pixels[-2:].reshape(-1, 3), pixels[:, :2].reshape(-1, 3)])
     assert np.all(border == 1.0)
-    assert _of_colour(pixels, style.VERMILION) > 200
-    assert name == "histogram" or _of_colour(pixels, style.BLUE) > 200  # whose bars are pale
+    assert name in WITHOUT_THEORY or _of_colour(pixels, style.VERMILION) > 200
+    assert name in PALE or _of_colour(pixels, style.BLUE) > 200
     assert picture(name, full, "png") == png
 
 
 @pytest.mark.parametrize("name", [name for name in PICTURES if name not in MOTION])
 @pytest.mark.parametrize("kind", ["svg", "png"])
-def test_odd_contacts_are_drawn_too(odd: Stretch, name: str, kind: Any) -> None:
+def test_odd_contacts_are_drawn_too(odd: Stretch, name: Any, kind: Any) -> None:
     assert len(picture(name, odd, kind)) > 5000
 
 
@@ -322,13 +328,11 @@ def test_too_many_bars_are_refused(full_lives: Stretch) -> None:
 def test_the_ratio_of_the_spectrum_is_one_within_its_band(full_lives: Stretch) -> None:
     with house_style():
         _, ratio = PICTURES["psd"](full_lives).axes
-    values = ratio.lines[-1].get_ydata()
-    low, high = ratio.patches[0].get_extents().transformed(ratio.transData.inverted()).intervaly
-    assert (low + high) / 2.0 == pytest.approx(1.0)
-    # Of independent values with two standard errors some 5 % are outside; neighbours share some of their error.
-    outside = np.mean((values < low) | (values > high))
-    assert outside < 0.15
-    assert np.mean((1.5 * values < low) | (1.5 * values > high)) > 0.3, "a spectrum half as high again is noticed"
+    place, values = ratio.lines[-1].get_data()
+    band = np.array([band_of(ratio)[float(each)] for each in place])
+    # Of values with two standard errors some 5 % are outside.
+    assert np.mean(np.abs(values - 1.0) > band) < 0.15
+    assert np.mean(np.abs(1.5 * values - 1.0) > band) > 0.3, "a spectrum half as high again is noticed"
 
 
 def test_the_length_of_a_life_is_marked(full_lives: Stretch) -> None:

@@ -31,6 +31,7 @@ from rubnoise.record.rows import LandmarkKind, Phase
 from rubnoise.storage.reader import open_run
 from rubnoise.theory.response import response
 from tests.architecture.sources import ROOT
+from tests.figures.papers import band_of
 
 FIG5 = ROOT / "scenarios" / "paper" / "fig5.toml"
 Doubles = np.ndarray
@@ -315,14 +316,11 @@ def test_a_one_way_spectrum_is_what_is_expected_of_it(one_way: Stretch, heard: A
         figure = motion_spectrum_figure(one_way, heard)
     _, below = figure.axes
     frequency, ratio = _line(below, "simulated over expected")
-    (band,) = (each for each in below.patches if "std errors" in str(each.get_label()))
-    error = 0.25 * band.get_height()
-    # Bins two apart are nearly independent under the Hann window: their mean has the error of so many values.
-    known = ratio[frequency > 100.0][::2]
-    assert known.size > 100
-    assert abs(known.mean() - 1.0) < 4.0 * error / np.sqrt(known.size)
-    wrong = known * 0.8
-    assert abs(wrong.mean() - 1.0) > 4.0 * error / np.sqrt(known.size), "a spectrum a fifth too low is noticed"
+    error = 0.5 * np.array([band_of(below)[float(each)] for each in frequency])
+    weight = error**-2 / np.sum(error**-2)
+    known, of_mean = float(np.sum(weight * ratio)), float(np.sqrt(np.sum((weight * error) ** 2)))
+    assert known == pytest.approx(1.0, abs=4.0 * of_mean)
+    assert 0.8 * known != pytest.approx(1.0, abs=4.0 * of_mean), "a spectrum a fifth too low is noticed"
 
 
 def test_no_ratio_is_drawn_of_what_theory_does_not_know(two_way: Stretch) -> None:

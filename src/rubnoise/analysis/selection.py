@@ -151,6 +151,10 @@ class Neighbours:
             return self._chosen((self.birth < distance) & (distance <= self.death))
         return self._chosen((self.birth <= distance) & (distance < self.death))
 
+    def only(self, number: int) -> Self:
+        """Return the one in a row of the file."""
+        return self._chosen(self.rows == number)
+
     def area(self, distance: float) -> Doubles:
         """Return the area in um^2 of each at a distance in um at which all are alive."""
         return area_of(self.pulse, distance - self.birth, self.diameter, self.offset)

@@ -17,11 +17,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from rubnoise.api.kinds import Style
     from rubnoise.api.result import Contents
     from rubnoise.api.sweep_result import SweepResult
 
 AREA: Final = "area"
-OTHER_WORDS: Final = {"spectrum": "psd", "autocovariance": "acf", "hist": "histogram", "area": "trace"}
+OTHER_WORDS: Final = {
+    "diameter": "sizes",
+    "lifetimes": "life_distances",
+    "spectrum": "psd",
+    "autocovariance": "acf",
+    "hist": "histogram",
+    "area": "trace",
+}
 """Words that other programs have for these pictures."""
 
 WIDTHS: Final = {"single": "84 mm x 60 mm", "double": "174 mm x 124 mm"}
@@ -40,9 +48,10 @@ def drawn(
     beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
     size: str | None = None,
     title: bool = True,
+    style: str = "screen",
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Contents.plot)."""
-    from rubnoise.figures.catalogue import OVERLAID, PICTURES, drawing
+    from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, Look, drawing
     from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.stretch import Stretch
 
@@ -53,11 +62,10 @@ def drawn(
     of = next((short for short, whole in SHORT.items() if whole == of), of)
     if isinstance(beside, str | os.PathLike):
         beside = Trace(beside)
-    inches = None if size is None else in_inches(size)
     heard = None if of == AREA else of
-    if heard is not None and (what != "psd" or heard not in get_args(Heard)):
-        raise Refused(f'of={of!r}: is for "psd", and "area", {", ".join(map(repr, get_args(Heard)))}')
-    if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and heard is None:
+    if heard is not None and (what not in HEARD or heard not in get_args(Heard)):
+        raise Refused(f'of={of!r}: is for "psd" and "spectrogram", and "area", {", ".join(map(repr, get_args(Heard)))}')
+    if beside is not None and not isinstance(beside, Trace) and what not in OVERLAID and not (what == "psd" and heard):
         raise Refused('beside: another run goes with "slider", "phase", and "psd" of force, displacement or velocity')
     if isinstance(beside, Trace) and what != "psd":
         raise Refused('beside: a trace of yours goes with "psd"')
@@ -65,12 +73,15 @@ def drawn(
     stretch = Stretch.of(run.reader(), *ends)
     other = Stretch.of(beside.reader()) if beside is not None and not isinstance(beside, Trace) else None
     measured = measured_spectrum(beside, heard) if isinstance(beside, Trace) else None
-    figure = drawing(what, stretch, heard=cast("Heard | None", heard), beside=other, measured=measured, ax=ax)
-    if not title:
-        without_titles(figure)
-    if inches is not None and ax is None:
-        figure.set_size_inches(inches)
-    return figure
+    return drawing(
+        what,
+        stretch,
+        heard=cast("Heard | None", heard),
+        beside=other,
+        measured=measured,
+        look=Look(inches=None if size is None else in_inches(size), style=known_style(style), title=title),
+        ax=ax,
+    )
 
 
 def in_inches(size: str) -> tuple[float, float]:
@@ -90,12 +101,13 @@ def in_inches(size: str) -> tuple[float, float]:
     return width, height
 
 
-def without_titles(figure: "Figure") -> None:
-    """Take the titles of a figure and its axes away, as a caption below it says them."""
-    figure.suptitle("")
-    for axes in figure.axes:
-        axes.set_title("", loc="left")
-        axes.set_title("")
+def known_style(style: str) -> "Style":
+    """Return the name of a style; raises Refused for what is none."""
+    from rubnoise.figures.style import STYLES
+
+    if style not in STYLES:
+        raise Refused(f"style={style!r}: no style of a picture; there are {', '.join(STYLES)}")
+    return style
 
 
 def drawn_fit(found: Inference) -> "Figure":

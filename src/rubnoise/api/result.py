@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from rubnoise.analysis.verification import ResultFile
     from rubnoise.analysis.verifying.findings import Verification
     from rubnoise.api.estimates import PowerSpectrum
+    from rubnoise.api.kinds import Kind, Style
     from rubnoise.api.trace import Trace
     from rubnoise.model import Model
     from rubnoise.scenario import Scenario
@@ -169,7 +170,7 @@ class Contents(ABC):
 
     def plot(
         self,
-        what: str = "trace",
+        what: "Kind" = "overview",
         ax: "Axes | None" = None,
         *,
         start: Any = None,
@@ -178,17 +179,19 @@ class Contents(ABC):
         beside: "Contents | Trace | str | os.PathLike[str] | None" = None,
         size: str | None = None,
         title: bool = True,
+        style: "Style" = "screen",
         **unknown: Any,
     ) -> "Figure":
         """Draw a picture of the run beside theory, and return it as a matplotlib figure.
 
-        ``what`` is "trace", "lives", "histogram", "psd", "acf", "count", "slider", "phase" or "landmarks", as for
-        `rubnoise plot`; ``of`` is whose spectrum "psd" shows: "area", "force", "displacement" or "velocity". With
-        ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances in um. ``beside`` is
-        another run, for "slider", "phase" and spectra in Hz, or for spectra a `Trace` of yours or its file. ``size``
-        is "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is whether axes have titles.
-        Raises Refused for a
-        picture that the run does not have, PicturesMissing without matplotlib.
+        ``what`` is "overview", "trace", "lives", "lifelines", "histogram", "psd", "acf", "count", "sizes",
+        "life_distances", "gaps", "spectrogram", "contact" (from above, at ``start``), "slider", "phase" or "landmarks",
+        as for `rubnoise plot`; ``of`` is whose spectrum "psd" and "spectrogram" show: "area", "force", "displacement"
+        or "velocity". With ``ax`` it is drawn in the place of these axes. ``start`` and ``stop`` are sliding distances
+        in um. ``beside`` is another run, for "slider", "phase" and spectra in Hz, or for "psd" a `Trace` or its file.
+        ``size`` is "84 mm x 60 mm", or "single" or "double" for the columns of a journal; ``title`` is
+        whether axes have titles; ``style`` is "screen", "paper" (small letters and thin lines) or "slides". Raises
+        Refused for a picture that the run does not have, PicturesMissing without matplotlib.
 
         >>> import rubnoise
         >>> with rubnoise.open("fig5.h5") as run:
@@ -201,7 +204,7 @@ class Contents(ABC):
         for name in unknown:
             hint = '; right form: size="84 mm x 60 mm"' if "size" in name else ""
             raise Refused(f"{name}=: plot has no such keyword{hint}")
-        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside, size=size, title=title)
+        return drawn(self, what, ax, start=start, stop=stop, of=of, beside=beside, size=size, title=title, style=style)
 
     @property
     def exact(self) -> "Exact":

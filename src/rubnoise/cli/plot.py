@@ -16,6 +16,7 @@ from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.figures import catalogue
     from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.style import Format
 
@@ -33,6 +34,20 @@ class Picture(StrEnum):
     PHASE = "phase"
     LANDMARKS = "landmarks"
     LIFELINES = "lifelines"
+    OVERVIEW = "overview"
+    SIZES = "sizes"
+    LIFE_DISTANCES = "life_distances"
+    GAPS = "gaps"
+    SPECTROGRAM = "spectrogram"
+    CONTACT = "contact"
+
+
+class Look(StrEnum):
+    """Where a picture is shown."""
+
+    SCREEN = "screen"
+    PAPER = "paper"
+    SLIDES = "slides"
 
 
 class SpectrumOf(StrEnum):
@@ -86,7 +101,8 @@ def command(
     of: Annotated[
         SpectrumOf,
         typer.Option(
-            help="Whose spectrum psd draws: area, over wavenumber; force, displacement or velocity, in Hz.",
+            help="Whose spectrum psd and spectrogram draw: area, over wavenumber, or force, displacement or velocity,"
+            " in Hz.",
             metavar="QUANTITY",
         ),
     ] = SpectrumOf.AREA,
@@ -100,13 +116,26 @@ def command(
             show_default=False,
         ),
     ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            help="Width and height, such as '84 mm x 60 mm'; single and double are the columns of a journal.",
+            metavar="SIZE",
+            show_default="the picture's own",
+        ),
+    ] = None,
+    style: Annotated[
+        Look, typer.Option(help="For a screen, a paper (small letters) or slides (large ones).", metavar="STYLE")
+    ] = Look.SCREEN,
+    title: Annotated[bool, typer.Option("--title/--no-title", help="With titles, or without for a caption.")] = True,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Draw a run beside theory: area, single lives, distribution, spectra, autocovariance, count, and the slider.
+    """Draw a run beside theory: area, single lives, distributions, spectra, autocovariance, count, and the slider.
 
-    lifelines has a bar from birth to death for each junction. slider is its motion in time, phase its velocity over its
-    displacement, landmarks how far it slips and how long it sticks. Of a sweep a quantity is drawn against what is
-    swept, with intervals and the exact curve.
+    overview shows the run at a glance, contact the junctions from above at --from; sizes, life_distances and gaps are
+    histograms beside their laws. lifelines has a bar from birth to death for each junction. slider is its motion in
+    time, phase its velocity over its displacement, landmarks how far it slips and how long it sticks. Of a sweep a
+    quantity is drawn against what is swept, with intervals and the exact curve.
 
     Example: rubnoise plot fig5.h5 psd --of velocity -o spectrum.pdf
     """
@@ -117,11 +146,16 @@ def command(
         reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
         raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     if is_folder(file):
-        if ends != (None, None) or beside is not None or of != SpectrumOf.AREA:
-            raise typer.BadParameter("--from, --to, --of and --with are for the pictures of one run")
+        if ends != (None, None) or beside or size or not title or (of, style) != (SpectrumOf.AREA, Look.SCREEN):
+            options = "--from, --to, --of, --with, --size, --style and --no-title"
+            raise typer.BadParameter(f"{options} are for the pictures of one run")
         _plot_sweep(file, what, output, force=force)
     else:
-        _plot_run(file, _picture(what), of, ends, beside, output, force=force)
+        from rubnoise.api.pictures import in_inches
+        from rubnoise.figures import catalogue
+
+        look = catalogue.Look(inches=None if size is None else in_inches(size), style=style.value, title=title)
+        _plot_run(file, _picture(what), of, ends, beside, output, look, force=force)
 
 
 def _picture(what: str | None) -> Picture:
@@ -139,23 +173,24 @@ def _plot_run(
     ends: tuple[float | None, float | None],
     beside: Path | None,
     output: Path | None,
+    look: "catalogue.Look",
     *,
     force: bool,
 ) -> None:
     from rubnoise.api.pictures import measured_spectrum
     from rubnoise.api.trace import Trace
     from rubnoise.cli.loading import complete_run, finished_run
-    from rubnoise.figures.catalogue import OVERLAID, picture
+    from rubnoise.figures.catalogue import HEARD, OVERLAID, picture
     from rubnoise.figures.motion import prefix_refusals
     from rubnoise.figures.stretch import Stretch
 
     heard = None if of is SpectrumOf.AREA else cast("Heard", of.value)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
-    if heard is not None and what is not Picture.PSD:
-        raise typer.BadParameter(f"--of is for psd, not for {what.value}")
+    if heard is not None and what.value not in HEARD:
+        raise typer.BadParameter(f"--of is for psd and spectrogram, not for {what.value}")
     if has_measured and what is not Picture.PSD:
         raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what.value}")
-    if beside is not None and not has_measured and what not in OVERLAID and heard is None:
+    if beside is not None and not has_measured and what.value not in OVERLAID and not (what is Picture.PSD and heard):
         raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
     path = output or Path(f"{file.stem}_{what.value}{'' if heard is None else f'_{heard}'}.png")
     check_picture(path, force=force)
@@ -168,7 +203,7 @@ def _plot_run(
             file_beside = opened.enter_context(complete_run(beside))
             with prefix_refusals(f"--with {beside}"):
                 other = Stretch.of(file_beside)
-        draw = partial(picture, what.value, stretch, heard=heard, beside=other, measured=measured)
+        draw = partial(picture, what.value, stretch, heard=heard, beside=other, measured=measured, look=look)
         write_picture(path, draw, force=force)
 
 

@@ -1,21 +1,37 @@
 """The pictures of a run, by name."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from rubnoise.api.kinds import Kind, Style
 from rubnoise.arrays import Doubles
 from rubnoise.figures.area import count_figure, lifelines_figure, lives_figure, trace_figure
 from rubnoise.figures.area_statistics import acf_figure, histogram_figure, psd_figure
+from rubnoise.figures.contact import contact_figure
 from rubnoise.figures.motion_spectrum import Heard, motion_spectrum_figure
+from rubnoise.figures.overview import overview_figure
+from rubnoise.figures.population import gaps_figure, life_distances_figure, sizes_figure
 from rubnoise.figures.slider import landmarks_figure, phase_figure, slider_figure
+from rubnoise.figures.spectrogram import spectrogram_figure
 from rubnoise.figures.stretch import Stretch
-from rubnoise.figures.style import INK, Format, as_bytes, house_style, in_place_of, legend_above, one_line, shortened
+from rubnoise.figures.style import (
+    INK,
+    Format,
+    as_bytes,
+    house_style,
+    in_place_of,
+    legend_above,
+    of_size,
+    one_line,
+    shortened,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
+PICTURES: Final[dict[Kind, Callable[[Stretch], "Figure"]]] = {
     "trace": trace_figure,
     "lives": lives_figure,
     "histogram": histogram_figure,
@@ -26,53 +42,92 @@ PICTURES: Final[dict[str, Callable[[Stretch], "Figure"]]] = {
     "phase": phase_figure,
     "landmarks": landmarks_figure,
     "lifelines": lifelines_figure,
+    "overview": overview_figure,
+    "sizes": sizes_figure,
+    "life_distances": life_distances_figure,
+    "gaps": gaps_figure,
+    "spectrogram": spectrogram_figure,
+    "contact": contact_figure,
 }
 
-OVERLAID: Final[dict[str, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}
+HEARD: Final[dict[Kind, Callable[[Stretch, Heard], "Figure"]]] = {
+    "psd": motion_spectrum_figure,
+    "spectrogram": spectrogram_figure,
+}
+"""Pictures that can be of the slider's force or motion, in place of the area."""
+
+OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {"slider": slider_figure, "phase": phase_figure}
 """Pictures in which another run can be laid over the first."""
 
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """How a picture is shown: width and height in inches (its own if None), style, and whether axes have titles."""
+
+    inches: tuple[float, float] | None = None
+    style: Style = "screen"
+    title: bool = True
+
+
+AS_IT_IS: Final = Look()
 
 Measured = tuple[str, Doubles, Doubles]
 """A spectrum of the user's own, to lay over that of a run: its name, places and densities in the picture's units."""
 
 
 def picture(
-    name: str,
+    name: Kind,
     stretch: Stretch,
     kind: Format,
     *,
     heard: Heard | None = None,
     beside: Stretch | None = None,
     measured: Measured | None = None,
+    look: Look = AS_IT_IS,
 ) -> bytes:
     """Return a picture of a run as the bytes of a file; see `drawing`."""
-    with house_style():
-        return as_bytes(_figure(name, stretch, heard, beside, measured), kind)
+    with house_style(look.style):
+        return as_bytes(drawing(name, stretch, heard=heard, beside=beside, measured=measured, look=look), kind)
 
 
 def drawing(
-    name: str,
+    name: Kind,
     stretch: Stretch,
     *,
     heard: Heard | None = None,
     beside: Stretch | None = None,
     measured: Measured | None = None,
+    look: Look = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows, or draw it in the place of ``ax``.
 
     heard: whose spectrum `psd` shows, in place of the area's; beside: a run that is laid over the first; measured: a
-    spectrum of the user's own. Raises Refused if a run has not what is shown.
+    spectrum of the user's own; look: its size, its style, and whether it has titles. Raises Refused if a run
+    has not what is shown.
     """
-    with house_style(), in_place_of(ax):
-        return _figure(name, stretch, heard, beside, measured)
+    with house_style(look.style), in_place_of(ax), of_size(look.inches):
+        figure = _figure(name, stretch, heard, beside, measured)
+        if not look.title:
+            without_titles(figure)
+        return figure
+
+
+def without_titles(figure: "Figure") -> None:
+    """Take the titles of a figure and its axes away, as a caption below it says them."""
+    figure.suptitle("")
+    for axes in figure.axes:
+        axes.set_title("", loc="left")
+        axes.set_title("")
 
 
 def _figure(
-    name: str, stretch: Stretch, heard: Heard | None, beside: Stretch | None, measured: Measured | None
+    name: Kind, stretch: Stretch, heard: Heard | None, beside: Stretch | None, measured: Measured | None
 ) -> "Figure":
-    if heard is not None:
+    if heard is not None and beside is not None:
         figure = motion_spectrum_figure(stretch, heard, beside)
+    elif heard is not None:
+        figure = HEARD[name](stretch, heard)
     else:
         figure = PICTURES[name](stretch) if beside is None else OVERLAID[name](stretch, beside)
     if measured is not None:

@@ -1,79 +1,125 @@
-"""A run at a glance: junctions and their sum, one life, the force and the vibration that it excites."""
+"""A run at a glance: junctions and their sum, one life, and the motion that it excites or the laws that it follows."""
 
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rubnoise.figures.style import BLUE, FAINT, INK, as_png, house_style, new_figure
+from rubnoise.analysis.selection import Neighbours, neighbours
+from rubnoise.errors import Refused
+from rubnoise.figures.area import COUNT
+from rubnoise.figures.motion import Motion
+from rubnoise.figures.stretch import Stretch
+from rubnoise.figures.style import AREA, BLUE, DISTANCE, FAINT, INK, exact_band, file_label, legend_above, new_figure
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.exact import exact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from rubnoise.api import Junction, Run
+    from matplotlib.figure import Figure
 
 WINDOW_LIVES: Final = 4.0
 """Width of the window around the junction, in its own lives."""
 
-SECONDS: Final = 0.4
-"""How much of force and vibration is shown: some twenty periods of the slider of Fig. 5."""
+PERIODS: Final = 16.0
+SHOWN_LIVES: Final = 40.0
+"""Natural periods of a slider that are shown, and mean lives of a run without."""
 
 
-def overview_png(run: "Run", number: int) -> bytes:
-    """Return a picture of a run with a slider, and of one of its junctions, as a png."""
-    junction = run.junction(number)
-    with house_style():
-        figure = new_figure(9.0, 5.2)
-        axes: Any = figure.subplot_mosaic([["sum", "sum", "life"], ["force", "force", "force"], ["x", "x", "x"]])
-        _draw_sum(axes["sum"], run, junction)
-        _draw_life(axes["life"], junction)
-        _draw_motion(axes["force"], axes["x"], run)
-        return as_png(figure)
+def overview_figure(stretch: Stretch, number: int | None = None) -> "Figure":
+    """Draw a run, and the life of one of its junctions: the first that is born in the second half, or ``number``.
+
+    With a slider its force and displacement stand below, without one area and count beside theory. Raises Refused for
+    a number that is not there.
+    """
+    junction = _chosen(stretch, number)
+    figure = new_figure(9.0, 5.4)
+    below = ["force", "x"] if stretch.model.slider is not None else ["area", "count"]
+    rows: Any = [["sum", "sum", "life"], *([name] * 3 for name in below)]
+    axes: Any = figure.subplot_mosaic(rows)
+    figure.suptitle(file_label(stretch), x=0.01, ha="left")
+    _draw_sum(axes["sum"], stretch, junction)
+    _draw_life(axes["life"], junction)
+    if stretch.model.slider is not None:
+        _draw_motion(axes["force"], axes["x"], Motion.of(stretch))
+    else:
+        _draw_statistics(axes["area"], axes["count"], stretch)
+    return figure
 
 
-def _draw_sum(axes: "Axes", run: "Run", junction: "Junction") -> None:
-    first = max(junction.birth_distance - 0.5 * (WINDOW_LIVES - 1.0) * junction.life_distance, 0.0)
-    window = np.linspace(first, first + WINDOW_LIVES * junction.life_distance, 1200)
-    distance = run.trace["distance"][:]
-    inside = slice(*np.searchsorted(distance, [window[0], window[-1]]))
-    axes.plot(distance[inside], run.trace["real_contact_area"][inside], color=INK, label="real contact area")
-    rows = (run.junctions["birth_distance"][:] < window[-1]) & (run.junctions["death_distance"][:] > window[0])
-    for other in np.flatnonzero(rows).tolist():
-        own = other == junction.number
-        area = run.junction(other).area(window)
+def _chosen(stretch: Stretch, number: int | None) -> Neighbours:
+    """Return the junction whose life is shown."""
+    rows = stretch.file.rows("junctions")
+    if rows == 0:
+        raise Refused("no junction lives in this run; there is nothing to draw")
+    if number is None:
+        birth = stretch.file.column("junctions", "birth_distance", 0, rows)
+        number = min(int(np.searchsorted(birth, 0.5 * (stretch.start + stretch.stop))), rows - 1)
+    if not 0 <= number < rows:
+        raise Refused(f"junction {number}: not there; the run has junctions 0 to {rows - 1}")
+    begin = float(stretch.file.column("junctions", "birth_distance", number, number + 1)[0])
+    return neighbours(stretch.file, -1, begin, begin).only(number)
+
+
+def _draw_sum(axes: "Axes", stretch: Stretch, junction: Neighbours) -> None:
+    birth, life = float(junction.birth[0]), float(junction.death[0] - junction.birth[0])
+    first = max(birth - 0.5 * (WINDOW_LIVES - 1.0) * life, 0.0)
+    window = np.linspace(first, first + WINDOW_LIVES * life, 1200)
+    alive = neighbours(stretch.file, -1, float(window[0]), float(window[-1]))
+    areas = alive.areas(window)
+    axes.plot(window, areas.sum(axis=0), color=INK, label="real contact area")
+    for row, area in zip(alive.rows.tolist(), areas, strict=True):
         shown = np.where(area > 0.0, area, np.nan)
-        if own:
-            axes.plot(window, shown, color=BLUE, lw=2.2, zorder=3, label=f"junction {other}")
+        if row == junction.rows[0]:
+            axes.plot(window, shown, color=BLUE, lw=2.2, zorder=3, label=f"junction {row}")
         else:
             axes.plot(window, shown, color=FAINT, lw=0.6)
     axes.set_xlim(window[0], window[-1])
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("sliding distance (µm)")
+    axes.set_xlabel(DISTANCE)
     axes.set_ylabel("area (µm²)")
     axes.set_title("The junctions and their sum")
     axes.legend(loc="upper right", ncols=2, bbox_to_anchor=(1.0, 1.17))
 
 
-def _draw_life(axes: "Axes", junction: "Junction") -> None:
-    distance = np.linspace(junction.birth_distance, junction.death_distance, 400)
-    age, area = distance - junction.birth_distance, junction.area(distance)
+def _draw_life(axes: "Axes", junction: Neighbours) -> None:
+    distance = np.linspace(float(junction.birth[0]), float(junction.death[0]), 400)
+    age, area = distance - distance[0], junction.areas(distance)[0]
     axes.fill_between(age, area, color=BLUE, alpha=0.18, lw=0.0)
     axes.plot(age, area, color=BLUE, lw=2.2)
     axes.set_xlim(0.0, age[-1])
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("sliding distance since its birth (µm)")
     axes.set_ylabel("its area (µm²)")
-    axes.set_title(f"The life of junction {junction.number}")
+    axes.set_title(f"The life of junction {junction.rows[0]}")
 
 
-def _draw_motion(force: "Axes", displacement: "Axes", run: "Run") -> None:
-    time = run.slider["time"][:]
-    end = int(np.searchsorted(time, SECONDS))
-    force.plot(time[:end], 1e-3 * run.slider["friction_force"][:end], color=INK, lw=0.8)
+def _draw_motion(force: "Axes", displacement: "Axes", motion: Motion) -> None:
+    shown = motion.between(motion.begin, motion.begin + PERIODS / motion.slider.natural_frequency)
+    time, value = shown.curve("friction_force")
+    force.plot(time, 1e-3 * value, color=INK, lw=0.8)
     force.set_ylabel("force (mN)")
     force.set_title("The friction force, and the vibration that it excites")
-    displacement.plot(time[:end], run.slider["displacement"][:end], color=BLUE)
+    displacement.plot(*shown.curve("displacement"), color=BLUE)
     displacement.set_ylabel("displacement (µm)")
     displacement.set_xlabel("time (s)")
     force.sharex(displacement)
     force.tick_params(labelbottom=False)
-    displacement.set_xlim(0.0, time[end - 1])
+    displacement.set_xlim(time[0], time[-1])
+
+
+def _draw_statistics(area: "Axes", count: "Axes", stretch: Stretch) -> None:
+    """Draw area and count of the beginning, each with its exact mean and standard deviation."""
+    shown = stretch.narrowed(SHOWN_LIVES * stretch.model.mean_life_distance)
+    law, numbers = area_cumulants(stretch.model), exact(stretch.model)
+    exact_band(area, law.mean, law.std)
+    area.plot(*shown.curve("trace", "real_contact_area"), color=BLUE, lw=0.9, label="simulated")
+    area.set_ylabel(AREA.replace(" contact", "\ncontact"))
+    area.set_title("The sum, and how many live")
+    legend_above(area)
+    exact_band(count, numbers.count_mean, numbers.count_std)
+    count.plot(*shown.curve("trace", "junction_count"), color=BLUE, lw=0.9, drawstyle="steps-post")
+    count.set_ylabel(COUNT.replace(" live", "\nlive"))
+    count.set_xlabel(DISTANCE)
+    area.sharex(count)
+    area.tick_params(labelbottom=False)
+    count.set_xlim(shown.start, shown.stop)

@@ -10,8 +10,12 @@ from contextvars import ContextVar
 from functools import cache
 from io import BytesIO
 from math import log10
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+import numpy as np
+
+from rubnoise.api.kinds import Style
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused, how_to_install
 
@@ -59,6 +63,7 @@ SETTINGS: Final[dict[str, Any]] = {
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 9.0,
     "axes.titlesize": 10.0,
+    "figure.titlesize": 10.0,
     "axes.titlelocation": "left",
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -85,8 +90,8 @@ def new_figure(width: float, height: float) -> "Figure":
 
     To be called, and drawn on, within ``house_style()``. Raises PicturesMissing without matplotlib.
     """
-    place = _PLACE.get()
-    figure: Figure = _picture_class()(figsize=(width, height), layout="constrained") if place is None else place
+    place, size = _PLACE.get(), _SIZE.get() or (width, height)
+    figure: Figure = _picture_class()(figsize=size, layout="constrained") if place is None else place
     return figure
 
 
@@ -100,6 +105,17 @@ def _picture_class() -> Any:
 
 
 _PLACE: Final[ContextVar[Any]] = ContextVar("place", default=None)
+_SIZE: Final[ContextVar[tuple[float, float] | None]] = ContextVar("size", default=None)
+
+
+@contextmanager
+def of_size(inches: tuple[float, float] | None) -> Iterator[None]:
+    """Let `new_figure` return figures of this width and height in inches; of their own if None."""
+    token = _SIZE.set(inches)
+    try:
+        yield
+    finally:
+        _SIZE.reset(token)
 
 
 @contextmanager
@@ -122,7 +138,29 @@ def in_place_of(ax: "Axes | None") -> Iterator[None]:
         _PLACE.reset(token)
 
 
-def house_style() -> Any:
+STYLES: Final[dict[Style, dict[str, Any]]] = {
+    "screen": {},
+    "paper": {
+        "font.size": 7.0,
+        "axes.titlesize": 7.5,
+        "legend.fontsize": 6.0,
+        "lines.linewidth": 0.9,
+        "axes.linewidth": 0.6,
+        "figure.titlesize": 7.5,
+    },
+    "slides": {
+        "font.size": 15.0,
+        "axes.titlesize": 16.0,
+        "figure.titlesize": 16.0,
+        "legend.fontsize": 13.0,
+        "lines.linewidth": 2.4,
+        "axes.linewidth": 1.4,
+    },
+}
+"""What changes for a journal's page, whose columns are 84 and 174 mm wide, and for a wall."""
+
+
+def house_style(style: Style = "screen") -> Any:
     """Return the context in which figures are made; raises PicturesMissing without matplotlib."""
     try:
         import matplotlib as mpl
@@ -130,7 +168,7 @@ def house_style() -> Any:
         raise PicturesMissing(f"a picture needs matplotlib: {how_to_install('plot')}") from problem
     # From the library's own defaults: a reader's matplotlibrc must not change what a figure says.
     settings: dict[Any, Any] = dict(mpl.rcParamsDefault)
-    return mpl.rc_context(settings | SETTINGS | {"backend": "agg"})
+    return mpl.rc_context(settings | SETTINGS | STYLES[style] | {"backend": "agg"})
 
 
 def as_bytes(figure: "Figure", kind: Format) -> bytes:
@@ -178,6 +216,10 @@ CONFIDENCE: Final = 1.959963984540054
 
 AREA: Final = "real contact area (µm²)"
 DISTANCE: Final = "sliding distance (µm)"
+CHARACTERS_PER_INCH: Final = 16.0
+INCHES_PER_ENTRY: Final = 1.5
+"""How many letters of a title, and how much of a legend's entry, a width in inches has room for."""
+
 NEAREST: Final = 1e-6
 """Span of values over the values themselves below which nothing but rounding is seen."""
 
@@ -186,7 +228,9 @@ def add_title(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch
     """Put a title over a figure: what it shows, then the file, what is in contact, or which run is laid over it."""
     file = file_label(stretch)
     whose = f"{file}: {contact_label(stretch.model)}" if beside is None else f"{file}, and over it {file_label(beside)}"
-    figure.suptitle(f"{shown}\n{whose}", x=0.01, ha="left", fontsize=10.0)
+    room = max(20, int(CHARACTERS_PER_INCH * figure.get_figwidth()))
+    lines = [line for text in (*shown.splitlines(), whose) for line in wrap(text, room)]
+    figure.suptitle("\n".join(lines), x=0.01, ha="left")
 
 
 def contact_label(model: "Model") -> str:
@@ -218,20 +262,38 @@ def exact_band(axes: "Axes", mean: float, std: float) -> None:
         axes.axhline(edge, color=VERMILION, lw=0.7, ls=(0, (5, 4)), zorder=4)
 
 
+BINS_PER_DECADE: Final = 24.0
+"""Bins of a ratio over a logarithmic axis: so few that the band of each can be seen."""
+
+
+NEIGHBOURS: Final = {1: 4.0 / 9.0, 2: 1.0 / 36.0}
+"""Correlation of values so many places apart under a Hann window: the squares of 2/3 and 1/6."""
+
+
 def draw_ratio(axes: "Axes", place: Doubles, ratio: Doubles, error: float) -> None:
-    """Draw an estimate over what it is expected to be, with two standard errors of each value about 1."""
-    band = 2.0 * error
-    axes.axhspan(1.0 - band, 1.0 + band, color=VERMILION, alpha=0.15, lw=0.0, label="± 2 std errors of a value")
+    """Draw an estimate over what it is expected to be, in bins of a logarithmic axis.
+
+    ``error`` is the standard error of one value; the band about 1 is two standard errors of the mean of a bin's values.
+    """
+    bins = np.floor(BINS_PER_DECADE * np.log10(place / place[0])).astype(np.int64)
+    _, first, count = np.unique(bins, return_index=True, return_counts=True)
+    middle = np.exp(np.add.reduceat(np.log(place), first) / count)
+    mean = np.add.reduceat(ratio, first) / count
+    near = sum(2.0 * share * np.maximum(1.0 - lag / count, 0.0) for lag, share in NEIGHBOURS.items())
+    band = 2.0 * error * np.sqrt((1.0 + near) / count)
+    label = "± 2 std errors of a bin"
+    axes.fill_between(middle, 1.0 - band, 1.0 + band, color=VERMILION, alpha=0.2, lw=0.0, label=label)
     axes.axhline(1.0, color=VERMILION, lw=1.0)
-    axes.plot(place, ratio, color=BLUE, lw=0.7, label="simulated over expected")
-    axes.set_ylim(0.0, 2.0 + band)
+    axes.plot(middle, mean, "o-", color=BLUE, lw=0.7, ms=2.2, label="simulated over expected")
+    axes.set_ylim(0.0, 2.0 + 2.0 * error)
     axes.set_ylabel("ratio")
     legend_above(axes)
 
 
 def legend_above(axes: "Axes", columns: int = 4) -> None:
     """Put the legend above the axes, flush right, where it hides nothing."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.1)
+    fitting = max(1, int(axes.figure.figure.get_figwidth() / INCHES_PER_ENTRY))
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=min(columns, fitting), borderaxespad=0.1)
 
 
 def from_zero(axes: "Axes") -> None:

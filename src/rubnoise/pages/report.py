@@ -11,11 +11,12 @@ from typing import Final
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.api.kinds import Kind
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
 from rubnoise.figures.animation import Film
 from rubnoise.figures.axis_labels import key_label, quantity_words
-from rubnoise.figures.catalogue import PICTURES, picture
+from rubnoise.figures.catalogue import picture
 from rubnoise.figures.film import write_film
 from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.study import quantities_of, study_of_sweep
@@ -28,7 +29,7 @@ from rubnoise.storage.wave_file import write_wave
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.web_page import part, web_page
 
-CAPTIONS: Final = {
+CAPTIONS: Final[dict[Kind, str]] = {
     "trace": "Real contact area over the sliding distance, at the beginning of the run. The band is the exact mean with"
     " one standard deviation on each side.",
     "lives": "Single junctions: above, their areas add up to the real contact area; below, each by itself.",
@@ -141,10 +142,10 @@ def _picture(content: bytes, caption: str) -> str:
 
 
 def _pictures(stretch: Stretch, between: Between) -> Iterator[str]:
-    for name in PICTURES:
+    for name, caption in CAPTIONS.items():
         between()
         try:
-            yield _picture(picture(name, stretch, "png"), CAPTIONS[name])
+            yield _picture(picture(name, stretch, "png"), caption)
         except Refused as refused:
             if _is_general(refused):
                 raise

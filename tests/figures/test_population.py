@@ -1,0 +1,107 @@
+"""Histograms of single junctions beside their laws, spectrograms, the contact from above, and how pictures look."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import rubnoise
+from rubnoise.errors import Refused
+from rubnoise.figures.catalogue import PICTURES, Look, drawing
+from rubnoise.figures.population import born
+from rubnoise.figures.stretch import Stretch
+from rubnoise.storage.reader import open_run
+from rubnoise.theory.life_laws import share_of_gaps, share_of_lives, share_of_sizes
+from tests.cli.terminal import call
+
+SCENARIO: dict[str, Any] = {
+    "format": 1,
+    "interface": {"mean_real_contact_area": 200.0, "mean_junction_count": 20, "calibration": "exact"},
+    "diameter": {"law": "normal", "spread": "0.8 um"},
+    "sliding": {"distance": 4000.0, "speed": 1000.0},
+    "slider": {"mass": 0.005, "stiffness": 300.0, "damping": 0.05},
+    "strength": {"mean": 250.0},
+    "output": {"tick": "0.2 um"},
+}
+KINDS = {
+    "poisson": SCENARIO,
+    "gamma": SCENARIO | {"birth": {"law": "gamma", "shape": 4.0}},
+    "off the centre": SCENARIO | {"pulse": {"offset": "uniform"}},
+}
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def stretch(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    path = tmp_path_factory.mktemp("population") / "run.h5"
+    rubnoise.run(rubnoise.build(KINDS[request.param]), path, seed=5).close()
+    with open_run(path) as file:
+        yield Stretch.of(file)
+
+
+def scores(values: Any, edges: Any, law: Any) -> Any:
+    """How many standard errors of a binomial count each bin lies off."""
+    counts = np.histogram(values, edges)[0]
+    error = np.sqrt(values.size * law * (1.0 - law))
+    return (counts - values.size * law)[error > 3.0] / error[error > 3.0]
+
+
+def test_histograms_are_those_of_the_laws_and_not_of_others(stretch: Stretch) -> None:
+    sizes, model = born(stretch, "diameter"), stretch.model
+    lives = born(stretch, "death_distance") - born(stretch, "birth_distance")
+    gaps = np.diff(born(stretch, "birth_distance"))
+    by_size, by_life = np.linspace(0.0, 10.0, 30), np.linspace(0.0, 20.0, 30)
+    by_gap = np.linspace(0.0, 5.0 * model.births.mean, 30)
+    shares = share_of_gaps(model.births, by_gap)
+    assert shares is not None
+    assert np.abs(scores(sizes, by_size, share_of_sizes(model, by_size))).max() < 4.0
+    assert np.abs(scores(lives, by_life, share_of_lives(model, by_life))).max() < 4.0
+    assert np.abs(scores(gaps, by_gap, shares)).max() < 4.0
+    # Controls: sizes and lives 5 % larger, and gaps of another law.
+    assert np.abs(scores(1.05 * sizes, by_size, share_of_sizes(model, by_size))).max() > 6.0
+    assert np.abs(scores(1.05 * lives, by_life, share_of_lives(model, by_life))).max() > 4.0
+    assert np.abs(scores(np.full(gaps.size, model.births.mean), by_gap, shares)).max() > 6.0
+
+
+def test_a_spectrogram_shows_the_slider_at_its_natural_frequency(stretch: Stretch) -> None:
+    figure = drawing("spectrogram", stretch, heard="velocity")
+    mesh = figure.axes[0].collections[0]
+    frequency = mesh.get_coordinates()[:, 0, 1]  # type: ignore[attr-defined]
+    level = np.asarray(mesh.get_array()).mean(axis=1)
+    loudest = 0.5 * (frequency[level.argmax()] + frequency[level.argmax() + 1])
+    assert loudest == pytest.approx(38.98, abs=frequency[1] - frequency[0])
+
+
+def test_the_contact_from_above_tells_its_number_and_area(stretch: Stretch) -> None:
+    row = round(1000.0 / stretch.model.tick)
+    area, count = (
+        float(stretch.file.column("trace", name, row, row + 1)[0]) for name in stretch.file.columns["trace"][1:3]
+    )
+    title = drawing("contact", Stretch.of(stretch.file, 1000.0, 1100.0)).get_suptitle()
+    assert f"{area:.4g} µm²" in title
+    assert f"{count:.0f} junctions" in title
+
+
+@pytest.mark.parametrize("style", ["paper", "slides"])
+def test_size_style_and_titles_are_those_asked_for(stretch: Stretch, style: Any) -> None:
+    figure = drawing("trace", stretch, look=Look(inches=(3.3, 2.4), style=style, title=False))
+    assert tuple(figure.get_size_inches()) == (3.3, 2.4)
+    assert figure.get_suptitle() == ""
+    assert figure.axes[0].yaxis.label.get_size() == {"paper": 7.0, "slides": 15.0}[style]
+
+
+def test_too_little_is_refused(stretch: Stretch) -> None:
+    short = Stretch.of(stretch.file, 0.0, 1.0)
+    for name in ("sizes", "gaps", "spectrogram"):
+        with pytest.raises(Refused):
+            PICTURES[name](short)  # type: ignore[index]
+
+
+def test_a_folder_of_the_shell_has_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rubnoise.run(rubnoise.build(SCENARIO), "x.h5", seed=5).close()
+    assert call("plot", "x.h5", "sizes", "--size", "single", "--style", "paper", "--no-title").code == 0
+    with Image.open("x_sizes.png") as seen:
+        assert seen.size == (496, 354)
+    assert call("plot", "x.h5", "sizes", "--size", "3 parsec", "--force").code == 2
