@@ -78,6 +78,12 @@ CONTACT: Final = Room(
             "lifelines",
             "A bar for each life. The line cuts as many bars as junctions are alive there.",
         ),
+        of_run("At a glance", "overview", "Junctions and their sum, one life, and the motion that they excite."),
+        of_run("Sizes", "sizes", "Diameters of all junctions beside the law that they are drawn from."),
+        of_run("Lengths of lives", "life_distances", "How far junctions slide from birth to death, beside the law."),
+        of_run("Gaps", "gaps", "Distances from birth to birth: at random, they fall off exponentially."),
+        of_run("Spectrogram", "spectrogram", "Spectra of short segments side by side: along a run nothing changes."),
+        of_run("From above", "contact", "The junctions alive at one sliding distance, each in a place of its own."),
         of_run(
             "Live junctions",
             "count",
