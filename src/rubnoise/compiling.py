@@ -18,6 +18,7 @@ SOURCES = (
     "compiling.py",
     "contact/plain_deviates.py",
     "simulation/coupled/*.py",
+    "simulation/free/*.py",
     "simulation/kernels/*.py",
     "simulation/slider.py",
 )

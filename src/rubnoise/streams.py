@@ -34,6 +34,8 @@ class Stream(IntEnum):
     CENTRES = 13
     FAMILIES = 14
     CHILDREN = 15
+    ENCOUNTERS = 16
+    HEIGHTS = 17
     SURFACE = 64
 
 

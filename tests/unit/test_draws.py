@@ -61,6 +61,8 @@ def test_streams_and_their_numbers_never_change() -> None:
         "CENTRES": 13,
         "FAMILIES": 14,
         "CHILDREN": 15,
+        "ENCOUNTERS": 16,
+        "HEIGHTS": 17,
         "SURFACE": 64,
     }
 

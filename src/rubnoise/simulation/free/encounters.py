@@ -1,0 +1,129 @@
+"""Encounters: summits at the places of a Poisson process with heights of density exp(-h), any stretch drawn by itself.
+
+Heights are drawn in layers: all above a lowest one, then whole units of s_0 downward. A layer is a stream of blocks of
+its own, so that drawing a deeper one changes nothing of those above.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, sqrt
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.arrays import Doubles
+from rubnoise.contact.deviates import exponential
+from rubnoise.streams import Stream, generator
+
+HIGHEST: Final = 37
+"""Units of s_0 that a height may lie above the lowest of its layer: -ln 2^-53 is 36.7."""
+
+LAYERS: Final = 64
+"""Layers at most; the deepest has e^63 times the encounters of the first."""
+
+_FIRST_BLOCK: Final = 2**20
+"""Blocks before the start have numbers below this."""
+
+_PER_ROOT_PI: Final = float.fromhex("0x1.20dd750429b6dp-1")
+"""1/sqrt(pi)."""
+
+_WITHIN_A_UNIT: Final = float.fromhex("0x1.43a54e4e98864p-1")
+"""1 - 1/e: how much of exp(-h) lies within one unit of s_0."""
+
+_E: Final = float.fromhex("0x1.5bf0a8b145769p+1")
+
+_FEWEST: Final = 1000.0
+"""Encounters of the first layer in a block, about."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Encounters:
+    """Encounters in order of place: place (c) from the origin of their block, height (s_0), and their numbers."""
+
+    place: Doubles
+    height: Doubles
+    number: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return self.place.size
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """A surface of which any stretch can be drawn: N, the seed, and blocks of so many ticks (each of ``tick`` c).
+
+    base: how many units of s_0 the first layer reaches below 0.
+    """
+
+    live: float
+    seed: int
+    tick: float
+    ticks: int
+    base: int
+
+    @classmethod
+    def of(cls, live: float, seed: int, tick: float) -> "Surface":
+        """Return the surface with some thousand encounters to a block; light sliders sink deep: e^base > 5 + 25/N."""
+        base = 1
+        while _power(base) < 5.0 + 25.0 / live:
+            base += 1
+        ticks = max(ceil(_FEWEST / (_rate(live, base, 0) * tick)), 1)
+        return cls(live=live, seed=seed, tick=tick, ticks=ticks, base=base)
+
+    @property
+    def length(self) -> float:
+        """Length of a block (c)."""
+        return float(self.ticks) * self.tick
+
+    def bottom(self, layers: int) -> float:
+        """Return the lowest height that so many layers hold."""
+        return float(-(self.base + layers - 1))
+
+    def around(self, block: int, layers: int) -> Encounters:
+        """Return all encounters that a slider above the bottom can touch within a block, from its origin."""
+        reach = ceil(sqrt(HIGHEST + layers) / self.length)
+        found = [
+            (drawn.place + float(offset) * self.length, drawn.height, drawn.number)
+            for offset in range(-reach, reach + 1)
+            for drawn in (_drawn(self, block + offset, layer) for layer in range(layers))
+        ]
+        place, height, number = (np.concatenate(columns) for columns in zip(*found, strict=True))
+        order = np.argsort(place, kind="stable")
+        return Encounters(place=place[order], height=height[order], number=number[order])
+
+
+def _rate(live: float, base: int, layer: int) -> float:
+    """Return encounters of a layer per c: (N/sqrt(pi)) times the integral of exp(-h) over its heights."""
+    above = _power(base + layer - 1) if layer else 0.0
+    return live * _PER_ROOT_PI * (_power(base + layer) - above)
+
+
+def _power(exponent: int) -> float:
+    """Return e^exponent by multiplication, for equal bits everywhere."""
+    power = 1.0
+    for _ in range(exponent):
+        power *= _E
+    return power
+
+
+@lru_cache(maxsize=512)
+def _drawn(surface: Surface, block: int, layer: int) -> Encounters:
+    """Return the encounters of one layer in one block, gap by gap from its origin."""
+    rate, length = _rate(surface.live, surface.base, layer), surface.length
+    stream = generator(surface.seed, Stream.ENCOUNTERS, (_FIRST_BLOCK + block) * LAYERS + layer)
+    expected = rate * length
+    gaps = np.empty(0)
+    count = ceil(expected + 6.0 * sqrt(expected) + 16.0)
+    place: Any = np.empty(0)
+    while not place.size or place[-1] < length:
+        gaps = np.concatenate([gaps, exponential(stream.random(count)) / rate])
+        place = np.add.accumulate(gaps)
+    place = place[place < length]
+    # A stream of its own, so that how many gaps were drawn at a time changes no height.
+    uniform = generator(surface.seed, Stream.HEIGHTS, (_FIRST_BLOCK + block) * LAYERS + layer).random(place.size)
+    lowest = surface.bottom(layer + 1)
+    height = lowest + exponential(uniform if layer == 0 else uniform * _WITHIN_A_UNIT)
+    number = ((_FIRST_BLOCK + block) * LAYERS + layer) * 2**24 + np.arange(place.size, dtype=np.int64)
+    return Encounters(place=place, height=height, number=number)

@@ -1,0 +1,206 @@
+"""Power series of a step, in the time since its start, and first times at which something in it reaches 0.
+
+While the same encounters are in contact with the same weights, the force is linear in z and quadratic in s (with impact
+damping also bilinear in overlaps and their rates), so coefficients follow one from another. A step is so short that
+what they leave out is below rounding. A first time is found from the left: with f < 0 and f'' <= most, f stays below
+0 up to the root of f + f' x + most x^2/2, from which the search goes on; so none is passed over.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from rubnoise.arrays import Doubles
+from rubnoise.compiling import compiled_bare, inlined
+
+ORDER: Final = 16
+"""Degree of the series."""
+
+TURN: Final = 0.5
+"""Omega times a step at most: coefficients of the linear motion fall at least as Omega^n/n!, the rest is 1e-20."""
+
+ROUNDING: Final = 2.0**-54
+
+_MOST_TRIES: Final = 200
+
+
+@compiled_bare
+def motion_series(
+    velocity: float, sums: Doubles, powers: Doubles, per_live: float, drag: float, growth: float, series: Doubles
+) -> None:
+    """Fill the coefficients of z - z(0): z'' = (P_linear + growth sum delta delta')/N - 1 - drag z'.
+
+    sums: of the overlaps in contact, weighed, the coefficients of 1, t, t^2 without the motion of z, and the sum of
+    weights; powers: four of their products with their rates.
+    """
+    series[0], series[1] = 0.0, velocity
+    for n in range(ORDER - 1):
+        force = -sums[3] * series[n]
+        if n < 3:
+            force += sums[n]
+        if growth != 0.0:
+            bent = 0.0
+            for k in range(n + 2):
+                bent += series[k] * series[n + 1 - k]
+            mixed = 0.0
+            for k in range(min(3, n + 2)):
+                mixed += sums[k] * series[n + 1 - k]
+            product = float(n + 1) * (0.5 * sums[3] * bent - mixed)
+            if n < 4:
+                product += powers[n]
+            force += growth * product
+        push = per_live * force - drag * float(n + 1) * series[n + 1]
+        if n == 0:
+            push -= 1.0
+        series[n + 2] = push / float((n + 1) * (n + 2))
+
+
+@compiled_bare
+def pushed_series(
+    place: float,
+    velocity: float,
+    sums: Doubles,
+    per_live: float,
+    drag: float,
+    spring: float,
+    z: Doubles,
+    series: Doubles,
+) -> None:
+    """Fill the coefficients of x: x'' + drag x' + spring x = the sum of shares times overlaps, over N."""
+    series[0], series[1] = place, velocity
+    for n in range(ORDER - 1):
+        force = -sums[3] * z[n]
+        if n < 3:
+            force += sums[n]
+        push = per_live * force - drag * float(n + 1) * series[n + 1] - spring * series[n]
+        series[n + 2] = push / float((n + 1) * (n + 2))
+
+
+@compiled_bare
+def shortened(series: Doubles, step: float) -> float:
+    """Return the step, halved until the last two terms are lost in the rounding of the others."""
+    for _ in range(60):
+        power, size, last = step, 0.0, 0.0
+        for n in range(1, ORDER + 1):
+            term = abs(series[n]) * power
+            size += term
+            if n >= ORDER - 1:
+                last += term
+            power *= step
+        if last <= ROUNDING * size:
+            return step
+        step *= 0.5
+    return step
+
+
+@inlined
+def value(series: Doubles, time: float) -> float:
+    """Return the sum of the series at a time."""
+    total = series[ORDER]
+    for n in range(ORDER - 1, -1, -1):
+        total = total * time + series[n]
+    return total
+
+
+@inlined
+def rate(series: Doubles, time: float) -> float:
+    """Return its first derivative."""
+    total = float(ORDER) * series[ORDER]
+    for n in range(ORDER - 1, 0, -1):
+        total = total * time + float(n) * series[n]
+    return total
+
+
+@compiled_bare
+def rate_of_rate(series: Doubles, time: float) -> float:
+    """Return its second derivative."""
+    total = float(ORDER * (ORDER - 1)) * series[ORDER]
+    for n in range(ORDER - 1, 1, -1):
+        total = total * time + float(n * (n - 1)) * series[n]
+    return total
+
+
+@compiled_bare
+def bounds(series: Doubles, step: float) -> tuple[float, float, float, float]:
+    """Return the least and the largest z'' within a step, the largest |z'''|, and the largest |z''''|, or beyond."""
+    power, bend, third, fourth = 1.0, 0.0, 6.0 * abs(series[3]), 24.0 * abs(series[4])
+    for n in range(3, ORDER + 1):
+        size = abs(series[n]) * power
+        bend += float(n * (n - 1)) * size * step
+        if n > 3:
+            third += float(n * (n - 1) * (n - 2)) * size
+        if n > 4:
+            fourth += float(n * (n - 1) * (n - 2) * (n - 3)) * (abs(series[n]) * (power / step))
+        power *= step
+    return 2.0 * series[2] - bend, 2.0 * series[2] + bend, third, fourth
+
+
+@inlined
+def _ahead(f: float, slope: float, most: float) -> float:
+    """Return the smallest x > 0 at which f + slope x + most x^2/2 reaches 0 from f <= 0; 0 where it is there."""
+    if f >= 0.0:
+        if slope > 0.0:
+            return 0.0
+        return -2.0 * slope / most if most > 0.0 else np.inf
+    root = slope * slope - 2.0 * most * f
+    if most > 0.0:
+        root = np.sqrt(root)
+        return -2.0 * f / (slope + root) if slope >= 0.0 else (root - slope) / most
+    if slope <= 0.0 or root < 0.0:
+        return np.inf
+    return -2.0 * f / (slope + np.sqrt(root))
+
+
+@compiled_bare
+def overlap_zero(
+    overlap: float, ahead: float, speed: float, way: float, most: float, series: Doubles, step: float
+) -> float:
+    """Return when an overlap reaches 0 from below (way 1) or from above (way -1) within a step; inf where it does not.
+
+    ahead: x - s at the start; most: the largest second derivative of way times the overlap.
+    """
+    time = 0.0
+    for _ in range(_MOST_TRIES):
+        f = way * (overlap + speed * time * (2.0 * ahead - speed * time) - value(series, time))
+        slope = way * (2.0 * speed * (ahead - speed * time) - rate(series, time))
+        x = _ahead(f, slope, most)
+        time += x
+        if time >= step:
+            return np.inf
+        if x <= ROUNDING * time or x == 0.0:
+            break
+    return time
+
+
+@compiled_bare
+def rate_zero(
+    ahead: float, level: float, speed: float, way: float, third: float, begin: float, series: Doubles, step: float
+) -> float:
+    """Return when way times (r - level) reaches 0 from below, r the rate of an overlap, after ``begin`` in a step."""
+    time, most = begin, third
+    if time >= step:
+        return np.inf
+    for _ in range(_MOST_TRIES):
+        f = way * (2.0 * speed * (ahead - speed * time) - rate(series, time) - level)
+        slope = -way * (2.0 * speed * speed + rate_of_rate(series, time))
+        x = _ahead(f, slope, most)
+        time += x
+        if time >= step:
+            return np.inf
+        if x <= ROUNDING * time or x == 0.0:
+            break
+    return time
+
+
+@compiled_bare
+def falls_to(lowest: float, z: float, most: float, series: Doubles, step: float) -> float:
+    """Return when the separation falls to a height within a step; most: the largest -z''."""
+    time = 0.0
+    for _ in range(_MOST_TRIES):
+        x = _ahead(lowest - z - value(series, time), -rate(series, time), most)
+        time += x
+        if time >= step:
+            return np.inf
+        if x <= ROUNDING * time or x == 0.0:
+            break
+    return time

@@ -1,0 +1,118 @@
+"""Free normal motion: the engine beside small steps of Verlet, its bits, and what is exact of its statistics."""
+
+import numpy as np
+import pytest
+
+from rubnoise.simulation.free import motion
+from rubnoise.simulation.free.encounters import Surface
+from rubnoise.simulation.free.fold import FreeContact, FreeMotion, FreeState
+from tests.oracle.free_slider import bounce
+
+SPEED = 1.0
+
+
+def _ticks(contact, seed, count, **how):
+    moving = FreeMotion(contact, seed, **how)
+    rows = list(moving.through(count))
+    return np.concatenate([each.ticks for each in rows], axis=1), rows
+
+
+@pytest.mark.parametrize(
+    ("live", "loss"),
+    [
+        (5.0, {"restitution": 1.0, "damping_ratio": 0.05}),
+        (5.0, {"restitution": 0.7}),
+        (0.5, {"restitution": 0.3}),
+        (5.0, {"restitution": 0.0}),
+        (0.5, {"impact_damping": 0.3}),
+    ],
+)
+def test_verlet_goes_the_same_way(live, loss):
+    duration, steps = 2.0, 20_000
+    contact = FreeContact(live=live, speed=SPEED, tick=SPEED * duration / steps * 10.0, **loss)
+    moved, _ = _ticks(contact, 3, steps // 10)
+    surface = FreeMotion(contact, 3).surface
+    around = surface.around(0, 1)
+    if "impact_damping" in loss:
+
+        def share(r):
+            return np.maximum(0.0, 1.0 + loss["impact_damping"] * r)
+
+    else:
+
+        def share(r):
+            return np.where(r > 0.0, 1.0, loss["restitution"] ** 2)
+
+    assert duration * SPEED < surface.length
+    near = np.abs(around.place) < 9.0
+    z = bounce(
+        around.place[near], around.height[near], live, SPEED, share, duration, steps, loss.get("damping_ratio", 0.0)
+    )
+    off = np.abs(moved[motion.TICK_Z] - z).max()
+    assert np.ptp(z) > 0.1
+    # Verlet is of second order where the force is continuous, and of first where it jumps.
+    assert off < (1e-4 if loss.get("restitution", 1.0) < 1.0 else 1e-6)
+
+
+def test_bits_do_not_depend_on_how_deep_the_pool_is_or_where_the_run_is_cut():
+    contact = FreeContact(live=0.5, speed=3.0, tick=0.05, restitution=0.7)
+    ticks, rows = _ticks(contact, 1, 4000)
+    deeper, _ = _ticks(contact, 1, 4000, layers=3)
+    assert np.array_equal(ticks, deeper)
+    assert len(rows) > 3
+    moving = FreeMotion(contact, 1)
+    found = []
+    for block in moving.through(4000):
+        found.append(block.ticks)
+        moving.state = FreeState.unpack(moving.state.pack())
+    assert np.array_equal(np.concatenate(found, axis=1), ticks)
+    other, _ = _ticks(contact, 2, 4000)
+    assert not np.array_equal(ticks, other)
+
+
+def test_the_next_layer_is_drawn_where_the_slider_falls_below_the_first(monkeypatch):
+    contact = FreeContact(live=0.5, speed=0.3, tick=0.05, restitution=0.7)
+    ticks, _ = _ticks(contact, 1, 2000)
+    assert ticks[motion.TICK_Z].min() < -1.0
+
+    def shallow(surface, layers):
+        return -1.0 if layers == 1 else -float(surface.base + layers - 2)
+
+    right = Surface.around
+    monkeypatch.setattr(Surface, "bottom", shallow)
+    monkeypatch.setattr(
+        Surface, "around", lambda surface, block, layers: _above(right(surface, block, 1), shallow(surface, layers))
+    )
+    again, rows = _ticks(contact, 1, 2000)
+    assert max(each.layers for each in rows) > 1
+    assert np.array_equal(ticks, again)
+
+
+def _above(drawn, bottom):
+    kept = drawn.height > bottom
+    return type(drawn)(place=drawn.place[kept], height=drawn.height[kept], number=drawn.number[kept])
+
+
+@pytest.mark.parametrize("loss", [{"restitution": 0.7}, {"impact_damping": 0.3}])
+def test_the_load_is_the_weight_in_the_mean(loss):
+    contact = FreeContact(live=0.1, speed=1.0, tick=0.05, **loss)
+    ticks, rows = _ticks(contact, 1, 40_000)
+    kept = ticks[:, 8000:]
+    load = kept[motion.TICK_LOAD]
+    batches = load[: load.size // 20 * 20].reshape(20, -1).mean(axis=1)
+    error = batches.std(ddof=1) / 20.0**0.5
+    # Momentum: the mean of P over a time T is 1 + [z']/T; the ticks sample it.
+    assert abs(load.mean() - 1.0) < 4.0 * error
+    assert error < 0.1
+    assert 0.75 < (kept[motion.TICK_LIVE] == 0).mean() < 0.9
+    marks = np.concatenate([each.marks for each in rows], axis=1)
+    kinds = marks[motion.MARK_KIND]
+    assert (np.diff(kinds) != 0).all()
+    assert (marks[motion.MARK_SPEED] > 0.0).all()
+
+
+def test_first_order_at_low_speed_and_many_contacts():
+    contact = FreeContact(live=20.0, speed=0.1, tick=0.01, restitution=1.0, damping_ratio=0.05)
+    found = [_ticks(contact, seed, 20_000)[0][motion.TICK_W, 4000:].std() for seed in range(1, 9)]
+    mean, error = np.mean(found), np.std(found, ddof=1) / 8.0**0.5
+    assert abs(mean - 0.0461) < 4.0 * error + 0.015 * 0.0461
