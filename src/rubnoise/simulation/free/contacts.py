@@ -7,11 +7,10 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.compiling import compiled_bare
 
-PLACE, HEIGHT, WEIGHT, SHARE, NUMBER, MADE, MADE_AT, LARGEST = range(8)
+PLACE, HEIGHT, WEIGHT, SHARE, NUMBER, MADE, LARGEST = range(7)
 """Rows of the encounters in contact: x (c) from the origin of the block, h (s_0), k, strength over the mean, its
-number; where (c, from the origin) and when (1/omega_c, since the start of the block) contact was made, and the largest
-overlap so far (s_0)."""
-COLUMNS: Final = 8
+number; where contact was made (c, from the origin), and the largest overlap so far (s_0)."""
+COLUMNS: Final = 7
 
 RESTITUTION, IMPACT_DAMPING = range(2)
 

@@ -1,6 +1,5 @@
 """A run of a free slider as a fold: block by block from a state to the next, with the rows that came to be."""
 
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final, Self
@@ -15,9 +14,7 @@ from rubnoise.simulation.free import motion
 from rubnoise.simulation.free.encounters import LAYERS, Encounters, Surface
 from rubnoise.streams import Stream, uniforms
 
-_HEADER: Final = struct.Struct("<qq")
 _ROOM: Final = 4096
-_NUMBERS_WHOLE: Final = (motion.COUNT, motion.SLIDING, motion.FRESH)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
