@@ -3,16 +3,15 @@
 from pathlib import Path
 from typing import Any
 
+from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.summary import missing_for_motion
 from rubnoise.cli.layout import (
     ONE_WAY_ALONE,
-    WORTH_A_WARNING,
     about,
     duration,
     grouped,
     line,
     number,
-    one_way_warning,
     remark,
     size,
     too_short_for_motion,

@@ -82,8 +82,6 @@ def cut(text: str, stream: TextIO) -> str:
 LABEL_WIDTH, SHORTER_LABEL_WIDTH, NARROW = 30, 25, 72
 """Columns of labels before their values, and the same on terminals of fewer columns than the last."""
 
-WORTH_A_WARNING = 0.1
-"""Spread of the slider's velocity over the sliding speed from which one-way coupling is in doubt."""
 
 UNITS = {
     "real_contact_area": "um^2",
@@ -156,15 +154,6 @@ def duration(seconds: float) -> str:
 
 def _two_digits(value: float) -> str:
     return f"{float(f'{value:.2g}'):,.10g}"
-
-
-def one_way_warning(validity: float) -> str:
-    """Return what a spread of the slider's velocity beside the sliding speed means for one-way coupling."""
-    return (
-        f"the velocity of the slider spreads by {validity:.3g} times the sliding speed,"
-        " which one-way coupling takes for constant; two-way coupling"
-        f' (slider.coupling = "two-way") is needed above {WORTH_A_WARNING:g}'
-    )
 
 
 ONE_WAY_ALONE = (

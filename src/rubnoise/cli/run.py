@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.cli import layout
 from rubnoise.cli.layout import duration, grouped, line, sentence, size
 from rubnoise.cli.progress import announce_compilation, interrupted_at_once, on_terminal, watching
@@ -184,7 +185,7 @@ def _doubts(scenario: "Scenario", *, quiet: bool) -> list[str]:
     model, doubts = scenario.model(), []
     if model.slider is not None and not model.is_two_way:
         validity = response(model).one_way_validity
-        doubts += [layout.one_way_warning(validity)] if validity > layout.WORTH_A_WARNING else []
+        doubts += [one_way_warning(validity)] if validity > WORTH_A_WARNING else []
     if missing := missing_for_motion(model):
         doubts.append(layout.too_short_for_motion(missing.decays, missing.needed))
     if not quiet:

@@ -47,7 +47,7 @@ def _note(run: Run, rows: int, distance: float, whole: float) -> str:
     sentence = f"This is {run.path.name}, seed {run.scenario.run.seed}: its junctions, row by row."
     if distance < whole:
         sentence += f" Of {whole:g} um the page holds the first {distance:g}, {rows} junctions."
-    return f"{sentence} A knob of the contact leaves it for a run of the page's own; reset brings it back."
+    return f"{sentence} A control of the contact leaves it for a run of the page's own; reset brings it back."
 
 
 def _text(values: NDArray[np.float64]) -> str:

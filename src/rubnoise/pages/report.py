@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from rubnoise.analysis.agreement import Agreement, from_attributes
+from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.sound import Sound, level_of, samples_of
 from rubnoise.api.kinds import Kind
 from rubnoise.api.sweep_result import SweepResult
@@ -58,10 +59,11 @@ def run_report(file: Reader, between: Between) -> str:
     What a run does not have, such as a sound without a slider, is left out. Raises PicturesMissing without matplotlib.
     """
     stretch = Stretch.of(file)
+    figures = from_attributes(file.summary)
     origin = file.provenance
     sections = [
-        _section("What was simulated", _paragraphs(in_words(stretch.model))),
-        _section("Measured and exact", _agreement(from_attributes(file.summary))),
+        _section("What was simulated", _paragraphs([*in_words(stretch.model), *motion_in_words(figures)])),
+        _section("Measured and exact", _agreement(figures)),
         _section("Pictures", "".join(_pictures(stretch, between))),
         _section("Sound", _sound(file, between), "on-screen"),
         _section("Film", _film(stretch, between), "on-screen"),
@@ -116,8 +118,17 @@ def _table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f'<div class="scrolled"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
+_SMALLEST, _LARGEST = 1e-4, 1e7  # of numbers that are written without a power of ten
+_RAISED: Final = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def _number(value: float | None, digits: int = 6) -> str:
-    return "" if value is None or not isfinite(value) else f"{value:.{digits}g}"
+    if value is None or not isfinite(value):
+        return ""
+    number, _, power = f"{value:.{digits}g}".partition("e")
+    if power and not _SMALLEST <= abs(value) < _LARGEST:
+        return f"{number}\u00d710{str(int(power)).translate(_RAISED)}"
+    return f"{float(f'{value:.{digits}g}'):,.10g}"
 
 
 def _agreement(figures: Sequence[Agreement]) -> str:
@@ -131,7 +142,7 @@ def _agreement(figures: Sequence[Agreement]) -> str:
         )
         for each in figures
     ]
-    note = "<p>The unit of an area is um², of a force uN, of a length um and of a velocity um/s.</p>"
+    note = "<p>The unit of an area is µm², of a force µN, of a length µm and of a velocity µm/s.</p>"
     return _table(("figure", "measured", "exact", "standard error", "z"), rows) + note
 
 
@@ -244,13 +255,13 @@ def in_words(model: Model) -> list[str]:
         ),
         (
             f"On average {model.mean_junction_count:.4g} junctions live at once. One is born every"
-            f" {model.mean_birth_spacing:.4g} um of sliding, and each lives for about"
-            f" {model.mean_life_distance:.4g} um."
+            f" {model.mean_birth_spacing:.4g} µm of sliding, and each lives for about"
+            f" {model.mean_life_distance:.4g} µm."
         ),
         (
             f"The area of a junction rises and falls as a {model.pulse.shape}. The areas of all live junctions add up"
-            f" to the real contact area: {area.mean:.4g} um² on average, with a standard deviation of"
-            f" {area.std:.3g} um²."
+            f" to the real contact area: {area.mean:.4g} µm² on average, with a standard deviation of"
+            f" {area.std:.3g} µm²."
         ),
     ]
     if model.pulse.offset != "none":
@@ -281,8 +292,33 @@ def _slider(model: Model) -> str:
     return words + " The coupling is one-way: the surfaces slide at constant speed, however the slider moves."
 
 
+def motion_in_words(figures: Sequence[Agreement]) -> list[str]:
+    """Return sentences about the motion that was measured: whether one-way coupling holds, or how the slider sticks."""
+    measured = {each.name: each.observed for each in figures}
+    lines = []
+    if "one_way_validity" in measured:
+        lines.append(_one_way(measured["one_way_validity"]))
+    if "stick_fraction" in measured:
+        lines.append(
+            f"The slider moves with the drive, stuck to the surface, for"
+            f" {_number(100.0 * measured['stick_fraction'], 3)} % of the time. It sticks"
+            f" {_number(measured['sticks_per_s'], 3)} times a second. Each time it then breaks away and slips."
+        )
+    return lines
+
+
+def _one_way(validity: float) -> str:
+    if validity > WORTH_A_WARNING:
+        warning = one_way_warning(validity)
+        return f"{warning[0].upper()}{warning[1:]}."
+    return (
+        f"The velocity of the slider spreads by {validity:.3g} times the sliding speed, so that it is fair to take the"
+        " sliding speed for constant."
+    )
+
+
 def _length(um: float) -> str:
     for unit, size in (("m", 1e6), ("mm", 1e3)):
         if um >= size:
             return f"{um / size:.4g} {unit}"
-    return f"{um:.4g} um"
+    return f"{um:.4g} µm"

@@ -160,7 +160,7 @@
     const needs = lesson.experiment.reading ? {} : { offset: 'none', ...lesson.needs };
     const turned = Object.entries(needs).find(([key, value]) => world[key] !== value);
     return turned
-      ? `The knobs have been turned since (${NAMES[turned[0]]}). Press a button of the experiment to set them back.`
+      ? `The controls have been changed since (${NAMES[turned[0]]}). Press a button of the experiment to set them back.`
       : '';
   }
 

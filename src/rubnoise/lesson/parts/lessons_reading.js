@@ -132,7 +132,8 @@
       const each = columns.map(cell);
       return make('tr', {}, make('th', { scope: 'row', html: label }), ...each);
     });
-    const head = ['diameter, µm', ...lesson.experiment.runs.map((run) => run.label)];
+    const named = ({ label, law }) => (lessons.revealed(known) ? `${label}: ${law}` : label);
+    const head = ['diameter, µm', ...lesson.experiment.runs.map(named)];
     const names = head.map((text) => make('th', { scope: 'col', text }));
     const body = [make('thead', {}, make('tr', {}, ...names)), make('tbody', {}, ...rows)];
     return make('div', { class: 'lesson-scroll' }, make('table', { class: 'lesson-table' }, ...body));

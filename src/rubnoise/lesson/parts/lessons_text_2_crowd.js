@@ -209,7 +209,7 @@
           {
             id: 'lens',
             text: () => `because a life curve has the shape of a bell`,
-            hint: `Triangles do it too: try the pulse knob.`,
+            hint: `Triangles do it too: choose another life among the controls.`,
           },
           {
             id: 'regular',

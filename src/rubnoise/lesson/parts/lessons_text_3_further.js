@@ -30,7 +30,7 @@
       set: { ...settings, coupling: 'two-way' },
       show: 'slider',
       text: `The contact and the slider of Fig. 5 once more, the same junctions at the same places. Only the switch is
-        new; it stands among the knobs too.`,
+        new; it stands among the controls too.`,
       watch: [
         `Where the traces are shaded the slider moves at the speed of the drive, and the stage stands still. What ends
           that?`,

@@ -211,11 +211,11 @@
       {
         id: 'fair',
         prompt: () =>
-          `Turn the knobs until constant sliding speed is a fair assumption: the velocity's standard deviation below a
+          `Change the controls until constant sliding speed is a fair assumption: the velocity's standard deviation below a
             tenth of the sliding speed. Then check.`,
         met: (f) => f.oneWay < 0.1,
         hint: (f) =>
-          `It is ${say(f.oneWay)} times the sliding speed now. Which knob makes the junctions come and go too quickly
+          `It is ${say(f.oneWay)} times the sliding speed now. Which control makes the junctions come and go too quickly
             for the slider to follow?`,
       },
     ],

@@ -9,7 +9,7 @@
   const MANY = 99;
   /* A contact in sight, to see what one life looks like. */
   const IN_SIGHT = contact({ meanArea: 48, meanCount: 4 });
-  const run = (label, trace) => ({ label, trace, set: IN_SIGHT, show: 'reading' });
+  const run = (label, law, trace) => ({ label, law, trace, set: IN_SIGHT, show: 'reading' });
   const part = (power) => WIDE ** power / (WIDE ** power + MANY);
 
   /** Return by how much Rabinowicz's way is off, exactly, for the law of a trace. */
@@ -56,7 +56,11 @@
       pace: 0.5, // lives a second
       text: `Read each trace by eye first. Then the page shows what Rabinowicz's lag and <code>rubnoise infer</code> read
         from it. The stage has another contact, of equal junctions of ${um(6)}: see there what one life looks like.`,
-      runs: [run('Normal, 20 %', 'normal'), run('Lognormal, 50 %', 'lognormal'), run('Exponential', 'exponential')],
+      runs: [
+        run('Surface A', 'normal, 20 %', 'normal'),
+        run('Surface B', 'lognormal, 50 %', 'lognormal'),
+        run('Surface C', 'exponential', 'exponential'),
+      ],
       watch: [
         `Look for a bump that stands alone. The bar draws the life of a junction that would be as long: a life is two
           diameters.`,

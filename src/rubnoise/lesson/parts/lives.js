@@ -106,7 +106,7 @@
       ctx.globalAlpha = 1;
       if (isRandom && !rub.readout.veiled()) outline(ctx, box.left + x(law[n]), box.left, y(n), tall);
     }
-    heading(ctx, box, isRandom && !rub.readout.veiled() ? ['and Poisson’s', 'Poisson'] : 'how often');
+    heading(ctx, box, isRandom && !rub.readout.veiled() ? ['how often, and Poisson’s law', 'Poisson'] : 'how often');
   };
 
   /** Draw the end of a bar and its two long sides as far as they do not hide the bars seen. */

@@ -25,7 +25,7 @@
     ['live-diameter', 'diameter of the living', 'µm', (e) => e.lengthBiasedMean, null],
     ['life', 'life', 'µm', (e) => e.lifeMean, null],
     ['spacing', 'between births', 'µm', (e) => e.spacing, null],
-    ['little', 'life over it (Little’s law)', '', (e) => e.lifeMean / e.spacing, null],
+    ['little', 'mean life over mean gap (Little’s law)', '', (e) => e.lifeMean / e.spacing, null],
     ['force', 'friction force', 'mN', (e) => milli(e.forceMean), (s) => milli(s.areaMean * rub.world.strength)],
     ['force-std', 'its spread', 'mN', (e) => milli(e.forceStd), (s) => milli(s.areaStd * rub.world.strength)],
     ['displacement', 'displacement', 'µm', (e) => e.displacementMean, (s) => s.displacementMean],
