@@ -35,7 +35,7 @@ def test_a_report_has_figures_pictures_sound_and_film(text: str, one_way: Path) 
     assert text.count("<audio controls") == 1
     with rubnoise.open(one_way) as run:
         for figure in run.summary:
-            assert f"<td>{figure.observed:.6g}</td>" in text
+            assert f"<td>{figure.observed:,.6g}</td>" in text
     assert all(re.findall(r'<img alt="([^"]*)"', text))
     assert not re.search(r"""(?:src|href)=["'](?!data:)""", text)
 
@@ -84,7 +84,7 @@ def test_a_sweep_has_a_report(sweep_folder: Path, tmp_path: Path) -> None:
     assert text.count("data:image/png;base64,") >= 8
     with rubnoise.open_sweep(sweep_folder) as sweep:
         pooled = sweep.estimates("displacement_std")[2]
-    assert f"{pooled.value:.5g} ± {pooled.reach:.2g}" in text
+    assert f"{pooled.value:,.5g} ± {float(f'{pooled.reach:.2g}'):,g}" in text
 
 
 def test_the_page_of_a_sweep_holds_the_runs_that_are_done(tmp_path: Path) -> None:
