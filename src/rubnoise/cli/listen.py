@@ -36,7 +36,7 @@ class Rate(StrEnum):
 
 
 def command(
-    files: Annotated[list[Path], typer.Argument(help="Result files.", metavar="RUN.h5...", show_default=False)],
+    files: Annotated[list[Path], typer.Argument(help="Result files.", metavar="RUN.h5", show_default=False)],
     *,
     output: Annotated[
         Path | None,
