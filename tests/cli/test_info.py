@@ -140,7 +140,7 @@ def test_a_result_is_replayed(here: Path) -> None:
     record = data_of(here / "page.html")["record"]
     assert isinstance(record, dict)
     assert (record["distance"], record["tick"]) == (300.0, 0.1)
-    assert record["note"].startswith("This is run.h5, seed 1: its junctions, row by row. A knob")
+    assert record["note"].startswith("This is run.h5, seed 1: its junctions, row by row. A control")
 
 
 @pytest.mark.parametrize(

@@ -247,7 +247,7 @@ def test_it_is_told_where_only_the_beginning_is_counted(full: Stretch, monkeypat
 def test_a_title_says_what_is_drawn_and_of_which_contact(full: Stretch) -> None:
     with house_style():
         title = PICTURES["trace"](full).get_suptitle()
-    assert title == "The real contact area\nrun$5.h5: 20 junctions of 5.48 µm on average"
+    assert title == "The real contact area\nrun$5.h5: 20 junctions of 5.47 µm on average"
 
 
 def test_the_spectrum_of_the_displacement_is_one_sided_and_per_hertz(full: Stretch) -> None:

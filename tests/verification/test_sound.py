@@ -158,6 +158,7 @@ format = 1
 title = "{name}"
 [interface]
 mean_real_contact_area = "{area} um^2"
+calibration = "exact"
 mean_junction_count = {count}
 [diameter]
 law = "{law}"

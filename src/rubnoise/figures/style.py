@@ -228,7 +228,7 @@ def add_title(figure: "Figure", stretch: "Stretch", shown: str, beside: "Stretch
     """Put a title over a figure: what it shows, then the file, what is in contact, or which run is laid over it."""
     file = file_label(stretch)
     whose = f"{file}: {contact_label(stretch.model)}" if beside is None else f"{file}, and over it {file_label(beside)}"
-    room = max(20, int(CHARACTERS_PER_INCH * figure.get_figwidth()))
+    room = max(20, int(CHARACTERS_PER_INCH * figure.figure.get_figwidth()))
     lines = [line for text in (*shown.splitlines(), whose) for line in wrap(text, room)]
     figure.suptitle("\n".join(lines), x=0.01, ha="left")
 
