@@ -212,6 +212,7 @@ SLIDER = {"mass": "5 g", "stiffness": "300 N/m", "damping": "0.05 N*s/m"}
 def run(law: str, engine: str) -> Record:
     """Return 2 mm of sliding with diameters that spread by a fifth."""
     given = scenario(
+        interface={"calibration": "exact"},
         diameter={"law": "normal", "spread": "20 %"},
         sliding={"distance": "2 mm", "speed": "1 mm/s"},
         run={"engine": engine},
