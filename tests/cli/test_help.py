@@ -84,7 +84,7 @@ def test_brackets_in_help_are_no_styles(monkeypatch: pytest.MonkeyPatch) -> None
         ("export", "--group", tuple(export.ExportedGroup)),
         ("listen", "--what", tuple(listen.What)),
         ("listen", "--rate", tuple(listen.Rate)),
-        ("plot", "WHAT", tuple(plot.Picture)),
+        ("plot", "WHAT", plot.PICTURES),
     ],
 )
 @pytest.mark.parametrize("columns", [60, 80])

@@ -107,7 +107,7 @@ def test_seconds_cut_from_the_start(result: Path, here: Path) -> None:
 
 
 def test_compared_runs_differ_in_loudness_as_they_do_in_motion(result: Path, here: Path) -> None:
-    """In the band that a laptop plays too: at the speed-up that is taken when nobody says one."""
+    """In the band that a laptop plays too: at the speed-up that is taken by default."""
     quiet = ("--set", "interface.mean_junction_count=80")
     assert call("run", SLIDER, "-q", "-o", "y.h5", *quiet, "--set", "sliding.distance=0.25 mm").code == 0
     answer = call("listen", "x.h5", "y.h5")

@@ -1,12 +1,13 @@
 """`rubnoise plot` and `rubnoise figures`: pictures of runs, of sweeps and of the paper in files."""
 
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
 import rubnoise
-from rubnoise.cli.plot import Picture
+from rubnoise.api.kinds import Kind
 from rubnoise.figures.catalogue import PICTURES
 from rubnoise.figures.study import quantities_of, study_of_sweep
 from tests.cli.terminal import call, names
@@ -32,7 +33,7 @@ def bare(here: Path) -> Path:
 
 
 def test_every_picture_can_be_asked_for() -> None:
-    assert list(Picture) == list(PICTURES)
+    assert get_args(Kind) == tuple(PICTURES)
 
 
 def test_the_trace_is_drawn_where_nothing_is_said(result: Path, here: Path) -> None:

@@ -9,7 +9,7 @@ from PIL import Image
 
 import rubnoise
 from rubnoise.errors import Refused
-from rubnoise.figures.catalogue import PICTURES, Look, drawing
+from rubnoise.figures.catalogue import PICTURES, Appearance, drawing
 from rubnoise.figures.population import born
 from rubnoise.figures.stretch import Stretch
 from rubnoise.storage.reader import open_run
@@ -85,7 +85,7 @@ def test_the_contact_from_above_tells_its_number_and_area(stretch: Stretch) -> N
 
 @pytest.mark.parametrize("style", ["paper", "slides"])
 def test_size_style_and_titles_are_those_asked_for(stretch: Stretch, style: Any) -> None:
-    figure = drawing("trace", stretch, look=Look(inches=(3.3, 2.4), style=style, title=False))
+    figure = drawing("trace", stretch, look=Appearance(inches=(3.3, 2.4), style=style, title=False))
     assert tuple(figure.get_size_inches()) == (3.3, 2.4)
     assert figure.get_suptitle() == ""
     assert figure.axes[0].yaxis.label.get_size() == {"paper": 7.0, "slides": 15.0}[style]

@@ -2,17 +2,19 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
+from rubnoise.contact.laws import Spread, law_for
 from rubnoise.simulation.free import motion
 from rubnoise.simulation.free.encounters import Surface
-from rubnoise.simulation.free.fold import FreeContact, FreeMotion, FreeState
+from rubnoise.simulation.free.fold import FreeContact, FreeRun, FreeState
 from tests.oracle.free_slider import bounce
 
 SPEED = 1.0
 
 
 def _ticks(contact, seed, count, **how):
-    moving = FreeMotion(contact, seed, **how)
+    moving = FreeRun(contact, seed, **how)
     rows = list(moving.through(count))
     return np.concatenate([each.ticks for each in rows], axis=1), rows
 
@@ -31,7 +33,7 @@ def test_verlet_goes_the_same_way(live, loss):
     duration, steps = 2.0, 20_000
     contact = FreeContact(live=live, speed=SPEED, tick=SPEED * duration / steps * 10.0, **loss)
     moved, _ = _ticks(contact, 3, steps // 10)
-    surface = FreeMotion(contact, 3).surface
+    surface = FreeRun(contact, 3).surface
     around = surface.around(0, 1)
     if "impact_damping" in loss:
 
@@ -54,13 +56,37 @@ def test_verlet_goes_the_same_way(live, loss):
     assert off < (1e-4 if loss.get("restitution", 1.0) < 1.0 else 1e-6)
 
 
+def test_a_slider_along_the_surface_is_pushed_by_unequal_strengths():
+    """x'' + g x' + k x = F, solved anew by scipy for the force that stands in the ticks."""
+    drag, spring, tick = 0.3, 4.0, 0.002
+    contact = FreeContact(live=2.0, speed=SPEED, tick=tick, restitution=0.7, slider=(drag, spring))
+    strengths = law_for(250.0, Spread(relative=0.6, law="lognormal"))
+    ticks, rows = _ticks(contact, 3, 16_000, strengths=strengths)
+    touches = np.concatenate([each.touches for each in rows], axis=1)
+    _, first = np.unique(touches[motion.TOUCH_NUMBER], return_index=True)
+    shares = touches[motion.TOUCH_SHARE, first]
+    error = 0.6 / np.sqrt(shares.size)
+    assert shares.size > 20
+    assert abs(shares.mean() - 1.0) < 4.0 * error
+    force = ticks[motion.TICK_SHARED]
+    assert np.ptp(force / np.maximum(ticks[motion.TICK_OVERLAP], 1e-9)) > 0.5, "shares matter"
+    slider = [[0.0, 1.0], [-spring, -drag]], [[0.0], [1.0]], np.eye(2), np.zeros((2, 1))
+    time = tick * np.arange(force.size)
+    _, flow, _ = lsim(slider, force, time)
+    # Between ticks lsim takes the force for linear: its second derivative is bounded by the events' jumps alone.
+    assert np.abs(ticks[motion.TICK_X] - flow[:, 0]).max() < 1e-5 * np.ptp(flow[:, 0])
+    assert np.abs(ticks[motion.TICK_U] - flow[:, 1]).max() < 1e-4 * np.ptp(flow[:, 1])
+    _, equal, _ = lsim(slider, ticks[motion.TICK_OVERLAP], time)
+    assert np.abs(ticks[motion.TICK_X] - equal[:, 0]).max() > 0.01 * np.ptp(equal[:, 0])
+
+
 def test_bits_do_not_depend_on_how_deep_the_pool_is_or_where_the_run_is_cut():
     contact = FreeContact(live=0.5, speed=3.0, tick=0.05, restitution=0.7)
     ticks, rows = _ticks(contact, 1, 4000)
     deeper, _ = _ticks(contact, 1, 4000, layers=3)
     assert np.array_equal(ticks, deeper)
     assert len(rows) > 3
-    moving = FreeMotion(contact, 1)
+    moving = FreeRun(contact, 1)
     found = []
     for block in moving.through(4000):
         found.append(block.ticks)

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rubnoise.api.kinds import Style
     from rubnoise.api.result import Contents
     from rubnoise.api.sweep_result import SweepResult
+    from rubnoise.figures.catalogue import Appearance
 
 AREA: Final = "area"
 OTHER_WORDS: Final = {
@@ -51,7 +51,7 @@ def drawn(
     style: str = "screen",
 ) -> "Figure":
     """Draw a picture of a run and return its figure (see Contents.plot)."""
-    from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, Look, drawing
+    from rubnoise.figures.catalogue import HEARD, OVERLAID, PICTURES, drawing
     from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.stretch import Stretch
 
@@ -79,7 +79,7 @@ def drawn(
         heard=cast("Heard | None", heard),
         beside=other,
         measured=measured,
-        look=Look(inches=None if size is None else in_inches(size), style=known_style(style), title=title),
+        look=appearance(size, style, title=title),
         ax=ax,
     )
 
@@ -101,13 +101,14 @@ def in_inches(size: str) -> tuple[float, float]:
     return width, height
 
 
-def known_style(style: str) -> "Style":
-    """Return the name of a style; raises Refused for what is none."""
+def appearance(size: str | None, style: str, *, title: bool) -> "Appearance":
+    """Return how a picture is shown, of words; raises Refused for a size or a style that is none."""
+    from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.style import STYLES
 
     if style not in STYLES:
         raise Refused(f"style={style!r}: no style of a picture; there are {', '.join(STYLES)}")
-    return style
+    return Appearance(inches=None if size is None else in_inches(size), style=style, title=title)
 
 
 def drawn_fit(found: Inference) -> "Figure":

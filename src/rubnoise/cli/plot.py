@@ -6,48 +6,24 @@ from contextlib import ExitStack
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import TYPE_CHECKING, Annotated, cast, get_args
 
 import typer
 
+from rubnoise.api.kinds import Kind
 from rubnoise.cli.layout import printable
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.regular_file import is_folder
 
 if TYPE_CHECKING:
     from rubnoise.api.sweep_result import SweepResult
-    from rubnoise.figures import catalogue
+    from rubnoise.figures.catalogue import Appearance
     from rubnoise.figures.motion_spectrum import Heard
     from rubnoise.figures.style import Format
 
 
-class Picture(StrEnum):
-    """The pictures of a run."""
-
-    TRACE = "trace"
-    LIVES = "lives"
-    HISTOGRAM = "histogram"
-    PSD = "psd"
-    ACF = "acf"
-    COUNT = "count"
-    SLIDER = "slider"
-    PHASE = "phase"
-    LANDMARKS = "landmarks"
-    LIFELINES = "lifelines"
-    OVERVIEW = "overview"
-    SIZES = "sizes"
-    LIFE_DISTANCES = "life_distances"
-    GAPS = "gaps"
-    SPECTROGRAM = "spectrogram"
-    CONTACT = "contact"
-
-
-class Look(StrEnum):
-    """Where a picture is shown."""
-
-    SCREEN = "screen"
-    PAPER = "paper"
-    SLIDES = "slides"
+PICTURES: tuple[Kind, ...] = get_args(Kind)
+"""The pictures of a run."""
 
 
 class SpectrumOf(StrEnum):
@@ -70,7 +46,7 @@ def complete(incomplete: str) -> list[str]:
     """Return the pictures of runs and the quantities of sweeps that begin so."""
     from rubnoise.figures.axis_labels import ALL
 
-    return [name for name in (*Picture, *ALL) if name.startswith(incomplete)]
+    return [name for name in (*PICTURES, *ALL) if name.startswith(incomplete)]
 
 
 def command(
@@ -80,7 +56,7 @@ def command(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"Of a run, the picture: {', '.join(Picture)}. Of a sweep, the quantity, such as displacement_std.",
+            help=f"Of a run, the picture: {', '.join(PICTURES)}. Of a sweep, the quantity, such as displacement_std.",
             metavar="WHAT",
             autocompletion=complete,
             show_default="trace, or displacement_std or real_contact_area_std",
@@ -125,8 +101,8 @@ def command(
         ),
     ] = None,
     style: Annotated[
-        Look, typer.Option(help="For a screen, a paper (small letters) or slides (large ones).", metavar="STYLE")
-    ] = Look.SCREEN,
+        str, typer.Option(help="screen, paper (small letters) or slides (large ones).", metavar="STYLE")
+    ] = "screen",
     title: Annotated[bool, typer.Option("--title/--no-title", help="With titles, or without for a caption.")] = True,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
@@ -146,34 +122,32 @@ def command(
         reason = problem.strerror if isinstance(problem, OSError) and problem.strerror else str(problem)
         raise RunFileRefused(f"{file}: {reason.lower()}") from problem
     if is_folder(file):
-        if ends != (None, None) or beside or size or not title or (of, style) != (SpectrumOf.AREA, Look.SCREEN):
+        if ends != (None, None) or beside or size or not title or (of, style) != (SpectrumOf.AREA, "screen"):
             options = "--from, --to, --of, --with, --size, --style and --no-title"
             raise typer.BadParameter(f"{options} are for the pictures of one run")
         _plot_sweep(file, what, output, force=force)
     else:
-        from rubnoise.api.pictures import in_inches
-        from rubnoise.figures import catalogue
+        from rubnoise.api.pictures import appearance
 
-        look = catalogue.Look(inches=None if size is None else in_inches(size), style=style.value, title=title)
+        look = appearance(size, style, title=title)
         _plot_run(file, _picture(what), of, ends, beside, output, look, force=force)
 
 
-def _picture(what: str | None) -> Picture:
-    try:
-        return Picture(what or Picture.TRACE)
-    except ValueError:
-        known = ", ".join(f"'{name}'" for name in Picture)
-        raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'") from None
+def _picture(what: str | None) -> Kind:
+    if what is not None and what not in PICTURES:
+        known = ", ".join(f"'{name}'" for name in PICTURES)
+        raise typer.BadParameter(f"'{what}' is not one of {known}", param_hint="'[WHAT]'")
+    return what or "trace"
 
 
 def _plot_run(
     file: Path,
-    what: Picture,
+    what: Kind,
     of: SpectrumOf,
     ends: tuple[float | None, float | None],
     beside: Path | None,
     output: Path | None,
-    look: "catalogue.Look",
+    look: "Appearance",
     *,
     force: bool,
 ) -> None:
@@ -186,13 +160,13 @@ def _plot_run(
 
     heard = None if of is SpectrumOf.AREA else cast("Heard", of.value)
     has_measured = beside is not None and beside.suffix.lower() in RECORDS
-    if heard is not None and what.value not in HEARD:
-        raise typer.BadParameter(f"--of is for psd and spectrogram, not for {what.value}")
-    if has_measured and what is not Picture.PSD:
-        raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what.value}")
-    if beside is not None and not has_measured and what.value not in OVERLAID and not (what is Picture.PSD and heard):
+    if heard is not None and what not in HEARD:
+        raise typer.BadParameter(f"--of is for psd and spectrogram, not for {what}")
+    if has_measured and what != "psd":
+        raise typer.BadParameter(f"--with {beside}: a record of yours is for psd, not for {what}")
+    if beside is not None and not has_measured and what not in OVERLAID and not (what == "psd" and heard):
         raise typer.BadParameter("--with is for slider, phase, and psd --of force, displacement or velocity")
-    path = output or Path(f"{file.stem}_{what.value}{'' if heard is None else f'_{heard}'}.png")
+    path = output or Path(f"{file.stem}_{what}{'' if heard is None else f'_{heard}'}.png")
     check_picture(path, force=force)
     with finished_run(file) as run, ExitStack() as opened:
         stretch = Stretch.of(run, *ends)
@@ -203,7 +177,7 @@ def _plot_run(
             file_beside = opened.enter_context(complete_run(beside))
             with prefix_refusals(f"--with {beside}"):
                 other = Stretch.of(file_beside)
-        draw = partial(picture, what.value, stretch, heard=heard, beside=other, measured=measured, look=look)
+        draw = partial(picture, what, stretch, heard=heard, beside=other, measured=measured, look=look)
         write_picture(path, draw, force=force)
 
 

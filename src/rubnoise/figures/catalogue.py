@@ -61,7 +61,7 @@ OVERLAID: Final[dict[Kind, Callable[[Stretch, Stretch], "Figure"]]] = {"slider":
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
+class Appearance:
     """How a picture is shown: width and height in inches (its own if None), style, and whether axes have titles."""
 
     inches: tuple[float, float] | None = None
@@ -69,7 +69,7 @@ class Look:
     title: bool = True
 
 
-AS_IT_IS: Final = Look()
+AS_IT_IS: Final = Appearance()
 
 Measured = tuple[str, Doubles, Doubles]
 """A spectrum of the user's own, to lay over that of a run: its name, places and densities in the picture's units."""
@@ -83,7 +83,7 @@ def picture(
     heard: Heard | None = None,
     beside: Stretch | None = None,
     measured: Measured | None = None,
-    look: Look = AS_IT_IS,
+    look: Appearance = AS_IT_IS,
 ) -> bytes:
     """Return a picture of a run as the bytes of a file; see `drawing`."""
     with house_style(look.style):
@@ -97,7 +97,7 @@ def drawing(
     heard: Heard | None = None,
     beside: Stretch | None = None,
     measured: Measured | None = None,
-    look: Look = AS_IT_IS,
+    look: Appearance = AS_IT_IS,
     ax: "Axes | None" = None,
 ) -> "Figure":
     """Return a picture of a run as a figure, which a notebook shows, or draw it in the place of ``ax``.

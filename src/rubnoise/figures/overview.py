@@ -52,8 +52,7 @@ def _chosen(stretch: Stretch, number: int | None) -> Neighbours:
     if rows == 0:
         raise Refused("no junction lives in this run; there is nothing to draw")
     if number is None:
-        birth = stretch.file.column("junctions", "birth_distance", 0, rows)
-        number = min(int(np.searchsorted(birth, 0.5 * (stretch.start + stretch.stop))), rows - 1)
+        number = min(stretch.first_born(0.5 * (stretch.start + stretch.stop)), rows - 1)
     if not 0 <= number < rows:
         raise Refused(f"junction {number}: not there; the run has junctions 0 to {rows - 1}")
     begin = float(stretch.file.column("junctions", "birth_distance", number, number + 1)[0])

@@ -51,12 +51,10 @@ def born(stretch: Stretch, name: str) -> Doubles:
     Junctions that a run began with are left out: longer lives are more often met at a place at random. Raises Refused
     for fewer than three.
     """
-    rows = stretch.file.rows("junctions")
-    birth = stretch.file.column("junctions", "birth_distance", 0, min(rows, MOST_READ))
-    first, last = np.searchsorted(birth, [max(stretch.start, 0.0), stretch.stop])
+    first, last = stretch.first_born(max(stretch.start, 0.0)), stretch.first_born(stretch.stop)
     if last - first < 3:
         raise Refused(f"{last - first} junctions are born in this stretch; a histogram needs three")
-    return np.asarray(stretch.file.column("junctions", name, int(first), int(last)), dtype=np.float64)
+    return stretch.file.column("junctions", name, first, min(last, first + MOST_READ)).astype(np.float64)
 
 
 def _edges(values: Doubles) -> Doubles:

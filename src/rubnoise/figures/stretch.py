@@ -1,5 +1,6 @@
 """A stretch of a result that a picture shows, read in chunks and thinned to what a picture can hold."""
 
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil, floor
@@ -62,6 +63,13 @@ class Stretch:
         if last - first < 2:
             ticks = f"a tick every {self.model.tick:g} um"
             raise Refused(f"{self.start:g} to {self.stop:g} um is too short to draw; the run has {ticks}")
+
+    def first_born(self, distance: float) -> int:
+        """Return the first row of /junctions that is born at a distance or later; a few single rows are read."""
+        rows = range(self.file.rows("junctions"))
+        return bisect_left(
+            rows, distance, key=lambda row: float(self.file.column("junctions", "birth_distance", row, row + 1)[0])
+        )
 
     def narrowed(self, width: float) -> Self:
         """Return the stretch itself where the user chose it, else its beginning of a width in um."""

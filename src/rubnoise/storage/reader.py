@@ -8,6 +8,7 @@ no other file can take its place in between.
 import json
 import os
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
@@ -54,7 +55,7 @@ class Unseen(RunFileRefused):
     """A file of which nothing is known, because the process that read it was killed or took too long."""
 
 
-class OpenFile:
+class OpenFile(ABC):
     """An open file of ours, whose structure has been read. Use it as a context manager, or close it.
 
     Copies, also in other processes, open the file for themselves.
@@ -87,9 +88,9 @@ class OpenFile:
         return not self._close.alive
 
     @property
+    @abstractmethod
     def seal(self) -> str | None:
         """The hash that the file keeps of what it says of itself; None if it has none."""
-        raise NotImplementedError
 
     def __reduce__(self) -> tuple[Any, ...]:
         with self._reading():

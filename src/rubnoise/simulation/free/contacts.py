@@ -14,10 +14,10 @@ COLUMNS: Final = 7
 
 RESTITUTION, IMPACT_DAMPING = range(2)
 
-(LAW, SPEED, PER_LIVE, DRAG, UNLOADED, GROWTH, OWN_DRAG, OWN_SPRING, LENGTH, TICK) = range(10)
+(LAW, SPEED, PER_LIVE, DRAG, UNLOADED, GROWTH, OWN_DRAG, OWN_SPRING, TICK) = range(9)
 """Constants: the law of loss; v; 1/N; 2 zeta; e^2; beta; drag and spring of the slider along the surface, over its mass
-(spring 0: none); length of a block and of a tick (c)."""
-CONSTANTS: Final = 10
+(spring 0: none); length of a tick (c)."""
+CONSTANTS: Final = 9
 
 S, Z, W, X, U = range(5)
 """Numbers of the motion: place from the origin of the block (c), z, z', and x, x' of the slider along the surface."""

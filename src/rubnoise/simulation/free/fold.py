@@ -88,7 +88,7 @@ class FreeRows:
     layers: int
 
 
-class FreeMotion:
+class FreeRun:
     """A free slider on its way; ``state`` is where it is."""
 
     def __init__(
@@ -103,7 +103,6 @@ class FreeMotion:
         self.surface = Surface.of(contact.live, seed, contact.tick)
         self._contact, self._strengths, self._layers = contact, strengths, layers
         self._constants = contact.constants()
-        self._constants[held.LENGTH] = self.surface.length
         self.state = self._start() if state is None else state
 
     def through(self, ticks: int) -> Iterator[FreeRows]:

@@ -41,7 +41,6 @@ from rubnoise.simulation.free.series import (
     ORDER,
     TURN,
     bounds,
-    falls_to,
     motion_series,
     overlap_zero,
     pushed_series,
@@ -264,7 +263,7 @@ def _next_event(  # noqa: C901, PLR0912  (two loops of compiled code, which shar
         if time < when:
             event, which, when = _TURN, n, time
     if z + min(w, 0.0) * when + 0.5 * min(least, 0.0) * when * when <= bottom and (
-        z <= bottom or falls_to(bottom, z, -least, series, when) < np.inf
+        z <= bottom or overlap_zero(bottom - z, 0.0, 0.0, 1.0, -least, series, when) < np.inf
     ):
         return -1, -1, 0.0
     return event, which, when

@@ -190,17 +190,3 @@ def rate_zero(
         if x <= ROUNDING * time or x == 0.0:
             break
     return time
-
-
-@compiled_bare
-def falls_to(lowest: float, z: float, most: float, series: Doubles, step: float) -> float:
-    """Return when the separation falls to a height within a step; most: the largest -z''."""
-    time = 0.0
-    for _ in range(_MOST_TRIES):
-        x = _ahead(lowest - z - value(series, time), -rate(series, time), most)
-        time += x
-        if time >= step:
-            return np.inf
-        if x <= ROUNDING * time or x == 0.0:
-            break
-    return time
