@@ -147,7 +147,7 @@ def commands(source: Path) -> Iterator[str]:
 
 def scenarios(source: Path) -> Iterator[str]:
     """Yield the page of all scenario files with their titles."""
-    yield "# Scenario files\n"
+    yield "# Scenarios that come with rubnoise\n"
     yield "These files come with rubnoise. [scenarios.md](docs/scenarios.md) explains their keys.\n"
     for folder in sorted(path for path in (source / "scenarios").iterdir() if path.is_dir()):
         yield f"## {folder.name}\n\n| file | title |\n|---|---|"

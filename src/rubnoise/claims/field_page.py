@@ -55,8 +55,8 @@ _LACKS = """
 def page(claims: Sequence[FieldClaim]) -> Iterator[str]:
     """Yield the lines of the page."""
     yield _HEAD
-    yield "| source: statement | quantity | published | exact | simulated (95 %) | verdict |"
-    yield "|---|---|---|---|---|---|"
+    yield "| source: statement; *quantity* | published | exact | simulated (95 %) | verdict |"
+    yield "|---|---|---|---|---|"
     yield from map(_row, claims)
     yield _LOAD
     yield "| source | n | (1 + n)/2 | published m | verdict |"
@@ -86,7 +86,7 @@ def _row(claim: FieldClaim) -> str:
     mark = " (2)" if "second-hand" in source.known.value else ""
     numbers = ("", "", "") if claim.quantity is None else _numbers(claim.quantity)
     quantity, exact, simulated = numbers
-    cells = (f"{name}{mark}: {claim.statement}", quantity, as_range(claim.published), exact, simulated)
+    cells = (f"{name}{mark}: {claim.statement} {quantity}".rstrip(), as_range(claim.published), exact, simulated)
     return f"| {' | '.join(cells)} | {claim.verdict.value} |"
 
 
@@ -94,4 +94,4 @@ def _numbers(quantity: ClaimedNumber) -> tuple[str, str, str]:
     name = f"{quantity.name} ({quantity.unit})" if quantity.unit else quantity.name
     exact = "" if isnan(quantity.exact) else f"{quantity.exact:.4g}"
     low, high = quantity.simulated.interval
-    return name, exact, f"{quantity.simulated.value:.4g} ± {0.5 * (high - low):.2g}"
+    return f"*{name}*", exact, f"{quantity.simulated.value:.4g} ± {0.5 * (high - low):.2g}"
