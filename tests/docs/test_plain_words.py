@@ -132,6 +132,12 @@ def test_a_page_has_no_long_sentence(page: str) -> None:
     assert length(longest) <= MOST_WORDS, longest
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_no_line_of_a_page_is_a_comment_of_the_site(page: str) -> None:
+    """MyST leaves out a line that begins with a per cent sign."""
+    assert re.findall(r"(?m)^%.*", (ROOT / page).read_text(encoding="utf-8")) == []
+
+
 def test_messages_have_no_idioms() -> None:
     wrong = [
         f"{path.relative_to(ROOT)}:{line}: {phrase}"

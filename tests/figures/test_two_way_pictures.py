@@ -278,7 +278,7 @@ def test_slips_and_sticks_are_counted_by_length(two_way: Stretch) -> None:
         assert axes.get_legend_handles_labels()[1][0] == f"{len(values)} {'slips' if unit == 'µm' else 'sticks'}"
     mean = two_way.model.calibrated_diameter
     longer = sum(length > mean for length in lengths)
-    assert _line(slips, f"mean diameter: {longer} longer")[0][0] == mean
+    assert _line(slips, f"mean diameter; {longer} slips are longer")[0][0] == mean
     duration = float(two_way.file.column("balance", "time")[0])
     assert longer == round(float(two_way.file.summary["slips_longer_than_d_per_s"]) * duration) > 5
 

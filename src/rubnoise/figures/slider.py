@@ -240,7 +240,7 @@ def landmarks_figure(stretch: Stretch) -> "Figure":
     _draw_counts(slips, found.slip_lengths, "slip", "slip length", "µm", 1.0)
     diameter = stretch.model.calibrated_diameter
     longer = int((found.slip_lengths > diameter).sum())
-    _mark_reference(slips, diameter, f"mean diameter: {longer:,} longer")
+    _mark_reference(slips, diameter, f"mean diameter; {longer:,} slips are longer")
     _draw_counts(sticks, found.stick_times, "stick", "stick time", "ms", 1e3)
     _mark_reference(sticks, 1e3 / motion.slider.natural_frequency, "natural period")
     return figure
