@@ -40,7 +40,8 @@ def sketch() -> Figure:
             axes.plot(x[run], lower[run], color=ORANGE, linewidth=4.0, solid_capstyle="round")
     axes.text(5.0, 3.7, "slider, mass $m$", ha="center")
     axes.text(5.0, 0.85, "surface that moves", ha="center")
-    axes.annotate("junction", (x[touch][0], lower[touch][0]), (0.6, 5.6), arrowprops={"arrowstyle": "-"})
+    pointer = {"arrowstyle": "-", "color": mpl.rcParams["text.color"]}
+    axes.annotate("junction", (x[touch][0], lower[touch][0]), (0.6, 5.6), arrowprops=pointer)
     _arrow(axes, (1.0, 0.15), (3.0, 0.15), "$V$", (3.35, 0.02))
     _arrow(axes, (4.0, 5.0), (5.4, 5.0), "$x$", (5.65, 4.88))
     zigzag = np.linspace(9.6, 14.2, 13)
@@ -83,7 +84,7 @@ def life() -> Figure:
     curve.plot(distance, area, color=BLUE, linewidth=2.0)
     curve.fill_between(distance, area, color=BLUE, alpha=0.2)
     curve.axhline(1.0 / 3.0, color=ORANGE, linestyle="--")
-    curve.text(0.03, 0.35, "mean over a life, $d^2/3$", color=ORANGE)
+    curve.text(-0.57, 0.35, "mean over a life, $d^2/3$", color=ORANGE)
     curve.text(1.0, 0.12, "area under the curve:  $\\frac{2}{3}\\,d^3$", ha="center")
     curve.set(xlim=(-0.6, 2.6), ylim=(0.0, 0.9), xticks=(0.0, 0.5, 1.0, 1.5, 2.0), yticks=(0.0, np.pi / 4.0))
     curve.set_xticklabels(("0", "$d/2$", "$d$", "$3d/2$", "$2d$"))
