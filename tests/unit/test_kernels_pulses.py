@@ -303,7 +303,8 @@ def test_the_largest_area_is_that_at_mid_life() -> None:
     diameter, offset = np.array([5.0, 5.0, 5.0, 2.0]), np.array([-4.9, 1e-9, 2.5, 1.0])
     r = np.abs(offset) / diameter
     expected = diameter**2 * 0.5 * (np.arccos(r) - r * np.sqrt((1.0 - r) * (1.0 + r)))
-    assert peak_areas(diameter, offset) == pytest.approx(expected, rel=1e-12)
+    assert peak_areas("parabola", diameter, offset) == pytest.approx(0.25 * pi * (diameter**2 - offset**2), rel=1e-12)
+    assert peak_areas("lens", diameter, offset) == pytest.approx(expected, rel=1e-12)
 
 
 # Eight doubles at once: every operation lane by lane, with the bits of single doubles.

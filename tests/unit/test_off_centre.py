@@ -17,8 +17,8 @@ import rubnoise
 from rubnoise.contact.births import PoissonBirths, RegularBirths
 from rubnoise.contact.calibration import PaperMeansLens, calibrated_diameter
 from rubnoise.contact.laws import Fixed, Lognormal, Normal, Spread
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS, overlap
-from rubnoise.contact.pulses import LENS, TRIANGLE, Pulse
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, overlap
+from rubnoise.contact.pulses import LENS, PARABOLA, TRIANGLE, Pulse
 from rubnoise.errors import Refused, ScenarioRefused
 from rubnoise.model import Model
 from rubnoise.theory import off_centre
@@ -33,7 +33,7 @@ from rubnoise.theory.quadrature import panels
 from rubnoise.theory.response import response
 from rubnoise.theory.sampling import standard_errors
 from rubnoise.theory.spectrum import density_at_zero, half_power_wavenumber, spectral_density, tail
-from rubnoise.theory.transform import energy_of
+from rubnoise.theory.transform import energy_of, transform_of
 from rubnoise.theory.transient import area_from_empty
 from tests.architecture.sources import ROOT
 from tests.cli.terminal import call
@@ -61,6 +61,38 @@ def scenario(**tables: Any) -> rubnoise.Scenario:
         "sliding": {"distance": 1000.0},
     }
     return rubnoise.build(values | tables)
+
+
+# The parabola off the centre line: a pass is the parabola of the diameter sqrt(d^2 - b^2), so all is closed.
+def test_parabolas_have_the_moments_and_energies_of_their_chords() -> None:
+    pulse = OFF_CENTRE_PARABOLA
+    angle, weights = panels(np.linspace(0.0, 0.5 * pi, 100), 16)
+    chord, weights = np.cos(angle), weights * np.cos(angle)
+    found = [pulse.life_integral(n) for n in range(1, 7)]
+    assert found == pytest.approx(
+        [float(weights @ (PARABOLA.life_integral(n) * chord ** (2 * n + 1))) for n in range(1, 7)], rel=1e-12
+    )
+    area = area_cumulants(contact(pulse=pulse))
+    assert sqrt(COUNT) * area.std / area.mean == pytest.approx(1.1547005384, rel=1e-9)
+    integrals = PARABOLA.life_integral(1) * chord**3
+    known = (weights @ integrals**2, weights @ integrals**3, PARABOLA.squared_slope * (weights @ chord**3))
+    assert (pulse.squared_integral, pulse.cubed_integral, pulse.squared_slope) == pytest.approx(known, rel=1e-12)
+    for phase in (0.0, 3.0, 31.99, 32.0, 60.0, 400.0):
+        direct = float(weights @ (chord**6 * np.square(transform_of(PARABOLA).amplitude(phase * chord))))
+        assert float(energy_of(pulse).square(phase)) == pytest.approx(direct, rel=1e-12)
+    lag = np.array([0.7, 1.9])
+    left = np.maximum(2.0 - lag[:, None] / chord, 0.0)
+    shared = (pi / 4.0) ** 2 / 30.0 * chord**5 * left**3 * ((2.0 - left) ** 2 + 6.0 * (2.0 - left) + 4.0)
+    assert off_centre.overlaps(pulse, lag, ((1, 1),))[1, 1] == pytest.approx(shared @ weights, rel=1e-5)
+    assert energy_of(PARABOLA).square(3.0) != pytest.approx(float(energy_of(pulse).square(3.0)), rel=0.05)
+
+
+def test_parabolas_lose_nothing_by_the_step_to_their_level() -> None:
+    energy = energy_of(OFF_CENTRE_PARABOLA)
+    z, weights = panels(np.arange(10.0, 400.0, 0.5), 16)
+    smooth = np.exp(-np.square((z - 90.0) / 60.0))
+    both = [float(weights @ (smooth * values)) for values in (energy.square(z), energy.mean_square(z))]
+    assert both[0] == pytest.approx(both[1], rel=1e-11)
 
 
 def test_life_integrals_are_those_of_the_reference() -> None:
@@ -135,8 +167,8 @@ def test_joint_cumulants_at_no_lag_are_the_cumulants() -> None:
     for i, j in powers:
         assert joint[i, j][0] == pytest.approx(known[i + j - 1], rel=1e-6)
     lag = np.array([0.7, 1.0, 1.9])
-    second = off_centre.overlaps(lag, ((1, 1),))[1, 1]
-    by_places = [off_centre._overlap_of_powers(float(each), 1, 1) for each in lag]
+    second = off_centre.overlaps(OFF_CENTRE_LENS, lag, ((1, 1),))[1, 1]
+    by_places = [off_centre._overlap_of_powers(OFF_CENTRE_LENS, float(each), 1, 1) for each in lag]
     assert second == pytest.approx(by_places, abs=1e-10)
 
 
@@ -286,7 +318,10 @@ def test_a_scenario_has_its_exact_theory_by_python_and_by_the_command(tmp_path: 
 @pytest.mark.parametrize(
     ("tables", "said"),
     [
-        ({"pulse": {"offset": "uniform", "shape": "triangle"}}, "known for the lens, not for the triangle"),
+        (
+            {"pulse": {"offset": "uniform", "shape": "triangle"}},
+            "known for the lens and the parabola, not for the triangle",
+        ),
         ({"birth": {"law": "regular"}}, "known for Poisson births, not for regular ones"),
         (
             {
@@ -328,6 +363,6 @@ def test_errors_of_moments_are_those_of_many_lives() -> None:
 
 def test_the_overlap_is_that_of_the_lens() -> None:
     r = np.array([0.0, 0.25, 0.5, 0.999, 1.0, 3.0])
-    assert overlap(r) == pytest.approx(LENS.area(1.0 - np.minimum(r, 1.0), 1.0), abs=1e-15)
+    assert overlap(r, OFF_CENTRE_LENS) == pytest.approx(LENS.area(1.0 - np.minimum(r, 1.0), 1.0), abs=1e-15)
     assert OFF_CENTRE_LENS.lives_left(np.array([0.0, 2.0, 5.0])) == pytest.approx([0.5 * pi, 0.0, 0.0], abs=1e-15)
     assert TRIANGLE.lives_left(np.array([0.5, 3.0])).tolist() == [1.5, 0.0]

@@ -14,8 +14,8 @@ from simpy.events import ProcessGenerator
 
 import rubnoise
 from rubnoise.contact.laws import Spread
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import LENS, TRIANGLE
+from rubnoise.contact.off_centre import OFF_CENTRE, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA
+from rubnoise.contact.pulses import LENS, PULSES, TRIANGLE
 from rubnoise.errors import Refused
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.sink import Extent
@@ -62,19 +62,20 @@ def scenarios(draw: st.DrawFn) -> Scenario:
     life = 2.0 * (600.0 / count) ** 0.5
     lives = min(draw(st.floats(0.5, 2500.0)) / count, 4000.0)
     distance, tick = life * lives, life * max(draw(st.floats(0.003, 0.7)), lives / 20_000.0)
-    pulse = draw(st.sampled_from(["lens", "triangle", "off the centre line"]))
-    aside = pulse == "off the centre line"
+    pulse, aside = draw(st.sampled_from([*((name, False) for name in PULSES), *((name, True) for name in OFF_CENTRE)]))
     values: dict[str, Any] = {
         "interface": {"mean_real_contact_area": "200 um^2", "mean_junction_count": count},
         "diameter": draw(DIAMETERS),
         "birth": {"law": draw(st.sampled_from(["poisson"] if aside else ["poisson", "regular"]))},
-        "pulse": {"offset": "uniform"} if aside else {"shape": pulse},
+        "pulse": {"shape": pulse, "offset": "uniform" if aside else "none"},
         "sliding": {"distance": f"{distance:.6f} um", "start": draw(st.sampled_from(["stationary", "empty"]))},
         "output": {"tick": f"{min(tick, distance):.6f} um"},
         "run": {"seed": draw(st.integers(0, 2**53 - 1))},
     }
     # The ticks are parts of a life of these calibrations; `matched` makes lives shorter, if it has a solution at all.
-    values["interface"]["calibration"] = draw(st.sampled_from(["paper", "exact"] if pulse == "lens" else ["exact"]))
+    values["interface"]["calibration"] = draw(
+        st.sampled_from(["paper", "exact"] if (pulse, aside) == ("lens", False) else ["exact"])
+    )
     if draw(st.booleans()):
         values["strength"] = draw(STRENGTHS)
         values["sliding"]["speed"] = draw(st.sampled_from(["10 mm/s", "1 m/s"]))
@@ -210,6 +211,9 @@ RUNS = {
     "off the centre line": model(
         pulse=OFF_CENTRE_LENS, strength=UNEQUAL, spread=Spread(relative=0.4), distance=1500.0, tick=0.7
     ),
+    "parabolas off the centre line": model(
+        pulse=OFF_CENTRE_PARABOLA, strength=UNEQUAL, spread=Spread(relative=0.4), distance=1500.0, tick=0.7
+    ),
     **{
         name: model(births=name, spread=Spread(relative=0.4), distance=2000.0, tick=2.7)
         for name in ("gamma", "clustered", "jittered")
@@ -241,7 +245,7 @@ def test_a_run_cut_at_every_block_goes_on_to_the_same_bits(name):
                 assert values[begin:].tobytes() == whole[group][column][begin:].tobytes()
 
 
-@pytest.mark.parametrize("pulse", [LENS, TRIANGLE, OFF_CENTRE_LENS], ids=lambda pulse: pulse.name)
+@pytest.mark.parametrize("pulse", [LENS, TRIANGLE, OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA], ids=lambda pulse: pulse.name)
 @pytest.mark.parametrize(("size", "distance"), [(1, 20.0), (7, 60.0), (1000, 300.0)])
 def test_panels_are_only_how_a_block_is_written(monkeypatch, size, distance, pulse):
     run = model(distance=distance, tick=0.05, pulse=pulse, strength=UNEQUAL)

@@ -17,8 +17,8 @@ from rubnoise.analysis.comparison import compare
 from rubnoise.analysis.life import life_of
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import Normal, Spread
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of
-from rubnoise.contact.pulses import LENS
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS, OFF_CENTRE_PARABOLA, area_of
+from rubnoise.contact.pulses import LENS, PARABOLA, Pulse
 from rubnoise.model import Model, Slider
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
@@ -168,6 +168,7 @@ MOVING = model(
     pulse=OFF_CENTRE_LENS, distance=30_000.0, tick=0.5, slider=Slider(mass=0.005, stiffness=300.0, damping=0.5)
 )
 """Damped well enough for many of its decays."""
+ROUGH = bare(pulse=OFF_CENTRE_PARABOLA, distance=60_000.0, tick=0.5)
 
 
 @cache
@@ -184,7 +185,7 @@ def scores_off_centre(found: Comparison) -> dict[str, float]:
     return {figure.name: figure.z for figure in found.figures if figure.z is not None}
 
 
-@pytest.mark.parametrize("run", [ORDINARY, MOVING], ids=["contact", "slider"])
+@pytest.mark.parametrize("run", [ORDINARY, MOVING, ROUGH], ids=["contact", "slider", "parabola"])
 def test_a_run_is_accepted_by_its_theory(run: Model) -> None:
     found = compared(run)
     assert found.outside == ()
@@ -198,9 +199,10 @@ def test_a_run_is_accepted_by_its_theory(run: Model) -> None:
         assert sum(name.startswith("spectrum") for name in scores_off_centre(found)) == 8
 
 
-def test_the_theory_of_centred_passes_rejects_it() -> None:
+@pytest.mark.parametrize(("run", "through"), [(ORDINARY, LENS), (ROUGH, PARABOLA)], ids=["lens", "parabola"])
+def test_the_theory_of_centred_passes_rejects_it(run: Model, through: Pulse) -> None:
     """The control: centred passes of the same mean life and births, as many and as large."""
-    found = compared(ORDINARY, replace(ORDINARY, pulse=LENS))
+    found = compared(run, replace(run, pulse=through))
     assert scores_off_centre(found)["real_contact_area_mean"] < -REJECTED
     assert {identity.name for identity in found.identities if not identity.holds} >= {"asked_mean_count"}
     bands = [z for name, z in scores_off_centre(found).items() if name.startswith("spectrum")]

@@ -230,5 +230,5 @@ def _energies(model: Model, wavenumber: Doubles) -> tuple[Doubles, Doubles]:
         return probabilities, np.stack([spectral_density(each, wavenumber) for each in alike]).sum(axis=1)
     diameters, probabilities = size_rule(model.sizes, _SIZES_OFF_CENTRE)
     some = wavenumber[:: -(-wavenumber.size // _MOST_OF_A_BAND)]
-    energies = [pass_energies(some * d).sum(axis=1) * d**6 for d in diameters.tolist()]
+    energies = [pass_energies(model.pulse, some * d).sum(axis=1) * d**6 for d in diameters.tolist()]
     return np.multiply.outer(probabilities, offset_probabilities()).ravel(), np.concatenate(energies)

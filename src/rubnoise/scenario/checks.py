@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from rubnoise.contact.births import ScatteredBirths
 from rubnoise.contact.calibration import NoMatchingDiameter, PaperMeansLens
+from rubnoise.contact.off_centre import OFF_CENTRE, pulse_of
 from rubnoise.model import Model
 from rubnoise.scenario import limits
 from rubnoise.scenario.document import AREAS, COUNTS, Diameter, Document, Strength
@@ -11,7 +12,7 @@ from rubnoise.scenario.fields import Measure
 from rubnoise.scenario.keys import SECTIONS
 from rubnoise.scenario.layers import Layers
 from rubnoise.scenario.problems import Path, Problem
-from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, pulse_of, spread_of
+from rubnoise.scenario.scenario import area_and_count, default_tick, diameter_of, model_of, spread_of
 from rubnoise.scenario.under_load import load_problems
 from rubnoise.units import Quantity, QuantityError, read_quantity
 
@@ -144,8 +145,9 @@ def _offset_problems(document: Document, layers: Layers) -> Iterator[Problem]:
     """Refuse lateral offsets where what they do is not known."""
     if document.pulse.offset == "none":
         return
-    if document.pulse.shape != "lens":
-        message = f"lateral offsets are known for the lens, not for the {document.pulse.shape}"
+    if document.pulse.shape not in OFF_CENTRE:
+        known = " and the ".join(OFF_CENTRE)
+        message = f"lateral offsets are known for the {known}, not for the {document.pulse.shape}"
         yield Problem(path=_OFFSET, message=message, place=layers.value_place(_OFFSET), hint='shape = "lens"')
     if document.birth.law != "poisson":
         message = f"lateral offsets are known for Poisson births, not for {document.birth.law} ones"
@@ -172,7 +174,7 @@ def _not_the_lens(layers: Layers, error: PaperMeansLens) -> Problem:
 
 def _tick_problems(document: Document, layers: Layers, tick: Quantity, diameter: float) -> Iterator[Problem]:
     distance = document.sliding.distance
-    life = pulse_of(document.pulse).mean_life * diameter
+    life = pulse_of(document.pulse.shape, document.pulse.offset).mean_life * diameter
     if tick > life:
         message = f"longer than the mean life of a junction ({life:.6g} um); a trace would miss whole lives"
         hint = f'about "{life / 200.0:.2g} um" resolves a life well'

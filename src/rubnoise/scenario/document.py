@@ -161,7 +161,7 @@ class Pulse(Section):
         Choice(("none", "uniform")),
         About(
             description="none: junctions pass through both centres; uniform: they miss the centre line by up to the "
-            "diameter (lens, Poisson births, one-way coupling)."
+            "diameter (lens and parabola, Poisson births, one-way coupling)."
         ),
     ] = "none"
 

@@ -11,8 +11,7 @@ from typing import Any, Final, Literal, cast
 from rubnoise.contact.births import BIRTHS, BirthLaw
 from rubnoise.contact.calibration import calibrated_diameter
 from rubnoise.contact.laws import LAWS, Law, Spread, law_for
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import PULSES, Pulse
+from rubnoise.contact.off_centre import pulse_of
 from rubnoise.errors import ScenarioRefused
 from rubnoise.model import Model, Separation, Slider
 from rubnoise.scenario import document as sections
@@ -159,9 +158,8 @@ def diameter_of(document: sections.Document) -> float:
     Raises NoMatchingDiameter where `matched` has no solution, PaperMeansLens for `paper` with another pulse.
     """
     area, count = area_and_count(document.interface)
-    return calibrated_diameter(
-        document.interface.calibration, area, count, spread_of(document.diameter), pulse_of(document.pulse)
-    )
+    pulse = pulse_of(document.pulse.shape, document.pulse.offset)
+    return calibrated_diameter(document.interface.calibration, area, count, spread_of(document.diameter), pulse)
 
 
 def area_and_count(interface: sections.Interface) -> tuple[float, float]:
@@ -170,11 +168,6 @@ def area_and_count(interface: sections.Interface) -> tuple[float, float]:
     whole = area.exact if area is not None else cast(Quantity, load).exact / cast(Quantity, hardness).exact
     count, patch = interface.mean_junction_count, interface.patch_area
     return float(whole), float(whole / cast(Quantity, patch).exact) if count is None else count
-
-
-def pulse_of(pulse: sections.Pulse) -> Pulse:
-    """Return the pulse of a shape, through both centres or at lateral offsets."""
-    return PULSES[pulse.shape] if pulse.offset == "none" else OFF_CENTRE_LENS
 
 
 def spread_of(quantity: sections.Diameter | sections.Strength) -> Spread:
@@ -212,7 +205,8 @@ def tick_count(distance: Quantity, tick: Quantity) -> int:
 
 def model_of(document: sections.Document, diameter: float, tick: Quantity) -> Model:
     """Return the model of a complete document for its calibrated diameter in um and its tick."""
-    interface, sliding, pulse = document.interface, document.sliding, pulse_of(document.pulse)
+    interface, sliding = document.interface, document.sliding
+    pulse = pulse_of(document.pulse.shape, document.pulse.offset)
     area, count = area_and_count(interface)
     return Model(
         mean_real_contact_area=area,

@@ -214,7 +214,7 @@ def _write_rows(run: RunSetup, first: int, rows: LiveRows, natural: Doubles) -> 
         state=junction_states(natural, rows.departure, at_start, run.model.distance),
         speed=run.model.sliding_speed,
         offset=rows.offset,
-        peak=None if rows.offset is None else peak_areas(rows.diameter, rows.offset),
+        peak=None if rows.offset is None else peak_areas(run.model.pulse.shape, rows.diameter, rows.offset),
     )
     run.sink.write("junctions", first, columns)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.off_centre import OFF_CENTRE
 from rubnoise.contact.pulses import LENS, PULSES, Pulse, Shape
 from rubnoise.errors import RunFileRefused
 
@@ -23,11 +23,11 @@ def pulse_of(scenario: Mapping[str, object]) -> Pulse:
     if not isinstance(shape, str) or shape not in PULSES:
         raise RunFileRefused(f"the scenario in the file has the pulse shape {str(shape)[:40]!r}, which is not known")
     offset = section.get("offset", "none") if isinstance(section, Mapping) else "none"
-    if offset == OFF_CENTRE_LENS.offset and shape == OFF_CENTRE_LENS.shape:
-        return OFF_CENTRE_LENS
-    if offset != "none":
+    if offset == "none":
+        return PULSES[shape]
+    if offset != "uniform" or shape not in OFF_CENTRE:
         raise RunFileRefused(f"the scenario in the file has the pulse offset {str(offset)[:40]!r}, which is not known")
-    return PULSES[shape]
+    return OFF_CENTRE[shape]
 
 
 def stored_pulse(scenario_resolved: object) -> Pulse:
@@ -52,11 +52,13 @@ LIFE_TABLES = ("life_curve", "life_table")
 
 def life_tables(pulse: Pulse) -> dict[str, dict[str, NDArray[np.float64]]]:
     """Return the group of columns that tells the area of any life of a pulse, by its name."""
-    return {"life_curve": life_curve(pulse.shape)} if pulse.offset == "none" else {"life_table": life_table()}
+    if pulse.offset == "none":
+        return {"life_curve": life_curve(pulse.shape)}
+    return {"life_table": life_table(pulse.shape)}
 
 
 @cache
-def life_table() -> dict[str, NDArray[np.float64]]:
+def life_table(shape: Shape) -> dict[str, NDArray[np.float64]]:
     """Return ``u``, ``offset_fraction`` and ``area_fraction`` so that A(s) = d^2 interp(u, |b|/d), within 1e-3 d^2.
 
     u is the distance since birth over half of the life, h = sqrt(d^2 - b^2), in [0, 2]; every value of |b|/d in [0, 1]
@@ -67,7 +69,8 @@ def life_table() -> dict[str, NDArray[np.float64]]:
 
     steps = [t * t * (3 * TABLE_STEPS - 2 * t) / TABLE_STEPS**3 for t in range(TABLE_STEPS + 1)]
     with mpmath.workdps(40):
-        rising = [[float(_off_centre_fraction(mpmath.mpf(u), mpmath.mpf(b))) for b in steps] for u in steps]
+        apart = [[_apart(mpmath.mpf(u), mpmath.mpf(b)) for b in steps] for u in steps]
+        rising = [[float(PULSES[shape].rising_area(1 - r)) for r in row] for row in apart]
     u = [*steps, *(2.0 - each for each in reversed(steps[:-1]))]
     return {
         "u": np.repeat(u, len(steps)),
@@ -76,12 +79,11 @@ def life_table() -> dict[str, NDArray[np.float64]]:
     }
 
 
-def _off_centre_fraction(u: Any, offset: Any) -> Any:
-    """Return L(r), r^2 = b^2 + (1 - b^2) (1 - u)^2 for unit diameter, an mpmath number at its working precision."""
+def _apart(u: Any, offset: Any) -> Any:
+    """Return r, r^2 = b^2 + (1 - b^2) (1 - u)^2: how far centres of unit diameter are apart, an mpmath number."""
     import mpmath
 
-    r = mpmath.sqrt(offset**2 + (1 - offset**2) * (1 - u) ** 2)
-    return (mpmath.acos(r) - r * mpmath.sqrt((1 - r) * (1 + r))) / 2
+    return mpmath.sqrt(offset**2 + (1 - offset**2) * (1 - u) ** 2)
 
 
 @cache

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Literal
 
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
+from rubnoise.contact.off_centre import OFF_CENTRE
 from rubnoise.contact.pulses import PULSES
 from rubnoise.record.rows import LandmarkKind, Phase
 
@@ -31,7 +31,7 @@ _WHERE_OFF_CENTRE: Final = (
 )
 JUNCTION_AREA_FORMULAS: Final = {
     **{name: f"A(s) = {pulse.formula}{_WHERE}" for name, pulse in PULSES.items()},
-    OFF_CENTRE_LENS.name: f"A(s) = {OFF_CENTRE_LENS.formula}{_WHERE_OFF_CENTRE}",
+    **{pulse.name: f"A(s) = {pulse.formula}{_WHERE_OFF_CENTRE}" for pulse in OFF_CENTRE.values()},
 }
 """The area of a junction in words, by the name of its pulse."""
 

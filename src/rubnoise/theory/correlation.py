@@ -105,7 +105,7 @@ def life_overlaps(pulse: Pulse, lag: Doubles, powers: tuple[Powers, ...]) -> dic
     the centre line are averaged over their offsets.
     """
     if pulse.offset != "none":
-        return off_centre.overlaps(lag, powers)
+        return off_centre.overlaps(pulse, lag, powers)
     t = np.minimum(lag, 2.0)
     cuts = np.stack([np.zeros_like(t), np.arccos(np.minimum(t, 1.0)), np.arccos(0.5 * t)], axis=-1)
     theta, weights = panels(cuts, _NODES)

@@ -116,7 +116,7 @@ def _lens_age(area: Doubles) -> Doubles:
 
 
 def _triangle(area: Doubles) -> Doubles:
-    """Return 4/pi, the rise being straight."""
+    """Return 4/pi, the rise being straight; (pi/4) u is the area of parabolas off the centre line, too."""
     return np.full_like(area, 1.0 / _PEAK)
 
 
@@ -128,6 +128,7 @@ def _parabola(area: Doubles) -> Doubles:
 _DENSITIES: dict[str, UnitDensity] = {
     "lens": _lens,
     "off-centre lens": _off_centre_lens,
+    "off-centre parabola": _triangle,
     "triangle": _triangle,
     "parabola": _parabola,
 }

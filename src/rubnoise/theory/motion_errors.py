@@ -4,6 +4,7 @@ from cmath import exp as complex_exp
 from cmath import sqrt as complex_sqrt
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from math import hypot, inf, pi, sqrt
 from typing import Any
 
@@ -144,7 +145,8 @@ def mean_square_variances(model: Model, drive: Drive, gains: Callable[[Doubles],
 def _energies_of_lives(pulse: Pulse) -> tuple[tuple[Energies, Energies], Doubles]:
     """Return |a^(z)|^2 of each kind of life of unit diameter, itself and without its swing, and their probabilities."""
     if pulse.offset != "none":
-        return (pass_energies, pass_energies), offset_probabilities()
+        own = partial(pass_energies, pulse)
+        return (own, own), offset_probabilities()
     transform = transform_of(pulse)
     return (lambda z: transform.square(z)[None], lambda z: transform.mean_square(z)[None]), np.ones(1)
 

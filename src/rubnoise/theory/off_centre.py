@@ -7,6 +7,9 @@ integral over the plane, so that one function F^2 = (pi J_1(q/2)/q)^4 holds all 
     E_b |a^(z; b)|^2                = (1/2 pi) int_0^inf F(sqrt(z^2 + p^2))^2 dp
     E_b int a(s) a(s + t) ds        = (1/4 pi) int_0^inf F(q)^2 J_0(q t) q dq
 
+This holds for lenses. A pass of parabolas is a parabola of the diameter sqrt(d^2 - b^2), so its averages are closed
+(`rubnoise.theory.transform_parabola`) or come from the quadrature that higher powers take.
+
 Source: the projection-slice theorem (Bracewell 1956, doi:10.1071/PH560198) and Hankel transforms.
 """
 
@@ -19,9 +22,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from rubnoise.arrays import Complexes, Doubles
 from rubnoise.contact.off_centre import OFF_CENTRE_LENS, overlap
+from rubnoise.contact.pulses import Pulse
 from rubnoise.theory.live_area import Piecewise, series
 from rubnoise.theory.quadrature import panels
 from rubnoise.theory.transform_lens import hankel_modulus, hankel_without_swing
+from rubnoise.theory.transform_parabola import settled_square
 
 Powers = tuple[int, int]
 
@@ -149,14 +154,15 @@ _TURNS = np.array([0.0, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0, 1.01, 1.05, 
 _TABLE_NODES = 20
 
 
-def overlaps(lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
+def overlaps(pulse: Pulse, lag: Doubles, powers: tuple[Powers, ...]) -> dict[Powers, Doubles]:
     """Return q_ij(t) = E_b int a(s)^i a(s + t)^j ds for passes of unit diameter, t >= 0 of any shape; zero for t >= 2.
 
     q_11 within 1e-11 of its largest value, others within 1e-6, which is plenty for errors of errors.
     """
     found = {}
     for i, j in powers:
-        table = _second_order() if (i, j) == (1, 1) else _higher_order(min(i, j), max(i, j))
+        hankel = (i, j) == (1, 1) and pulse.shape == "lens"
+        table = _second_order() if hankel else _higher_order(pulse, min(i, j), max(i, j))
         found[i, j] = np.where(lag < 2.0, table(np.minimum(lag, 2.0)), 0.0)
     return found
 
@@ -173,13 +179,13 @@ def _second_order() -> Piecewise:
 
 
 @lru_cache(maxsize=32)
-def _higher_order(i: int, j: int) -> Piecewise:
+def _higher_order(pulse: Pulse, i: int, j: int) -> Piecewise:
     """Return q_ij by quadrature over offsets and places, cut where either centre passes; symmetric in i and j."""
     t, _ = panels(_TURNS, _TABLE_NODES)
-    return _piecewise(np.array([_overlap_of_powers(float(each), i, j) for each in t]))
+    return _piecewise(np.array([_overlap_of_powers(pulse, float(each), i, j) for each in t]))
 
 
-def _overlap_of_powers(lag: float, i: int, j: int) -> float:
+def _overlap_of_powers(pulse: Pulse, lag: float, i: int, j: int) -> float:
     widest = np.sqrt(max(1.0 - 0.25 * lag * lag, 0.0))
     # Near the centre line areas turn sharply at x = 0 and x = -t: offsets come closer there.
     offset, shares = panels(widest * np.array([0.0, 0.02, 0.15, 1.0]), 12, rooted=True)
@@ -187,8 +193,8 @@ def _overlap_of_powers(lag: float, i: int, j: int) -> float:
     half, last = np.full_like(end, -0.5 * lag), end - lag
     cuts = np.stack([half, np.clip(0.0, half, last), last], axis=-1)
     place, weights = panels(cuts, 24, rooted=True)
-    earlier = overlap(np.hypot(place, offset[:, None]))
-    later = overlap(np.hypot(place + lag, offset[:, None]))
+    earlier = overlap(np.hypot(place, offset[:, None]), pulse)
+    later = overlap(np.hypot(place + lag, offset[:, None]), pulse)
     both = earlier**i * later**j + earlier**j * later**i
     return float(shares @ np.sum(weights * both, axis=-1))
 
@@ -198,15 +204,19 @@ _OFFSET_EDGES = 0.5 * np.pi * np.array([0.0, 0.001, 0.01, 0.1, 1.0])
 _STEP = 0.02
 
 
-def pass_energies(phase: Doubles) -> Doubles:
+def pass_energies(pulse: Pulse, phase: Doubles) -> Doubles:
     """Return |a^(z; b)|^2 of passes of unit diameter at some offsets b, a row each, z = k d >= 0 of any shape.
 
-    The offsets have the probabilities `offset_probabilities`. Within 1e-3 of each value up to z = 32, and without its
+    The offsets have the probabilities `offset_probabilities`. Of parabolas it is D^6 |a^(z D)|^2, D = sqrt(1 - b^2),
+    without the swing of its tail. Of lenses it is within 1e-3 of each value up to z = 32, and without its
     swing beyond, which is plenty for errors of errors: 4 (b/z)^2 K_1(z b)^2 comes from the turn at mid-life, where the
     area is -sqrt(x^2 + b^2) but for what is smoother, and pi (1 - b^2)^(3/2) / z^5 from the two ends, powers 3/2.
     """
     from scipy.special import k1
 
+    if pulse.shape == "parabola":
+        chords = np.cos(_offset_rule()[0]).reshape(-1, *(1 for _ in phase.shape))
+        return np.asarray(chords**6 * settled_square(phase * chords), dtype=np.float64)
     grid, rows = _energy_table()
     offsets = np.sin(_offset_rule()[0]).reshape(-1, *(1 for _ in phase.shape))
     near = np.stack([np.interp(phase, grid, row) for row in rows])
@@ -234,25 +244,25 @@ def _energy_table() -> tuple[Doubles, Doubles]:
     rows = []
     for angle in _offset_rule()[0].tolist():
         x = np.cos(angle) * along
-        area = 2.0 * np.cos(angle) * weights * overlap(np.hypot(x, np.sin(angle)))
+        area = 2.0 * np.cos(angle) * weights * overlap(np.hypot(x, np.sin(angle)), OFF_CENTRE_LENS)
         rows.append(np.square(np.cos(np.multiply.outer(z, x)) @ area))
     return z, np.stack(rows)
 
 
-def area_so_far(age: Doubles) -> Doubles:
-    """Return E_b int_0^t a(s) ds of a pass of unit diameter at ages t >= 0 of any shape; pi^2/32 from t = 2 on."""
-    whole = OFF_CENTRE_LENS.life_integral(1)
-    return np.where(age < 2.0, _growth()(np.clip(age, 0.0, 2.0)), whole)
+def area_so_far(pulse: Pulse, age: Doubles) -> Doubles:
+    """Return E_b int_0^t a(s) ds of a pass of unit diameter at ages t >= 0 of any shape; c_1 from t = 2 on."""
+    whole = pulse.life_integral(1)
+    return np.where(age < 2.0, _growth(pulse)(np.clip(age, 0.0, 2.0)), whole)
 
 
 @cache
-def _growth() -> Piecewise:
+def _growth(pulse: Pulse) -> Piecewise:
     """Integrate E_b a(t) = int_(t/2)^1 L(r) w / sqrt(1 - w^2) dw, r^2 = 1 + t^2 - 2 t w, w = cos(phi) half the life."""
     t, _ = panels(_TURNS, _TABLE_NODES)
     last = np.arccos(np.minimum(0.5 * t, 1.0))[:, None]
     phi, weights = panels(last * np.array([0.0, 0.01, 0.1, 1.0]), 24, rooted=True)
     r = np.hypot((1.0 - t)[:, None], 2.0 * np.sqrt(t)[:, None] * np.sin(0.5 * phi))
-    return _piecewise(np.sum(weights * overlap(r) * np.cos(phi), axis=-1)).integral()
+    return _piecewise(np.sum(weights * overlap(r, pulse) * np.cos(phi), axis=-1)).integral()
 
 
 def _piecewise(values: Doubles) -> Piecewise:

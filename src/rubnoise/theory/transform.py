@@ -82,26 +82,26 @@ class Energy(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class OffCentreEnergy:
-    """The energy spectrum of passes off the centre line, averaged over offsets; single passes have no closed form."""
+    """The energy spectrum of passes off the centre line, averaged over offsets, and what it is without its swing."""
 
-    def square(self, phase: ArrayLike) -> Doubles:
-        """Return E_b |a^(z; b)|^2."""
-        return off_centre.mean_square(phase)
+    square: Callable[[ArrayLike], Doubles]
+    level: Callable[[Doubles], Doubles]
 
     def mean_square(self, phase: ArrayLike) -> Doubles:
         """Return it with its swing averaged out for large z, as `PulseTransform.mean_square`."""
         z = np.asarray(phase, dtype=np.float64)
-        result = off_centre.mean_square(np.minimum(z, STEP_END))
+        result = self.square(np.minimum(z, STEP_END))
         upper = z > _STEP_FROM
         kept = swing_left(z[upper])
-        result[upper] = kept * result[upper] + (1.0 - kept) * off_centre.level(z[upper])
+        result[upper] = kept * result[upper] + (1.0 - kept) * self.level(z[upper])
         return result
 
 
 def energy_of(pulse: Pulse) -> Energy:
     """Return the energy spectrum of a pulse."""
-    return transform_of(pulse) if pulse.offset == "none" else OffCentreEnergy()
+    return transform_of(pulse) if pulse.offset == "none" else _OFF_CENTRE[pulse.shape]
 
 
 _TRANSFORMS: dict[Shape, PulseTransform] = {
@@ -122,6 +122,13 @@ _TRANSFORMS: dict[Shape, PulseTransform] = {
         level=transform_parabola.level,
         swing=transform_parabola.swing,
         birth_level=transform_parabola.birth_level,
+    ),
+}
+
+_OFF_CENTRE: dict[Shape, Energy] = {
+    "lens": OffCentreEnergy(square=off_centre.mean_square, level=off_centre.level),
+    "parabola": OffCentreEnergy(
+        square=transform_parabola.off_centre_mean_square, level=transform_parabola.off_centre_level
     ),
 }
 

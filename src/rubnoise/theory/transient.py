@@ -57,6 +57,6 @@ def _area_so_far(pulse: Pulse, age: Doubles) -> Doubles:
     Off the centre line it is the mean over offsets.
     """
     if pulse.offset != "none":
-        return off_centre.area_so_far(age)
+        return off_centre.area_so_far(pulse, age)
     rising = pulse.area_so_far(1.0 - np.minimum(np.abs(1.0 - age), 1.0))
     return np.where(age < 1.0, rising, pulse.life_integral(1) - rising)

@@ -127,11 +127,34 @@ def _add_off_centre(
             force[tick] += psi * each
 
 
+@compiled
+def _add_off_centre_parabolas(
+    positions: Doubles,
+    first: Integers,
+    last: Integers,
+    birth: Doubles,
+    diameter: Doubles,
+    strength: Doubles,
+    offset: Doubles,
+    area: Doubles,
+    force: Doubles,
+) -> None:
+    for row in range(len(birth)):
+        d, b = diameter[row], offset[row]
+        middle = birth[row] + np.sqrt(d * d - b * b)
+        for tick in range(first[row], last[row]):
+            square = (positions[tick] - middle) ** 2 + b * b
+            each = 0.25 * np.pi * max(d * d - square, 0.0)
+            area[tick] += each
+            force[tick] += strength[row] * each
+
+
 _ADDED: dict[str, Callable[..., None]] = {
     "lens": _add_lenses,
     "triangle": _add_triangles,
     "parabola": _add_parabolas,
     "off-centre lens": _add_off_centre,
+    "off-centre parabola": _add_off_centre_parabolas,
 }
 
 
@@ -176,11 +199,20 @@ def _add_all_off_centre(positions: Doubles, width: float, shapes: tuple[Doubles,
     _add(_add_off_centre_moments, positions, width, shapes, moments)
 
 
+def _add_all_off_centre_parabolas(
+    positions: Doubles, width: float, shapes: tuple[Doubles, ...], moments: Doubles
+) -> None:
+    birth, diameter, death, strength, offset = shapes
+    chord = np.sqrt(diameter * diameter - offset * offset)
+    _add(_add_parabola_moments, positions, width, (birth, chord, death, strength), moments)
+
+
 _MOMENTS_ADDED: dict[str, Callable[..., None]] = {
     "lens": _add_all_lenses,
     "triangle": _add_all_triangles,
     "parabola": _add_all_parabolas,
     "off-centre lens": _add_all_off_centre,
+    "off-centre parabola": _add_all_off_centre_parabolas,
 }
 
 

@@ -17,10 +17,22 @@ from rubnoise.model import Model
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.quadrature import size_range
 
-LIFE_INTEGRALS: Final = {"lens": 2.0 / 3.0, "triangle": pi / 4.0, "parabola": pi / 3.0, "off-centre lens": pi**2 / 32.0}
+LIFE_INTEGRALS: Final = {
+    "lens": 2.0 / 3.0,
+    "triangle": pi / 4.0,
+    "parabola": pi / 3.0,
+    "off-centre lens": pi**2 / 32.0,
+    "off-centre parabola": pi**2 / 16.0,
+}
 """Mean integral of the area over a life, in d^3, by the name of the pulse. Not taken from the pulse, on purpose."""
 
-LIVES: Final = {"lens": 2.0, "triangle": 2.0, "parabola": 2.0, "off-centre lens": pi / 2.0}
+LIVES: Final = {
+    "lens": 2.0,
+    "triangle": 2.0,
+    "parabola": 2.0,
+    "off-centre lens": pi / 2.0,
+    "off-centre parabola": pi / 2.0,
+}
 """Mean life in d. Not taken from the pulse, either."""
 
 PAPER_LIFE_MEAN: Final = 0.327

@@ -11,7 +11,7 @@ from rubnoise.analysis.comparing.findings import Finding, Identity
 from rubnoise.analysis.comparing.trace import TraceSums
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
-from rubnoise.contact.off_centre import area_of, half_life, overlap
+from rubnoise.contact.off_centre import OFF_CENTRE_LENS, area_of, half_life, overlap
 from rubnoise.contact.pulses import Pulse
 from rubnoise.model import Model
 from rubnoise.theory.correlation import autocovariance
@@ -68,13 +68,14 @@ class Lives:
         first, last = np.clip(birth, 0.0, end), np.clip(death, 0.0, end)
         cut = (first > birth) | (last < death)
         ages = np.clip(np.stack([first, last]) - birth, 0.0, death - birth)[:, cut]
+        pulse = self._model.pulse
         if offset is None:
-            whole = self._model.pulse.life_integral(1) * diameter**3
-            before, after = life_so_far(self._model.pulse, ages, diameter[cut])
+            whole = pulse.life_integral(1) * diameter**3
+            before, after = life_so_far(pulse, ages, diameter[cut])
         else:
-            whole = 2.0 * from_mid_life(half_life(diameter, offset), diameter, offset)
+            whole = 2.0 * from_mid_life(pulse, half_life(diameter, offset), diameter, offset)
             from_middle = ages - half_life(diameter[cut], offset[cut])
-            before, after = from_mid_life(from_middle, diameter[cut], offset[cut])
+            before, after = from_mid_life(pulse, from_middle, diameter[cut], offset[cut])
         self.total_area += float(whole[~cut].sum() + (after - before).sum())
         lives = np.clip(death, -half, end + half) - np.clip(birth, -half, end + half)
         share = lives / self._model.tick % 1.0
@@ -135,11 +136,14 @@ def life_so_far(pulse: Pulse, age: Doubles, diameter: Doubles) -> Doubles:
     return np.where(age <= diameter, rising, pulse.life_integral(1) * diameter**3 - rising)
 
 
-def from_mid_life(x: Doubles, diameter: Doubles, offset: Doubles) -> Doubles:
+def from_mid_life(pulse: Pulse, x: Doubles, diameter: Doubles, offset: Doubles) -> Doubles:
     """Return the integral of A from mid-life to x = s - h in um^3, negative for x < 0; all in um, |x| <= h.
 
-    x = |b| sinh(v) takes the turn at mid-life away, and v = V (1 - (1 - t)^2) the root at the end of a life.
+    (pi/4) ((d^2 - b^2) x - x^3/3) for the parabola. For the lens x = |b| sinh(v) takes the turn at mid-life away, and
+    v = V (1 - (1 - t)^2) the root at the end of a life.
     """
+    if pulse.shape == "parabola":
+        return 0.25 * np.pi * x * ((diameter - offset) * (diameter + offset) - x * x / 3.0)
     some = range(0, diameter.size, _AT_ONCE)
     parts = [
         _from_mid_life(x[..., n : n + _AT_ONCE], diameter[n : n + _AT_ONCE], np.abs(offset[n : n + _AT_ONCE]))
@@ -153,7 +157,7 @@ def _from_mid_life(x: Doubles, diameter: Doubles, b: Doubles) -> Doubles:
     t, weights = panels([0.0, 1.0], _NODES)
     v = highest * (1.0 - (1.0 - t) ** 2)
     r = (b / diameter)[..., None] * np.cosh(v)
-    total = (overlap(r) * np.cosh(v) * (2.0 * weights * (1.0 - t) * highest)).sum(axis=-1)
+    total = (overlap(r, OFF_CENTRE_LENS) * np.cosh(v) * (2.0 * weights * (1.0 - t) * highest)).sum(axis=-1)
     return np.asarray(np.sign(x) * diameter * diameter * b * total, dtype=np.float64)
 
 

@@ -90,7 +90,7 @@ def identity_check(model: Model, rows: Rows) -> Check:
                 state=junction_states(natural, departure, np.signbit(birth), model.distance),
                 speed=model.sliding_speed,
                 offset=offset,
-                peak=None if offset is None else peak_areas(diameter, offset),
+                peak=None if offset is None else peak_areas(model.pulse.shape, diameter, offset),
             )
         for name, values in expected.items():
             if not (model.is_two_way and name in OF_MOTION):

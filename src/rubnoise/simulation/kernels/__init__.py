@@ -63,8 +63,7 @@ What is easily got wrong
 - The compiler cannot know that two arrays are apart. What a loop needs of one is read before it writes to another.
 """
 
-from rubnoise.simulation.kernels.choice import Deposited, Scratch, deposit
+from rubnoise.simulation.kernels.choice import Deposited, Scratch, deposit, peak_areas
 from rubnoise.simulation.kernels.grid import Grid, count_live
-from rubnoise.simulation.kernels.off_centre import peak_areas
 
 __all__ = ["Deposited", "Grid", "Scratch", "count_live", "deposit", "peak_areas"]

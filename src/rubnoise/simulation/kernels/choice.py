@@ -1,7 +1,7 @@
 """Which way lives are summed: the one door to the compiled loops."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from types import ModuleType
 from typing import Final
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import half_life
+from rubnoise.contact.overlap import max_area
 from rubnoise.contact.pulses import Shape
 from rubnoise.simulation.kernels import off_centre, off_centre_series, parabola, triangle
 from rubnoise.simulation.kernels.coarse import deposit_coarse_lives
@@ -74,7 +76,7 @@ def deposit(
     size = grid.position.size
     total = np.empty(size if areas else 0)
     flat = _NOTHING if scratch is None else scratch.numbers(3 * size)
-    way = _WAYS[shape] if rows.offset is None else _deposit_off_centre
+    way = (_WAYS if rows.offset is None else _OFF_CENTRE_WAYS)[shape]
     way(grid, rows, weight, total, flat, scratch or Scratch(0))
     wanted = grid.wanted
     return Deposited(
@@ -197,6 +199,15 @@ def _polynomial(lives: ModuleType) -> _Way:
     return deposit_polynomials
 
 
+def _deposit_chords(
+    grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
+) -> None:
+    """Passes of parabolas off the centre line are parabolas of smaller diameters, sqrt(d^2 - b^2)."""
+    chord = rows.half_life
+    share = weight * (chord / rows.diameter) * (chord / rows.diameter)
+    _WAYS["parabola"](grid, replace(rows, diameter=chord, offset=None), share, total, moments, scratch)
+
+
 def _deposit_off_centre(
     grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
 ) -> None:
@@ -248,3 +259,11 @@ _WAYS: Final[dict[Shape, _Way]] = {
     "triangle": _polynomial(triangle),
     "parabola": _polynomial(parabola),
 }
+_OFF_CENTRE_WAYS: Final[dict[Shape, _Way]] = {"lens": _deposit_off_centre, "parabola": _deposit_chords}
+
+
+def peak_areas(shape: Shape, diameter: Doubles, offset: Doubles) -> Doubles:
+    """Return the areas at mid-life in um^2 of passes off the centre line, of diameters and offsets in um."""
+    if shape == "parabola":
+        return max_area(half_life(diameter, offset))
+    return off_centre.peak_areas(diameter, offset)
