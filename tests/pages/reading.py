@@ -29,12 +29,13 @@ def answer(data: dict[str, Any], body: str, **given: Any) -> Any:
     node = shutil.which("node")
     if node is None:
         pytest.skip("NO NODE FOUND: conditions and lives of the page are not tested without a browser")
-    parts = "\n".join((PARTS / name).read_text(encoding="utf-8") for name in ("rows.js", "where.js", "life.js"))
+    parts = "\n".join(
+        (PARTS / name).read_text(encoding="utf-8") for name in ("rows.js", "where.js", "life.js", "welch.js")
+    )
     program = (
         "const both = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
         "globalThis.document = { getElementById: () => ({ textContent: JSON.stringify(both.data) }) };\n"
         f"{parts}\n"
-        "view.lives = view.columns(both.data.junctions);\n"
         f"const ask = ({', '.join(given)}) => {{ {body} }};\n"
         "process.stdout.write(JSON.stringify(ask(...both.given)));\n"
     )

@@ -35,7 +35,7 @@ def command(
 ) -> None:
     """Write a page to explore a result: curves to zoom into, a bar for the life of each junction, and filters.
 
-    It is one file that a browser opens without a network. Of a long run it holds every row of a stretch.
+    One file, which a browser opens without a network. Of a long run it holds every life and the ticks of a stretch.
 
     Example: rubnoise view fig5.h5 --from 1mm --to 2mm
     """
@@ -72,4 +72,4 @@ def command(
 
 
 def _shown(view: "RunView") -> tuple[str, str]:
-    return view.page(), f"every row from {view.stretch.start:g} to {view.stretch.stop:g} um"
+    return view.page(), f"every tick from {view.stretch.start:g} to {view.stretch.stop:g} um"

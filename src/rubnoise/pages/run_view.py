@@ -1,7 +1,7 @@
-"""What of a run goes into its page: every row of a stretch, and the lowest and highest values of the whole run.
+"""What of a run goes into its page: every life, every tick of a stretch, and the lowest and highest values elsewhere.
 
-A page can't hold a long run. So it holds each junction and each tick between two sliding distances, and the extremes
-of each curve of the whole run in some thousand cells. The page says which of the two it shows.
+A life is eight bytes, so a page holds those of a million junctions, and sums their areas wherever its reader looks. It
+holds each tick between two sliding distances, and the extremes of each curve of the whole run in some thousand cells.
 """
 
 from dataclasses import dataclass, replace
@@ -12,10 +12,13 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rubnoise.analysis.selection import check_lives, gather, neighbours
+from rubnoise.analysis.selection import neighbours
 from rubnoise.analysis.stick_slip import StickSlip, first_landmark
 from rubnoise.errors import Refused
 from rubnoise.figures.stretch import CHUNK_ROWS, Stretch
+from rubnoise.pages.exact_curves import exact_curves
+from rubnoise.pages.extremes import extremes
+from rubnoise.pages.lives import bytes_of, lives
 from rubnoise.pages.page import packed, page
 from rubnoise.record.rows import LandmarkKind
 from rubnoise.storage.resume import CommittedRun
@@ -26,16 +29,24 @@ from rubnoise.units import KINDS, USUAL_UNITS
 CELLS: Final = 4096
 """Cells of a whole curve, of each of which a page has the lowest and the highest value."""
 
-USUAL_BYTES: Final = 10_000_000
+PAGE_BYTES: Final = 14_000_000
+USUAL_BYTES: Final = 12_000_000
 MOST_BYTES: Final = 60_000_000
-"""Bytes of rows in a page where no stretch is asked for, and at most; a page is a third larger than its rows."""
+"""Bytes of lives and ticks in a page, of its ticks, and of those at most that are asked for; text is a third more."""
+
+LIVES_BYTES: Final = 12_500_000
+"""Bytes up to which a page holds every life of a run; of more it holds those of its stretch."""
 
 CURVES: Final = {
     "trace": ("real_contact_area", "junction_count", "friction_force"),
     "slider": ("displacement", "velocity"),
 }
 STYLES: Final = ("uPlot.min.css", "view.css")
-SCRIPTS: Final = ("uPlot.iife.min.js", "rows.js", "where.js", "life.js", "charts.js", "lives.js", "phase.js", "view.js")
+SCRIPTS: Final = (
+    "uPlot.iife.min.js",
+    *("rows.js", "where.js", "life.js", "sums.js", "window.js", "charts.js", "lives.js", "table.js", "phase.js"),
+    *("largest.js", "welch.js", "statistics.js", "view.js"),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,15 +66,16 @@ class RunView:
 
         Raises Refused for a chosen stretch of more rows than a page can hold.
         """
-        needed = _bytes_in(stretch)
+        needed = _tick_bytes(stretch)
         if stretch.chosen and needed > MOST_BYTES:
             width = (stretch.stop - stretch.start) * MOST_BYTES / needed
             raise Refused(
-                f"{stretch.start:g} to {stretch.stop:g} um hold {needed / 1e6:,.0f} MB of rows, and a page holds"
+                f"{stretch.start:g} to {stretch.stop:g} um hold {needed / 1e6:,.0f} MB of ticks, and a page holds"
                 f" {MOST_BYTES / 1e6:g} MB at most; --from and --to choose a shorter stretch, of about {width:.2g} um"
             )
-        if not stretch.chosen and needed > USUAL_BYTES:
-            stretch = stretch.narrowed((stretch.stop - stretch.start) * USUAL_BYTES / needed)
+        room = min(USUAL_BYTES, PAGE_BYTES - min(bytes_of(stretch.file), LIVES_BYTES))
+        if not stretch.chosen and needed > room:
+            stretch = stretch.narrowed((stretch.stop - stretch.start) * room / needed)
         return cls(stretch=stretch, name=name)
 
     @classmethod
@@ -99,30 +111,30 @@ class RunView:
             "twoWay": model.is_two_way and "slider" in file.columns,
             "planned": self.planned,
             "pulse": model.pulse.name,
+            "loaded": "load" in file.columns,
             "area": {"mean": exact.mean, "std": exact.std},
             "count": {"mean": model.mean_junction_count},
             "meanLife": model.mean_life_distance,
             "states": {name: bit for bit, name in _column("state").flags},
             "units": _units(),
             "junctionRows": file.rows("junctions"),
-            "junctions": self._junctions(),
+            "junctions": self._lives(),
+            "extremes": extremes(file, model.tick),
+            "exact": exact_curves(file, model),
             "groups": {group.name: self._rows(group.name) for group in groups if group.name != "landmarks"},
             "landmarks": self._landmarks() if "landmarks" in file.columns else None,
             "levels": {name: _levels(file, name, CURVES[name]) for name in CURVES if name in file.columns},
         }
 
-    def _junctions(self) -> dict[str, Any]:
-        """Return the rows of all who live in the stretch and of all who lived beside these."""
-        file = self.stretch.file
-        shown = neighbours(file, -1, self.stretch.start, self.stretch.stop)
-        ends = (float(shown.birth.min()), float(shown.death.max())) if shown.rows.size else (0.0, 0.0)
-        rows = neighbours(file, -1, *ends).rows if shown.rows.size else shown.rows
-        names = file.columns["junctions"]
-        chunks = list(gather(file, rows, names))
-        columns = {name: np.concatenate([chunk[name] for chunk in chunks]) if chunks else np.zeros(0) for name in names}
-        numbers = {name: columns[name] for name in columns if _column(name).dtype == "<f8" and "time" not in name}
-        check_lives(rows, numbers)
-        return {name: _column_data(_column(name), columns[name]) for name in names}
+    def _lives(self) -> dict[str, Any]:
+        """Return every life of the run, or of too many those of the stretch and of all who lived beside these."""
+        file, start, stop = self.stretch.file, self.stretch.start, self.stretch.stop
+        if bytes_of(file) <= LIVES_BYTES:
+            rows, (start, stop) = np.arange(file.rows("junctions")), (0.0, self.stretch.model.distance)
+        else:
+            shown = neighbours(file, -1, start, stop)
+            rows = neighbours(file, -1, float(shown.birth.min()), float(shown.death.max())).rows
+        return {"start": start, "stop": stop, **lives(file, rows, timed=self.stretch.model.is_two_way)}
 
     def _rows(self, group: str) -> dict[str, Any]:
         first, last = self.stretch.rows(group)
@@ -157,13 +169,15 @@ def _is_shown(group: str, name: str) -> bool:
     return name not in {"trace": ("distance",), "slider": ("friction_force",)}[group]
 
 
-def _bytes_in(stretch: Stretch) -> float:
-    """Return about how many bytes the rows of a stretch take: those of its ticks, and its share of the others."""
+def _tick_bytes(stretch: Stretch) -> float:
+    """Return about how many bytes the ticks of a stretch take; a two-way slider is taken to move evenly."""
     file, share = stretch.file, (stretch.stop - stretch.start) / stretch.model.distance
-    widths = {name: 8 * len(columns) for name, columns in file.columns.items()}
-    lives = share * file.rows("junctions") + 3.0 * stretch.model.mean_junction_count
-    moved = share * file.rows("slider") * widths["slider"] if "slider" in widths else 0.0
-    return lives * widths["junctions"] + share * file.rows("trace") * widths["trace"] + moved
+    shown = [(group, column) for group in GROUPS for column in group.columns if group.name in ("trace", "slider")]
+    return share * sum(
+        file.rows(group.name) * np.dtype(column.dtype).itemsize
+        for group, column in shown
+        if column.name in file.columns.get(group.name, ()) and _is_shown(group.name, column.name)
+    )
 
 
 def _column(name: str) -> Column:

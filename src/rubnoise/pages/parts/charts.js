@@ -89,6 +89,8 @@
       const [low, high] = [inside(Math.floor(begin / pace)), inside(Math.ceil(end / pace) + 1)];
       return thinned((i) => (first + i) * pace, values, low, high);
     }
+    const sums = group === "trace" ? view.summed(from, to) : null;
+    if (sums && sums[name]) return thinned((i) => (sums.first + i) * pace, sums[name], 0, sums.count);
     const { step, [name]: cells } = levels[group];
     const low = Math.max(Math.floor(begin / pace / step), 0);
     const high = Math.min(Math.ceil(end / pace / step) + 1, cells.low.length);
@@ -149,6 +151,19 @@
     if (view.chosen === null) return;
     shaded(chart, view.lives.birth_distance[view.chosen], view.lives.death_distance[view.chosen], ink("life"));
   };
+  const drawMark = (chart) => {
+    if (view.mark === null) return;
+    const { ctx, bbox } = chart;
+    const x = chart.valToPos(view.mark, "x", true);
+    if (x < bbox.left || x > bbox.left + bbox.width) return;
+    ctx.strokeStyle = ink("ink");
+    ctx.lineWidth = devicePixelRatio;
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+  };
+  view.drawMark = drawMark;
   const drawBand = (exact) => (chart) => {
     const { ctx, bbox } = chart;
     const [high, low] = [exact.mean + (exact.std ?? 0), exact.mean - (exact.std ?? 0)].map((y) => chart.valToPos(y, "y", true));
@@ -210,13 +225,7 @@
     picture.setAttribute("role", "img");
     picture.setAttribute("aria-label", `${name} over ${timed ? "time" : "sliding distance"}`);
     chart.over.addEventListener("dblclick", () => view.show(data.start, data.stop));
-    chart.over.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey && !event.shiftKey) return;
-      event.preventDefault();
-      const box = chart.over.getBoundingClientRect();
-      const value = chart.posToVal(event.clientX - box.left, "x");
-      view.zoom(event.deltaY + event.deltaX > 0 ? 1.5 : 1 / 1.5, timed ? view.distanceAt(value) : value);
-    }, { passive: false });
+    view.zoomsByWheel(chart, (value) => (timed ? view.distanceAt(value) : value));
     return chart;
   };
 
@@ -235,7 +244,7 @@
       place.dataset.curve = name;
       document.getElementById(group === "slider" ? "motion" : "contact").append(place);
       const timed = keyOf(group) === "time";
-      const before = [...(exact ? [drawBand(exact)] : []), ...(group === "slider" ? [drawSticks] : [drawLife])];
+      const before = [...(exact ? [drawBand(exact)] : []), ...(timed ? [drawSticks] : [drawLife, drawMark])];
       const chart = view.newChart(place, {
         label, name: name.replaceAll("_", " "), timed, xLabel: axisLabel(group), height: 170, range: around(fromZero),
         data: curve(group, name, view.window.from, view.window.to),
@@ -250,15 +259,16 @@
       scales: { x: { time: false, range: () => [0, data.distance] }, y: { range: around(true) } },
       axes: [{ ...axis(""), size: 26, labelSize: 0, label: undefined }, { ...axis("area"), size: 74 }],
       series: [{}, { stroke: () => ink("curve"), width: 1, points: { show: false } }],
-      cursor: { y: false, drag: { x: true, y: false, setScale: false } },
+      cursor: { show: false },
       hooks: {
         drawClear: [(chart) => {
           shaded(chart, data.start, data.stop, ink("band"));
           shaded(chart, view.window.from, view.window.to, ink("life"));
         }],
-        setSelect: [(chart) => zoomTo(chart, false)],
       },
     }, all(), place);
+    view.movesWindow(overview);
+    view.zoomsByWheel(overview, (value) => value);
     overview.root.querySelector("canvas").setAttribute("aria-hidden", "true");
     made.push({ chart: overview, redraw: () => overview.redraw(false), place });
   };
@@ -267,11 +277,34 @@
   view.redrawCharts = () => made.forEach(({ redraw }) => redraw());
   view.recolourCharts = () => made.forEach(({ chart }) => chart.redraw(false, true));
   view.resizeCharts = () => made.forEach(({ chart, place }) => chart.setSize({ width: place.clientWidth, height: chart.height }));
+  /** The value of a curve at a distance: of the nearest tick, or where the page holds none of the sum over lives. */
   view.value = (group, name, s) => {
     const found = groups[group];
     if (!found || !(name in found.units)) return null;
     const timed = keyOf(group) === "time";
     const row = Math.round((timed ? view.timeAt(s) / clock.step : s / data.tick)) - found.first;
-    return row >= 0 && row < found[name].length ? found[name][row] : null;
+    if (row >= 0 && row < found[name].length) return found[name][row];
+    return group === "trace" ? view.sumAt(name, s) : null;
+  };
+
+  /** Every tick of a curve in the window in sight; null where the page does not know them. */
+  view.ticksOf = (group, name) => {
+    const { from, to } = view.window;
+    if (isWhole(from, to)) {
+      const timed = clock !== null && group === "slider";
+      const { first, [name]: values } = groups[group];
+      const [begin, end] = timed ? [view.timeAt(from) / clock.step, view.timeAt(to) / clock.step] : [from / data.tick, to / data.tick];
+      return values.subarray(Math.max(Math.ceil(begin - 1e-6) - first, 0), Math.floor(end + 1e-6) - first + 1);
+    }
+    const sums = group === "trace" ? view.summed(from, to) : null;
+    return sums && sums[name] ? sums[name] : null;
+  };
+
+  /** How much a pixel is of a curve: its digits beyond that cannot be seen. */
+  view.pixelOf = (name) => {
+    const one = made.find(({ place }) => place.dataset.curve === name);
+    if (!one) return null;
+    const { min, max } = one.chart.scales.y;
+    return (max - min) / one.chart.over.clientHeight;
   };
 })();

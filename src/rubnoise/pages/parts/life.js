@@ -7,36 +7,54 @@
       return 0.5 * (d * d * Math.acos(x / d) - x * Math.sqrt((d - x) * (d + x)));
     },
     triangle: (s, d) => 0.25 * Math.PI * d * Math.max(Math.min(s, 2 * d - s), 0),
+    parabola: (s, d) => 0.25 * Math.PI * Math.max(s * (2 * d - s), 0),
     "off-centre lens": (s, d, b) => {
       const r = Math.min(Math.hypot(s - Math.sqrt((d - b) * (d + b)), b), d);
       return 0.5 * (d * d * Math.acos(r / d) - r * Math.sqrt((d - r) * (d + r)));
     },
   };
 
+  const { data } = view;
+  const areaOf = AREAS[data.pulse];
+  const rows = view.livesOf(data.junctions, areaOf, data.twoWay ? null : data.speed);
+  view.lives = rows;
+  const { birth_distance: birth, death_distance: death } = rows;
+  let longest = 0;
+  for (let row = 0; row < birth.length; row += 1) longest = Math.max(longest, death[row] - birth[row]);
+
   const offset = (row) => ("lateral_offset" in view.lives ? view.lives.lateral_offset[row] : 0);
 
   /** The area in um^2 of a row at a sliding distance after its birth, whether it is alive or not. */
-  view.areaAtAge = (row, age) => AREAS[view.data.pulse](age, view.lives.diameter[row], offset(row));
+  view.areaAtAge = (row, age) => areaOf(age, view.lives.diameter[row], offset(row));
+
+  /** The first row that can be alive at a distance, as rows are in order of birth. */
+  view.firstAlive = (s) => view.firstAtLeast(birth, s - longest);
+
+  /** The rows that live anywhere between two distances. */
+  view.livesBetween = (from, to) => {
+    const found = [];
+    for (let row = view.firstAlive(from); row < birth.length && birth[row] <= to; row += 1) if (death[row] >= from) found.push(row);
+    return found;
+  };
 
   /** The rows alive at a distance: birth <= s < death, or just before it, birth < s <= death. */
   view.aliveAt = (s, justBefore = false) => {
-    const { birth_distance: birth, death_distance: death } = view.lives;
     const found = [];
-    for (let row = 0; row < birth.length; row += 1) {
+    for (let row = view.firstAlive(s); row < birth.length && birth[row] <= s; row += 1) {
       if (justBefore ? birth[row] < s && s <= death[row] : birth[row] <= s && s < death[row]) found.push(row);
     }
     return found;
   };
 
   view.life = (row) => {
-    const { lives, data } = view;
+    const { lives } = view;
     const at = (name) => (name in lives.units ? lives[name][row] : null);
-    const [birth, death, d, length] = ["birth_distance", "death_distance", "diameter", "life_distance"].map(at);
+    const [born, died, d, length] = ["birth_distance", "death_distance", "diameter", "life_distance"].map(at);
     const aside = at("lateral_offset");
     const half = aside === null ? d : Math.sqrt((d - aside) * (d + aside));
-    const peakAge = Math.min(Math.max(Math.min(half, length), -birth), data.distance - birth);
+    const peakAge = Math.min(Math.max(Math.min(half, length), -born), data.distance - born);
     const atDeath = peakAge === length;
-    const peak = atDeath ? death : birth + peakAge;
+    const peak = atDeath ? died : born + peakAge;
     const peakArea = view.areaAtAge(row, peakAge);
     const strength = at("shear_strength");
     const beside = view.aliveAt(peak, atDeath).filter((other) => other !== row);
@@ -51,9 +69,9 @@
     const whole = peakArea + area;
     return {
       junction: at("junction"),
-      birth, death, length, diameter: d,
+      birth: born, death: died, length, diameter: d,
       offset: aside,
-      middle: length >= half ? birth + half : null,
+      middle: length >= half ? born + half : null,
       birthTime: at("birth_time"),
       deathTime: at("death_time"),
       maxArea: at("max_area"),

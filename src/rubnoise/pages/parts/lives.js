@@ -2,15 +2,15 @@
 "use strict";
 (() => {
   const { data } = view;
-  const rows = view.columns(data.junctions);
-  view.lives = rows;
+  const rows = view.lives;
   view.chosen = null;
+  view.mark = null;
   view.isKept = null;
 
   /* From dark blue to yellow, with a lightness that rises evenly, so that it can be read in grey too. */
   const COLOURS = ["#1b2a6b", "#1f4287", "#22599a", "#2a70a3", "#3a86a2", "#549a98", "#75ac88", "#9bbc77", "#c3c968", "#ecd15e"];
   const MOST_MARKED = 1500;
-  const LISTED = 25;
+  const MOST_DRAWN = 20000;
 
   class Heap {
     constructor(key) {
@@ -59,11 +59,7 @@
   for (const d of diameter) [least, most] = [Math.min(least, d), Math.max(most, d)];
   const shade = (row) => Math.min(COLOURS.length - 1, Math.floor((COLOURS.length * (diameter[row] - least)) / (most - least || 1)));
 
-  const visible = (from, to) => {
-    const found = [];
-    for (let row = 0; row < birth.length && birth[row] <= to; row += 1) if (death[row] >= from) found.push(row);
-    return found;
-  };
+  const visible = view.livesBetween;
   view.visibleLives = () => visible(view.window.from, view.window.to);
 
   const strokes = (chart, some, colour, width) => {
@@ -110,14 +106,17 @@
   const draw = (chart) => {
     const { ctx, bbox } = chart;
     const { from, to } = view.window;
-    const some = visible(from, to);
+    const all = visible(from, to);
+    const every = Math.ceil(all.length / MOST_DRAWN);
+    const some = every > 1 ? all.filter((_, i) => i % every === 0) : all;
     const lane = bbox.height / laneCount;
     const width = Math.max(Math.min(0.6 * lane, 12 * devicePixelRatio), 1);
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    if (to < data.start || from > data.stop) {
+    const { start, stop } = data.junctions;
+    if (to < start || from > stop) {
       ctx.fillStyle = view.ink("ink");
       ctx.font = `${14 * devicePixelRatio}px system-ui`;
       ctx.textAlign = "center";
@@ -131,7 +130,14 @@
     if (some.length <= MOST_MARKED && lane >= 4 * devicePixelRatio) {
       marks(chart, drawn, Math.min(0.3 * lane, 4 * devicePixelRatio));
     } else if (view.chosen !== null) marks(chart, [view.chosen], 4 * devicePixelRatio);
-    for (const [edge, isIn] of [[data.start, from < data.start], [data.stop, to > data.stop]]) {
+    if (every > 1) {
+      ctx.fillStyle = view.ink("ink");
+      ctx.font = `${12 * devicePixelRatio}px system-ui`;
+      ctx.textAlign = "left";
+      ctx.fillText(`1 of ${every} bars is drawn`, bbox.left + 6, bbox.top + 14 * devicePixelRatio);
+    }
+    view.drawMark(chart);
+    for (const [edge, isIn] of [[start, from < start], [stop, to > stop]]) {
       if (!isIn) continue;
       const x = chart.valToPos(edge, "x", true);
       ctx.setLineDash([6, 6]);
@@ -185,36 +191,7 @@
   };
 
   /** How many bars a cursor at a distance cuts; null outside of the stretch whose lives the page holds. */
-  view.aliveCount = (s) => (s < data.start || s > data.stop ? null : view.aliveAt(s).length);
-
-  const cells = (row) => [
-    rows.junction[row], birth[row], death[row], diameter[row], rows.max_area[row], view.stateNames(rows.state[row]).join(", "),
-  ];
-
-  /** The first lives of the window that the condition chooses, as a table. */
-  view.listLives = () => {
-    const inWindow = view.visibleLives();
-    const some = view.isKept ? inWindow.filter(view.isKept) : inWindow;
-    const body = document.querySelector("#lives tbody");
-    body.replaceChildren(...some.slice(0, LISTED).map((row) => {
-      const line = document.createElement("tr");
-      for (const [i, value] of cells(row).entries()) {
-        const cell = document.createElement(i ? "td" : "th");
-        if (i === 0) {
-          const open = document.createElement("button");
-          open.type = "button";
-          open.textContent = value;
-          open.setAttribute("aria-label", `Show junction ${value}`);
-          open.addEventListener("click", () => view.choose(row));
-          cell.append(open);
-        } else cell.textContent = typeof value === "number" ? view.number(value) : value;
-        line.append(cell);
-      }
-      return line;
-    }));
-    const more = some.length > LISTED ? `, the first ${LISTED} below` : "";
-    document.getElementById("listed").textContent = `${view.grouped(some.length)} of ${view.grouped(inWindow.length)} junctions in this window${more}`;
-  };
+  view.aliveCount = (s) => (s < data.junctions.start || s > data.junctions.stop ? null : view.aliveAt(s).length);
 
   view.rowOf = (junction) => {
     const row = view.firstAtLeast(rows.junction, junction);

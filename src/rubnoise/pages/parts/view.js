@@ -3,35 +3,28 @@
 (() => {
   const { data } = view;
   const $ = (id) => document.getElementById(id);
-  const shortest = Math.max(data.tick, 1e-9 * data.distance);
   /* A few lives at first, which can be distinguished. */
   const LIVES = 8;
   view.window = { from: data.start, to: Math.min(data.stop, data.start + LIVES * data.meanLife) };
 
-  view.show = (from, to) => {
-    let width = Math.min(Math.max(to - from, shortest), data.distance);
-    const begin = Math.min(Math.max(from, 0), data.distance - width);
-    view.window = { from: begin, to: begin + width };
-    render();
-  };
-  view.zoom = (factor, around = (view.window.from + view.window.to) / 2) => {
-    const { from, to } = view.window;
-    view.show(around - factor * (around - from), around + factor * (to - around));
-  };
-  const move = (part) => {
-    const { from, to } = view.window;
-    view.show(from + part * (to - from), to + part * (to - from));
-  };
-
   view.choose = (row) => {
     view.chosen = row;
     announce(row);
-    render();
+    view.render();
+  };
+
+  /** Choose a row and zoom to its life. */
+  view.visit = (row) => {
+    const { birth_distance: birth, death_distance: death } = view.lives;
+    view.choose(row);
+    view.show(1.5 * birth[row] - 0.5 * death[row], 1.5 * death[row] - 0.5 * birth[row]);
   };
 
   const figures = (life) => {
-    const um = (value) => (value === null ? "not reached" : `${view.number(value)} µm`);
-    const time = (value) => (value === null || Number.isNaN(value) ? "" : `, ${view.number(value)} s`);
+    /* Births in the page are right to some 1e-5 um, diameters to seven digits. */
+    const six = (value) => view.number(Number(value.toPrecision(6)));
+    const um = (value) => (value === null ? "not reached" : `${view.number(Number(value.toFixed(4)))} µm`);
+    const time = (value) => (value === null || Number.isNaN(value) ? "" : `, ${six(value)} s`);
     const share = (part) => `${Number((100 * part).toPrecision(3))} %`;
     const lines = [
       ["birth", um(life.birth) + time(life.birthTime)],
@@ -40,14 +33,14 @@
       ["life", um(life.length)],
       ["diameter", um(life.diameter)],
       ...(life.offset === null ? [] : [["lateral offset", um(life.offset)]]),
-      [life.offset === null ? "area at full overlap" : "area at mid-life", `${view.number(life.maxArea)} µm²`],
-      ...(life.strength === null ? [] : [["shear strength", `${view.number(life.strength)} MPa`]]),
+      [life.offset === null ? "area at full overlap" : "area at mid-life", `${six(life.maxArea)} µm²`],
+      ...(life.strength === null ? [] : [["shear strength", `${six(life.strength)} MPa`]]),
       ["largest at", um(life.peak)],
-      ["its area there", `${view.number(life.peakArea)} µm², ${share(life.areaShare)} of the contact`],
-      ["real contact area there", `${view.number(life.realContactArea)} µm²`],
+      ["its area there", `${six(life.peakArea)} µm², ${share(life.areaShare)} of the contact`],
+      ["real contact area there", `${six(life.realContactArea)} µm²`],
       ...(life.peakForce === null ? [] : [
-        ["its force there", `${view.number(life.peakForce)} µN`],
-        ["friction force there", `${view.number(life.frictionForce)} µN`],
+        ["its force there", `${six(life.peakForce)} µN`],
+        ["friction force there", `${six(life.frictionForce)} µN`],
       ]),
       ["alive beside it", view.grouped(life.others.length)],
     ];
@@ -58,20 +51,12 @@
     });
   };
 
-  const MOST_NAMED = 60;
   let curve = null;
   const announce = (row) => {
     const life = view.life(row);
     $("life-title").textContent = `Junction ${life.junction}: ${view.stateNames(life.state).join(", ").replaceAll("_", " ")}`;
     $("life-figures").replaceChildren(...figures(life));
-    $("others").replaceChildren(...life.others.slice(0, MOST_NAMED).map((junction) => {
-      const open = document.createElement("button");
-      open.type = "button";
-      open.textContent = junction;
-      open.setAttribute("aria-label", `Show junction ${junction}`);
-      open.addEventListener("click", () => view.choose(view.rowOf(junction)));
-      return open;
-    }), life.others.length > MOST_NAMED ? ` and ${view.grouped(life.others.length - MOST_NAMED)} more` : "");
+    $("others").replaceChildren(...view.named(life.others.map(view.rowOf)));
     const ages = Array.from({ length: 201 }, (_, i) => (life.length * i) / 200);
     const points = [ages.map((age) => life.birth + age), ages.map((age) => view.areaAtAge(row, age))];
     $("life").hidden = false;
@@ -88,14 +73,21 @@
     curve.root.querySelector("canvas").setAttribute("aria-label", `area of junction ${life.junction} over its life`);
   };
 
+  /** A value with the digits that a pixel of so much can show. */
+  const seen = (value, pixel) => {
+    if (!(pixel > 0)) return Number(value.toPrecision(7));
+    return Number(value.toFixed(Math.min(Math.max(-Math.floor(Math.log10(pixel)), 0), 12)));
+  };
+
   /** What stands under the pointer: place, live count and the values of the curves. */
   view.pointed = (chart, timed) => {
     const { left } = chart.cursor;
     if (left === null || left < 0 || left === undefined) return;
-    const x = chart.posToVal(left, "x");
+    const { min, max } = chart.scales.x;
+    const x = seen(chart.posToVal(left, "x"), (max - min) / chart.over.clientWidth);
     const s = timed ? view.distanceAt(x) : x;
     const alive = view.aliveCount(s);
-    const words = [`s = ${view.number(s)} µm`];
+    const words = [`s = ${timed ? view.number(s) : s} µm`];
     if (data.speed) words.push(`t = ${view.number(timed ? x : data.twoWay ? view.timeAt(s) : s / data.speed)} s`);
     if (alive !== null) words.push(`${view.grouped(alive)} alive`);
     for (const [group, name, label, unit] of [
@@ -103,7 +95,7 @@
       ["slider", "displacement", "x", "µm"], ["slider", "velocity", "x′", "µm/s"],
     ]) {
       const value = view.value(group, name, s);
-      if (value !== null) words.push(`${label} = ${view.number(value)} ${unit}`);
+      if (value !== null) words.push(`${label} = ${seen(value, view.pixelOf(name))} ${unit}`);
     }
     $("readout").textContent = words.join("   ");
     const mark = $("alive");
@@ -129,7 +121,9 @@
     const problem = $("where-problem");
     try {
       const chosen = text.trim() ? view.where(text, view.lives, data.states) : null;
-      view.isKept = chosen;
+      const kept = chosen && Uint8Array.from(view.lives.junction, (_, row) => chosen(row));
+      view.isKept = kept && ((row) => kept[row] === 1);
+      view.toFirstPage();
       problem.textContent = "";
       $("where").removeAttribute("aria-invalid");
     } catch (refused) {
@@ -137,21 +131,26 @@
       problem.textContent = refused.message;
       $("where").setAttribute("aria-invalid", "true");
     }
-    render();
+    view.render();
   };
 
   let waiting = false;
-  const render = () => {
+  view.render = () => {
     if (waiting) return;
     waiting = true;
     requestAnimationFrame(() => {
       waiting = false;
       view.redrawCharts();
       view.drawPhase();
+      view.drawStatistics();
       view.listLives();
       const { from, to } = view.window;
       $("where-shown").textContent = `${view.number(from)} to ${view.number(to)} µm of ${view.number(data.distance)} µm`;
-      $("coarse").hidden = view.showsRows();
+      $("undo").disabled = !view.canUndo();
+      $("coarse").hidden = view.showsRows() || (!view.groups.slider && view.summed(from, to) !== null);
+      $("coarse").textContent = view.summed(from, to) === null
+        ? "This window is longer than the ticks that this page holds: each point is the lowest or highest value of a cell."
+        : "This page holds no ticks here: area and count are summed from the lives, and each point of the motion is the lowest or highest value of a cell.";
       place();
     });
   };
@@ -162,10 +161,7 @@
     const problem = $("number-problem");
     problem.textContent = "";
     if (row !== null && $("number").value !== "") {
-      view.choose(row);
-      const { birth_distance: birth, death_distance: death } = view.lives;
-      const { from, to } = view.window;
-      if (birth[row] < from || death[row] > to) view.show(birth[row] - (death[row] - birth[row]), death[row] + (death[row] - birth[row]));
+      view.visit(row);
     } else if (Number.isInteger(number) && number >= 0 && number < data.junctionRows) {
       problem.textContent = `junction ${number} does not live in the stretch that this page holds`;
     } else problem.textContent = `the run has junctions 0 to ${data.junctionRows - 1}`;
@@ -175,11 +171,12 @@
     const some = view.visibleLives().filter((row) => !view.isKept || view.isKept(row));
     if (!some.length) return;
     const now = some.indexOf(view.chosen);
-    view.choose(some[now < 0 ? 0 : Math.min(Math.max(now + by, 0), some.length - 1)]);
+    const row = some[now < 0 ? 0 : Math.min(Math.max(now + by, 0), some.length - 1)];
+    view.choose(row);
   };
 
   const KEYS = {
-    ArrowLeft: () => move(-0.25), ArrowRight: () => move(0.25), "+": () => view.zoom(0.5), "=": () => view.zoom(0.5),
+    ArrowLeft: () => view.move(-0.25), ArrowRight: () => view.move(0.25), u: () => view.undo(), "+": () => view.zoom(0.5), "=": () => view.zoom(0.5),
     "-": () => view.zoom(2), 0: () => view.show(data.start, data.stop), n: () => next(1), p: () => next(-1),
   };
   $("charts").addEventListener("keydown", (event) => {
@@ -189,14 +186,14 @@
     KEYS[event.key]();
   });
   for (const [id, act] of Object.entries({
-    "zoom-in": () => view.zoom(0.5), "zoom-out": () => view.zoom(2), back: () => move(-0.5), on: () => move(0.5),
+    "zoom-in": () => view.zoom(0.5), "zoom-out": () => view.zoom(2), back: () => view.move(-0.5), on: () => view.move(0.5), undo: () => view.undo(),
     rows: () => view.show(data.start, data.stop), all: () => view.show(0, data.distance),
     previous: () => next(-1), following: () => next(1),
   })) $(id).addEventListener("click", act);
   $("filter").addEventListener("submit", (event) => { event.preventDefault(); filter(); });
   $("go").addEventListener("submit", (event) => { event.preventDefault(); goTo(); });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { view.recolourCharts(); view.drawPhase(); });
-  addEventListener("resize", () => { view.resizeCharts(); view.drawPhase(); });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { view.recolourCharts(); view.drawPhase(); view.drawStatistics(); });
+  addEventListener("resize", () => { view.resizeCharts(); view.drawPhase(); view.drawStatistics(); });
 
   const kept = new URLSearchParams(location.hash.slice(1));
   $("where").value = kept.get("where") ?? "";
@@ -204,10 +201,13 @@
   if (ends.every(Number.isFinite) && ends[0] < ends[1]) {
     view.window = { from: Math.max(ends[0], 0), to: Math.min(ends[1], data.distance) };
   }
+  const all = view.lives.junction.length === data.junctionRows;
   const whole = data.start <= 0 && data.stop >= data.distance;
-  $("holds").textContent = whole
-    ? `This page holds all ${view.grouped(data.junctionRows)} junctions and every tick of the run.`
-    : `This page holds every junction and every tick from ${view.number(data.start)} to ${view.number(data.stop)} µm. Elsewhere it shows the lowest and highest values of cells.`;
+  const stretch = `from ${view.number(data.start)} to ${view.number(data.stop)} µm`;
+  const lives = all ? `all ${view.grouped(data.junctionRows)} junctions` : "every junction";
+  $("holds").textContent = whole && all
+    ? `This page holds ${lives} and every tick of the run.`
+    : `This page holds ${lives}${all ? ", " : " "}and every tick ${stretch}. Elsewhere it shows the lowest and highest values of cells.`;
   if (data.planned !== null) {
     $("holds").textContent += ` The run is unfinished: it has reached ${view.number(data.distance)} of ${view.number(data.planned)} µm.`;
   }

@@ -1,0 +1,74 @@
+"""What theory says beside the statistics of a window in a page: expected spectra, and the density of the area."""
+
+from collections.abc import Callable
+from functools import partial
+from math import log2
+from typing import Any, Final
+
+import numpy as np
+
+from rubnoise.analysis.spectra import hann
+from rubnoise.arrays import Doubles
+from rubnoise.errors import Refused
+from rubnoise.model import Model
+from rubnoise.pages.page import packed
+from rubnoise.record.reader import Rows
+from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.distribution import distribution
+from rubnoise.theory.estimated_spectrum import expected_periodogram, through_window
+from rubnoise.theory.response import velocity_spectrum
+
+LIVES: Final = 8.0
+PERIODS: Final = 16.0
+"""Length of a segment in mean lives, for the area, and in periods of the slider, for its velocity."""
+
+TICKS: Final = (6, 14)
+"""Powers of two between which a segment has ticks."""
+
+SPREADS: Final = 5.0
+POINTS: Final = 200
+"""How far the density of the area is drawn, in standard deviations, and at how many areas."""
+
+
+def exact_curves(file: Rows, model: Model) -> dict[str, Any]:
+    """Return for the area, and for the velocity of a slider, the ticks of a segment and what to expect of its spectrum.
+
+    Densities are two-sided, in um^4 per rad/um and um^2/s^2 per rad/s; one that theory does not know is None, as is the
+    density of the area in 1/um^2.
+    """
+    ticks = _power_of_two(LIVES * model.mean_life_distance / model.tick)
+    found: dict[str, Any] = {
+        "area": {
+            "step": model.tick,
+            "ticks": ticks,
+            "expected": _known(lambda: expected_periodogram(model, model.tick, hann(ticks))[1]),
+        },
+        "density": _known(lambda: np.stack(_density(model))),
+        "velocity": None,
+    }
+    if "slider" in file.columns and file.rows("slider") > 1 and model.slider is not None:
+        step = float(file.column("slider", "time", 1, 2)[0] - file.column("slider", "time", 0, 1)[0])
+        ticks = _power_of_two(PERIODS / model.slider.natural_frequency / step) if model.slider.stiffness else 1 << 10
+        exact = partial(velocity_spectrum, model)
+        expected = None if model.is_two_way else _known(lambda: through_window(exact, step, hann(ticks), ticks // 2))
+        found["velocity"] = {"step": step, "ticks": ticks, "expected": expected}
+    return found
+
+
+def _density(model: Model) -> tuple[Doubles, Doubles]:
+    exact = area_cumulants(model)
+    highest = exact.mean + SPREADS * exact.std
+    area = np.linspace(max(exact.mean - SPREADS * exact.std, highest / POINTS), highest, POINTS)
+    return area, distribution(model).density(area)
+
+
+def _power_of_two(ticks: float) -> int:
+    lowest, highest = TICKS
+    return 1 << int(np.clip(round(log2(max(ticks, 1.0))), lowest, highest))
+
+
+def _known(curve: Callable[[], Doubles]) -> dict[str, str] | None:
+    try:
+        return packed(curve().ravel())
+    except Refused:
+        return None

@@ -1,0 +1,85 @@
+"""Lives as a page holds them: a birth and a diameter are four bytes each, and what follows from them is left out.
+
+Births are float32 numbers behind a float64 base for every 256 rows, so that a birth is right to some 1e-5 um wherever
+it lies. A column of few different values is a table of them and a byte a row; of a single value it is that value.
+"""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rubnoise.analysis.selection import check_lives, gather
+from rubnoise.arrays import Doubles
+from rubnoise.contact.off_centre import half_life
+from rubnoise.pages.page import packed
+from rubnoise.record.reader import Reader
+from rubnoise.storage.schema import JUNCTIONS
+
+CHUNK: Final = 256
+"""Rows with one base of their births."""
+
+FEW: Final = 256
+"""Different values of a column up to which it is held as a table of them and a byte a row."""
+
+OWN: Final = ("diameter", "lateral_offset", "shear_strength")
+TIMES: Final = ("birth_time", "death_time")
+WIDTH: Final = 4
+MOST_WITH_TIMES: Final = 8_000_000
+"""Bytes of lives up to which those of a slider that pushes back have their times, too."""
+
+SAME: Final = 1e-9
+"""Share of a life up to which its end is where its diameter says."""
+
+
+def bytes_of(file: Reader) -> int:
+    """Return how many bytes all lives of a file take at most, without their times."""
+    there = file.columns["junctions"]
+    return WIDTH * (1 + sum(name in there for name in OWN[:2])) * file.rows("junctions")
+
+
+def lives(file: Reader, rows: NDArray[np.int64], *, timed: bool) -> dict[str, Any]:
+    """Return rows of /junctions of a file, in order of birth, as a page holds them, ``timed`` with their times.
+
+    Left out is what the page works out: deaths where a diameter says them, areas, and times at constant speed. Raises
+    RunFileRefused, naming the row, for what is no life.
+    """
+    there = file.columns["junctions"]
+    own = [name for name in OWN if name in there]
+    times = [name for name in TIMES if timed and name in there and 2 * bytes_of(file) <= MOST_WITH_TIMES]
+    names = ["birth_distance", "death_distance", "state", *own, *times]
+    chunks = list(gather(file, rows, names))
+    columns = {name: np.concatenate([np.zeros(0), *(chunk[name] for chunk in chunks)]) for name in names}
+    check_lives(rows, {name: columns[name] for name in ("birth_distance", "death_distance", *own)})
+    birth, death = columns["birth_distance"], columns["death_distance"]
+    length = 2.0 * half_life(columns["diameter"], columns.get("lateral_offset"))
+    marked = np.flatnonzero((columns["state"] != 0) | (np.abs(death - birth - length) > SAME * length))
+    return {
+        "units": {column.name: column.units for column in JUNCTIONS.columns if column.name in there},
+        "rows": packed(rows.astype(np.uint32)) if rows.size and np.ptp(rows) >= rows.size else None,
+        "first": int(rows[0]) if rows.size else 0,
+        "columns": {name: _behind_bases(columns[name]) for name in ("birth_distance", *times)}
+        | {name: _in_short(columns[name]) for name in own},
+        "marked": {
+            "row": packed(marked.astype(np.uint32)),
+            "state": packed(columns["state"][marked].astype(np.uint8)),
+            "death": packed(death[marked]),
+        },
+    }
+
+
+def _behind_bases(values: Doubles) -> dict[str, Any]:
+    """Return ascending values as float32 numbers behind the first of each chunk."""
+    bases = values[::CHUNK]
+    behind = values - np.repeat(bases, CHUNK)[: values.size]
+    return {"chunk": CHUNK, "bases": packed(bases), "behind": packed(behind.astype(np.float32))}
+
+
+def _in_short(values: Doubles) -> dict[str, Any]:
+    """Return values as a table of few different ones, a byte a row, or as float32 numbers."""
+    different = np.unique(values[:: max(1, values.size // FEW)])
+    if different.size <= FEW // 2:
+        different, which = np.unique(values, return_inverse=True)
+        if different.size <= FEW:
+            return {"table": packed(different), "which": packed(which.astype(np.uint8)) if different.size > 1 else None}
+    return {"values": packed(values.astype(np.float32))}

@@ -1,0 +1,88 @@
+/* Spectrum and histogram of the window in sight, beside what theory expects. */
+"use strict";
+(() => {
+  const { data } = view;
+  const $ = (id) => document.getElementById(id);
+  const FEWEST = 8;
+  const BARS = 40;
+  const QUANTITIES = {
+    area: { group: "trace", name: "real_contact_area", across: "wavenumber (rad/µm)", up: "S (µm⁴ per rad/µm)" },
+    velocity: { group: "slider", name: "velocity", across: "angular frequency (rad/s)", up: "S (µm²/s² per rad/s)" },
+  };
+  const exact = Object.fromEntries(Object.entries(data.exact).map(([name, found]) => [name, found && {
+    ...found, expected: found.expected && view.unpacked(found.expected),
+  }]));
+  const density = data.exact.density && view.unpacked(data.exact.density);
+  $("heard").querySelector("[value=velocity]").disabled = exact.velocity === null;
+
+  const axis = (label, size) => ({
+    label, size, labelSize: 20, font: "12px system-ui", labelFont: "13px system-ui",
+    stroke: () => view.ink("ink"), grid: { stroke: () => view.ink("grid"), width: 1 },
+    values: (_, ticks) => ticks.map((value) => (value === null ? "" : view.number(value))),
+  });
+  const made = {};
+  const draw = (id, values, series, { logarithmic, across, up, label, bands = [] }) => {
+    made[id]?.destroy();
+    const place = $(id);
+    const scale = logarithmic ? { distr: 3 } : {};
+    made[id] = new uPlot({
+      width: place.clientWidth, height: 230, legend: { show: false }, cursor: { show: false }, bands,
+      scales: { x: { time: false, ...scale }, y: scale }, axes: [axis(across, 44), axis(up, 78)], series: [{}, ...series],
+    }, values, place);
+    const picture = made[id].root.querySelector("canvas");
+    picture.setAttribute("role", "img");
+    picture.setAttribute("aria-label", label);
+  };
+  const line = (ink, width, more = {}) => ({ stroke: () => view.ink(ink), width, points: { show: false }, ...more });
+
+  const spectrum = () => {
+    const heard = $("heard").value;
+    const { group, name, across, up } = QUANTITIES[heard];
+    const { step, ticks, expected } = exact[heard];
+    const values = view.ticksOf(group, name);
+    const { density: seen, segments } = values && values.length >= ((FEWEST + 1) * ticks) / 2 ? view.welch(values, step, ticks) : { segments: 0 };
+    $("spectrum").hidden = !segments;
+    const needed = (FEWEST + 1) * ticks * step / 2;
+    $("spectrum-says").textContent = segments
+      ? `${segments} segments of ${view.number(ticks * step)} ${group === "trace" ? "µm" : "s"}` + (expected ? "; 95 % of bins lie in the band about what theory expects." : "; theory knows no spectrum of this motion.")
+      : values === null ? "Of this window the page holds too few ticks for a spectrum."
+        : `A spectrum needs a window of ${Number(needed.toPrecision(2))} ${group === "trace" ? "µm" : "s"} or more.`;
+    if (!segments) return;
+    const bins = Array.from({ length: ticks / 2 - 2 }, (_, i) => i + 2);
+    const [low, high] = view.strayOf(segments);
+    const positive = (value) => (value > 0 ? value : null);
+    const curves = [bins.map((bin) => positive(seen[bin]))];
+    if (expected) for (const factor of [low, high, 1]) curves.push(bins.map((bin) => positive(factor * expected[bin])));
+    draw("spectrum", [bins.map((bin) => (2 * Math.PI * bin) / (ticks * step)), ...curves], [
+      line("curve", 1), ...(expected ? [line("band", 0), line("band", 0), line("exact", 1.6)] : []),
+    ], { logarithmic: true, across, up, label: `spectrum of the ${heard} in this window`, bands: expected ? [{ series: [3, 2], fill: () => view.ink("band") }] : [] });
+  };
+
+  const histogram = () => {
+    const values = view.ticksOf("trace", "real_contact_area");
+    const isLong = values !== null && values.length * data.tick >= 4 * data.meanLife;
+    $("histogram").hidden = !isLong;
+    $("histogram-says").textContent = isLong ? `${view.grouped(values.length)} ticks` + (density ? ", beside the exact density." : ".")
+      : "A histogram needs a window of four mean lives or more, of which the page knows each tick.";
+    if (!isLong) return;
+    const [least, most] = values.reduce(([low, high], x) => [Math.min(low, x), Math.max(high, x)], [Infinity, -Infinity]);
+    const width = (most - least || 1) / BARS;
+    const counts = new Float64Array(BARS);
+    for (const x of values) counts[Math.min(Math.floor((x - least) / width), BARS - 1)] += 1;
+    const heights = Array.from(counts, (count) => count / values.length / width);
+    const places = heights.map((_, bar) => least + (bar + 0.5) * width);
+    const areas = density ? Array.from(density.subarray(0, density.length / 2)) : [];
+    const joined = uPlot.join([[places, heights], ...(density ? [[areas, Array.from(density.subarray(areas.length))]] : [])]);
+    draw("histogram", joined, [
+      { ...line("curve", 1, { fill: () => view.ink("life") }), paths: uPlot.paths.stepped({ align: 1, alignGaps: 1 }), spanGaps: true },
+      ...(density ? [line("exact", 1.6, { spanGaps: true })] : []),
+    ], { logarithmic: false, across: "real contact area (µm²)", up: "density (1/µm²)", label: "histogram of the real contact area in this window" });
+  };
+
+  let waiting = 0;
+  view.drawStatistics = () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => { spectrum(); histogram(); }, 120);
+  };
+  $("heard").addEventListener("change", spectrum);
+})();

@@ -1,0 +1,77 @@
+/* The table of the lives in the window that the condition chooses: sorted by any column, a page at a time. */
+"use strict";
+(() => {
+  const { lives } = view;
+  const PAGE = 25;
+  const $ = (id) => document.getElementById(id);
+  const COLUMNS = [
+    ["junction", "junction"], ["birth_distance", "birth (µm)"], ["death_distance", "death (µm)"],
+    ["diameter", "diameter (µm)"], ["max_area", "full area (µm²)"], ["state", "state"],
+  ];
+  let [by, falling, page, orders] = ["junction", false, 0, {}];
+
+  /* All rows in order of a column, worked out when it is first asked for. */
+  const order = () => {
+    orders[by] ??= Uint32Array.from(lives.junction, (_, row) => row).sort((a, b) => lives[by][a] - lives[by][b] || a - b);
+    return orders[by];
+  };
+
+  const sorted = (some) => {
+    if (by === "junction") return falling ? some.reverse() : some;
+    const isShown = new Uint8Array(lives.junction.length);
+    for (const row of some) isShown[row] = 1;
+    const rows = Array.from(order().filter((row) => isShown[row]));
+    return falling ? rows.reverse() : rows;
+  };
+
+  const PLACES = Math.max(0, Math.ceil(3 - Math.log10(view.data.meanLife)));
+  const digits = (name, value) => (name.endsWith("distance") ? value.toFixed(PLACES) : String(Number(value.toPrecision(6))));
+  const line = (row) => {
+    const found = document.createElement("tr");
+    found.className = row === view.chosen ? "chosen" : "";
+    for (const [name] of COLUMNS) {
+      const cell = document.createElement(name === "junction" ? "th" : "td");
+      if (name === "junction") cell.append(view.opener(row));
+      else if (name === "state") cell.textContent = view.stateNames(lives.state[row]).join(", ").replaceAll("_", " ");
+      else cell.textContent = digits(name, lives[name][row]);
+      found.append(cell);
+    }
+    return found;
+  };
+
+  const head = () => {
+    const names = document.createElement("tr");
+    for (const [name, label] of COLUMNS) {
+      const [cell, sort] = [document.createElement("th"), document.createElement("button")];
+      sort.type = "button";
+      sort.textContent = label + (name === by ? (falling ? " ▾" : " ▴") : "");
+      cell.setAttribute("aria-sort", name === by ? (falling ? "descending" : "ascending") : "none");
+      sort.addEventListener("click", () => {
+        [by, falling, page] = [name, name === by ? !falling : name !== "junction", 0];
+        view.listLives();
+        document.querySelector(`#lives thead [aria-sort]:nth-child(${COLUMNS.findIndex(([one]) => one === by) + 1}) button`).focus();
+      });
+      cell.append(sort);
+      names.append(cell);
+    }
+    document.querySelector("#lives thead").replaceChildren(names);
+  };
+
+  view.listLives = () => {
+    const inWindow = view.visibleLives();
+    const some = sorted(view.isKept ? inWindow.filter(view.isKept) : inWindow);
+    const pages = Math.max(1, Math.ceil(some.length / PAGE));
+    page = Math.min(page, pages - 1);
+    const [first, last] = [page * PAGE, Math.min((page + 1) * PAGE, some.length)];
+    head();
+    document.querySelector("#lives tbody").replaceChildren(...some.slice(first, last).map(line));
+    const of = some.length === inWindow.length ? "" : `${view.grouped(some.length)} of `;
+    $("listed").textContent = `${of}${view.grouped(inWindow.length)} junctions in this window` + (some.length ? `: ${view.grouped(first + 1)} to ${view.grouped(last)} below` : "");
+    $("page-back").disabled = page === 0;
+    $("page-on").disabled = page >= pages - 1;
+  };
+  const turn = (step) => { page += step; view.listLives(); };
+  $("page-back").addEventListener("click", () => turn(-1));
+  $("page-on").addEventListener("click", () => turn(1));
+  view.toFirstPage = () => { page = 0; };
+})();
