@@ -228,7 +228,22 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("junctions", ("junctions", "full.h5", "--json")),
         ("junctions", ("junctions", "bare.h5", "--where", "diameter > 1", "--sort", "diameter", "--json")),
         ("infer", ("infer", "traced.h5", "--zero", "known", "--json")),
-        ("infer", ("infer", "traced.h5", "--law", "fixed", "--offset", "uniform", "--bootstrap", "2", "--json")),
+        (
+            "infer",
+            (
+                "infer",
+                "traced.h5",
+                "--law",
+                "fixed",
+                "--pulse",
+                "parabola",
+                "--offset",
+                "uniform",
+                "--bootstrap",
+                "2",
+                "--json",
+            ),
+        ),
         ("infer", ("infer", "short.h5", "--json")),
     ]
     told = [(section, json.loads(call(*words).out, parse_constant=_refuse)) for section, words in calls]

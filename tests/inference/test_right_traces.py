@@ -155,11 +155,14 @@ def test_passes_off_the_centre_are_read_and_told_from_those_through_it() -> None
     assert max(map(abs, _scores(right).values())) <= BOUND
     assert right.flags == []
     assert right.other_offset is not None
-    assert (right.other_offset.offset, right.other_offset.worse_by > BOUND * right.other_offset.error) == ("none", True)
+    assert (right.other_offset.pulse.offset, right.other_offset.worse_by > BOUND * right.other_offset.error) == (
+        "none",
+        True,
+    )
     wrong = _read(contact, 8)
     assert _scores(wrong)["junction_count"] > BOUND
     assert wrong.other_offset is not None
-    assert (wrong.other_offset.offset, wrong.other_offset.worse_by < -BOUND * wrong.other_offset.error) == (
+    assert (wrong.other_offset.pulse.offset, wrong.other_offset.worse_by < -BOUND * wrong.other_offset.error) == (
         "uniform",
         True,
     )

@@ -6,9 +6,10 @@ from numbers import Integral
 from typing import Any, Final
 
 from rubnoise.api import keywords
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import LENS, Pulse
+from rubnoise.contact import off_centre
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused
+from rubnoise.inference.inference import OTHER_OFFSETS, OTHER_SHAPES
 from rubnoise.inference.signal import Signal
 from rubnoise.inference.strokes import joined
 from rubnoise.units import FREQUENCY, LENGTH, RATIO, TIME, QuantityError, quantity_of
@@ -44,8 +45,9 @@ def strength_spread_of(value: Any, signal: Signal, *, both_known: bool) -> float
 
 def pulse_of(shape: str, offset: str) -> Pulse:
     """Return how the area of a junction rises and falls."""
-    keywords.choice("pulse", shape, ("lens",))
-    return LENS if keywords.choice("offset", offset, ("none", "uniform")) == "none" else OFF_CENTRE_LENS
+    keywords.choice("pulse", shape, tuple(OTHER_SHAPES))
+    keywords.choice("offset", offset, tuple(OTHER_OFFSETS))
+    return off_centre.pulse_of(shape, offset)
 
 
 def bandwidth_of(value: Any, poles: int, speed: float | None, along: str) -> float:

@@ -14,6 +14,7 @@ from rubnoise.api.trace import Trace
 from rubnoise.arrays import Doubles
 from rubnoise.contact.births import PoissonBirths
 from rubnoise.contact.laws import LAWS
+from rubnoise.contact.pulses import Pulse
 from rubnoise.errors import Refused, RunFileRefused
 from rubnoise.inference import inference
 from rubnoise.inference.assumed import Assumed
@@ -66,7 +67,8 @@ def infer(
     sampled. ``unit`` is a unit of force or V, or what a value of 1 is ("0.5 mN"). ``strength``, such as "250 MPa", is
     known. ``column`` is a name, or a number from 1 on. ``zero`` is "known" where 0 means no force.
     ``strength_spread``, such as "50 %", is the standard deviation over the mean of lognormal strengths, 0 without it.
-    ``offset`` "uniform" reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
+    ``pulse`` "parabola" reads the lives of rough surfaces, and says how a lens fits beside them. ``offset`` "uniform"
+    reads passes that miss the centre. ``bandwidth`` is the corner of the sensor, such as "200 Hz",
     of one pole or two ``poles``. ``mask`` names frequencies that are left out, such as "50 Hz"; ``drift`` fits a random
     walk as well. ``from_`` and ``to`` are the first and the last sample, from 1 on, or times such as "2 s".
     ``strokes``, such as "10 %" (True is 5 %), cuts at reversals, leaves out so much of each stroke at either end,
@@ -330,7 +332,7 @@ def found_scenario(found: inference.Inference, *, speed: Any = None, strength: A
         *([f'spread = "{100.0 * shape:.6g} %"'] if LAWS[law].takes_spread else []),
         "",
         *(["[strength]", f'mean = "{psi:.6g} MPa"', *_unequal(fit.contact.inequality), ""] if psi is not None else []),
-        *(["[pulse]", f'offset = "{offset}"', ""] if (offset := fit.problem.pulse.offset) != "none" else []),
+        *_pulse(fit.problem.pulse),
         "[sliding]",
         *([f'speed = "{velocity:.6g} um/s"'] if velocity is not None else []),
         f'distance = "{signal.tick * signal.values.size:.6g} um"',
@@ -343,6 +345,13 @@ def found_scenario(found: inference.Inference, *, speed: Any = None, strength: A
         "",
     ]
     return "\n".join(lines)
+
+
+def _pulse(pulse: Pulse) -> list[str]:
+    """Return the lines of a scenario for another pulse than the lens that passes through both centres."""
+    keys = {"shape": (pulse.shape, "lens"), "offset": (pulse.offset, "none")}
+    lines = [f'{key} = "{value}"' for key, (value, default) in keys.items() if value != default]
+    return ["[pulse]", *lines, ""] if lines else []
 
 
 def _unequal(inequality: float) -> list[str]:

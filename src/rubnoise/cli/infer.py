@@ -15,7 +15,7 @@ from rubnoise.errors import in_shell
 
 if TYPE_CHECKING:
     from rubnoise.inference.estimates import Estimate
-    from rubnoise.inference.inference import Inference, OtherOffset
+    from rubnoise.inference.inference import Inference, OtherPulse
 
 NAMES = (
     "junction_count",
@@ -39,6 +39,7 @@ class Shape(StrEnum):
     """Lives that can be read."""
 
     LENS = "lens"
+    PARABOLA = "parabola"
 
 
 class Offset(StrEnum):
@@ -97,7 +98,7 @@ def command(
         str | None,
         typer.Option(help='Standard deviation of strengths over their mean: "50 %".', metavar="V", show_default="none"),
     ] = None,
-    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens.", metavar="SHAPE")] = Shape.LENS,
+    pulse: Annotated[Shape, typer.Option(help="Life of a junction: lens, parabola.", metavar="SHAPE")] = Shape.LENS,
     offset: Annotated[
         Offset, typer.Option(help="How far passes miss the centre: none, uniform.", metavar="OFFSET")
     ] = Offset.NONE,
@@ -227,10 +228,17 @@ def contents(found: "Inference", trace: str) -> dict[str, Any]:
 
 
 def _other(found: "Inference") -> dict[str, Any]:
-    other = found.other_offset
-    if other is None:
-        return {}
-    return {"other_offset": {"offset": other.offset, "worse_by": other.worse_by, "worse_by_error": other.error}}
+    told = {}
+    for key, other in (("offset", found.other_offset), ("shape", found.other_shape)):
+        if other is not None:
+            told[f"other_{key}"] = {
+                key: getattr(other.pulse, key),
+                "worse_by": other.worse_by,
+                "worse_by_error": other.error,
+                "diameter": other.diameter,
+                "diameter_off": other.diameter_off,
+            }
+    return told
 
 
 def _as_json(estimate: "Estimate") -> dict[str, Any]:
@@ -299,17 +307,22 @@ def _granted(found: "Inference") -> Iterator[str]:
     for words in found.assumptions:
         yield remark(in_shell(words))
     if found.other_offset is not None:
-        yield remark(_compared(found.other_offset))
+        uniform = found.other_offset.pulse.offset == "uniform"
+        passes = "passes off the centre (--offset uniform)" if uniform else "passes through the centre"
+        yield remark(_compared(passes, found.other_offset))
+    if found.other_shape is not None:
+        shape = found.other_shape.pulse.shape
+        yield remark(_compared(f"lives of the shape {shape} (--pulse {shape})", found.other_shape))
     for each in found.by_strength_spread:
         strength = "" if each.shear_strength is None else f" of {each.shear_strength:.4g} MPa"
         numbers = f"{each.junction_count:.4g} junctions{strength}"
         yield line(f"strengths spread by {100.0 * each.strength_spread:.0f} %", numbers)
 
 
-def _compared(other: "OtherOffset") -> str:
-    passes = "passes off the centre (--offset uniform)" if other.offset == "uniform" else "passes through the centre"
-    which = "worse" if other.worse_by >= 0.0 else "better"
-    return f"{passes} fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion"
+def _compared(what: str, other: "OtherPulse") -> str:
+    which, size = ("worse" if other.worse_by >= 0.0 else "better"), ("more" if other.diameter_off >= 0.0 else "less")
+    fit = f"{what} fit {which} by {abs(other.worse_by):.3g} +- {other.error:.2g} of the criterion"
+    return f"{fit}; their mean diameter is {other.diameter:.4g} um, {100.0 * abs(other.diameter_off):.2g} % {size}"
 
 
 def _value(estimate: "Estimate") -> str:

@@ -91,6 +91,8 @@ def sentences(assumed: Assumed, fit: Fit, signal: Signal) -> tuple[str, ...]:
             else "junctions are taken for equally strong (strength_spread= gives another spread)"
         )
     said.append(_of_sensor(assumed, 2.0 * fit.contact.place.diameter * signal.tick))
+    if assumed.pulse.shape != "lens":
+        said.append(f"lives are taken to have the shape {assumed.pulse.shape}")
     if assumed.pulse.offset == "none":
         said.append('passes are taken to go through both centres (offset="uniform" for passes off it)')
     else:

@@ -8,8 +8,8 @@ from typing import Final, Literal
 import numpy as np
 
 from rubnoise.arrays import Doubles
-from rubnoise.contact.off_centre import OFF_CENTRE_LENS
-from rubnoise.contact.pulses import LENS, Offset, Pulse
+from rubnoise.contact.off_centre import pulse_of
+from rubnoise.contact.pulses import Offset, Pulse, Shape
 from rubnoise.errors import Refused
 from rubnoise.inference.assumed import NOTHING, Assumed, IfSpread, by_spread, sentences
 from rubnoise.inference.estimates import Estimate, estimates_of, widened
@@ -22,8 +22,9 @@ from rubnoise.inference.scoring import STEPS, Fit, Given, covariance, score
 from rubnoise.inference.signal import Signal, course, half_width_of, half_width_under_drift, ramp_of, strokes
 
 LAWS: Final = tuple(POPULATIONS)
-OTHERS: Final[dict[Offset, Pulse]] = {"none": OFF_CENTRE_LENS, "uniform": LENS}
-"""The passes that are tried beside those of an offset."""
+OTHER_OFFSETS: Final[dict[Offset, Offset]] = {"none": "uniform", "uniform": "none"}
+OTHER_SHAPES: Final[dict[Shape, Shape]] = {"lens": "parabola", "parabola": "lens"}
+"""The passes and the lives that are tried beside those that are assumed; the keys are all that can be read."""
 FEWEST_SIZES: Final = 20.0
 """Mean diameters of sliding below which a record is refused."""
 FEWEST_SAMPLES: Final = 3.0
@@ -54,12 +55,17 @@ class LawFit:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OtherOffset:
-    """Passes of the other ``offset``, "none" or "uniform": by how much their criterion is worse, with its error."""
+class OtherPulse:
+    """Another pulse than was assumed: by how much its criterion is worse, with its error, and the diameter it finds.
 
-    offset: Offset
+    ``diameter`` is in um, and ``diameter_off`` by which part it is larger than that of the pulse that was assumed.
+    """
+
+    pulse: Pulse
     worse_by: float
     error: float
+    diameter: float
+    diameter_off: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +77,7 @@ class Inference:
     ``law_free`` are numbers that lean on no law. ``refused_because`` says why there are no estimates.
     ``bootstrap`` is empty, or how estimates of simulated traces scatter. ``assumptions`` says what was taken for
     granted, a sentence each; ``by_strength_spread`` is how number and strength move with the spread of strengths;
-    ``other_offset`` how passes of the other kind fit, where they were tried.
+    ``other_offset`` and ``other_shape`` are how other passes and other lives fit, where they were tried.
     """
 
     estimates: Mapping[str, Estimate]
@@ -87,7 +93,8 @@ class Inference:
     fit: Fit | None = field(repr=False, default=None)
     bootstrap: Mapping[str, Estimate] = field(repr=False, default_factory=dict)
     assumptions: tuple[str, ...] = ()
-    other_offset: OtherOffset | None = None
+    other_offset: OtherPulse | None = None
+    other_shape: OtherPulse | None = None
     by_strength_spread: tuple[IfSpread, ...] = ()
 
     @property
@@ -155,8 +162,11 @@ def infer_signal(
     of_best = laws[names.index(best.problem.population.name)].estimates
     open_to = [each.estimates for each in laws if not each.told_apart]
     spoken = honesty_tests(values, level, best, zero_known=zero == "known") if tests else ()
-    asked = assumed.pulse.offset != "none" or any(test.flagged for test in spoken if test.name == "spectrum")
-    other = OTHERS[assumed.pulse.offset]
+    pulse, doubtful = assumed.pulse, any(test.flagged for test in spoken if test.name == "spectrum")
+
+    def tried(shape: Shape, offset: Offset, *, asked: bool) -> OtherPulse | None:
+        return _other(fitted(pulse_of(shape, offset)), best, signal) if tests and (asked or doubtful) else None
+
     estimates = {name: widened(each, [law[name] for law in open_to]) for name, each in of_best.items()}
     return Inference(
         estimates=estimates,
@@ -171,7 +181,8 @@ def infer_signal(
         signal=signal,
         fit=best,
         assumptions=sentences(assumed, best, signal),
-        other_offset=_other_offset(fitted(other), best) if tests and asked else None,
+        other_offset=tried(pulse.shape, OTHER_OFFSETS[pulse.offset], asked=pulse.offset != "none"),
+        other_shape=tried(OTHER_SHAPES[pulse.shape], pulse.offset, asked=pulse.shape != "lens"),
         by_strength_spread=() if signal.is_area else by_spread(estimates, best.known),
     )
 
@@ -317,11 +328,18 @@ def _not_identified(fit: Fit, signal: Signal, *, compared: bool) -> dict[str, st
     return reasons
 
 
-def _other_offset(fits: list[Fit], best: Fit) -> OtherOffset:
-    """Return the best fit of the other passes beside the best of those that were assumed."""
+def _other(fits: list[Fit], best: Fit, signal: Signal) -> OtherPulse:
+    """Return the best fit of another pulse beside the best of the one that was assumed."""
     other = min(fits, key=_criterion)
     beside = _beside(other, best, {})
-    return OtherOffset(offset=other.problem.pulse.offset, worse_by=beside.worse_by, error=beside.error)
+    found, own = (fit.contact.place.diameter * signal.tick for fit in (other, best))
+    return OtherPulse(
+        pulse=other.problem.pulse,
+        worse_by=beside.worse_by,
+        error=beside.error,
+        diameter=found,
+        diameter_off=found / own - 1.0,
+    )
 
 
 def _beside(fit: Fit, best: Fit, estimates: dict[str, Estimate]) -> LawFit:
