@@ -315,6 +315,8 @@ def test_a_sweep_shows_its_runs(browser: Any, sweep_folder: Path, tmp_path: Path
             figure = sweep.runs["real_contact_area_std"][:][row]
         assert f"{figure:.7g}" in page.inner_text("#figures")
         assert page.locator("#beginning canvas").count() == 2
+        assert page.locator("#spectra-legend span").count() == 3  # a run of each point
+        assert page.is_hidden("#map")  # one key
         page.check("#y-log")
         kept = page.evaluate("location.href")
     with opened(browser, kept) as page:

@@ -76,6 +76,20 @@ def test_a_bare_run_has_a_report_without_what_it_lacks(tmp_path: Path) -> None:
     assert "slider" not in unescape(text).split("How to repeat")[0].split("Pictures")[0]
 
 
+def test_the_page_of_a_sweep_has_the_spectrum_of_each_point(sweep_folder: Path, tmp_path: Path) -> None:
+    assert call("view", sweep_folder, "-o", tmp_path / "sweep.html").code == 0
+    data = data_of((tmp_path / "sweep.html").read_text(encoding="utf-8"))
+    assert sorted(data["points"][data["runs"].index(run)] for run in data["spectra"]) == [0, 1, 2]
+    with rubnoise.open_sweep(sweep_folder) as sweep:
+        for name, (wavenumber, density) in data["spectra"].items():
+            with sweep.run(name) as run:
+                life, area = run.model().mean_life_distance, run.trace["real_contact_area"][:]
+            total = WelchSum(2 * int(0.5 * min(8.0 * life / 0.1, len(area) / 4)), 0.1)
+            total.add(area)
+            seen = total.spectrum()
+            assert density == pytest.approx(np.interp(wavenumber, seen.wavenumber, seen.density), rel=1e-9)
+
+
 def test_a_sweep_has_a_report(sweep_folder: Path, tmp_path: Path) -> None:
     answer = call("report", sweep_folder, "-o", tmp_path / "sweep.html")
     assert answer.code == 0, answer.err

@@ -6,8 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from rubnoise.analysis.spectra import WelchSum
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused, RunFileRefused
+from rubnoise.pages.exact_curves import LIVES
 from rubnoise.pages.page import page
 
 MOST_RUNS: Final = 20_000
@@ -17,6 +19,12 @@ MOST_BEGINNINGS: Final = 200
 ROWS: Final = 6000
 CELLS: Final = 300
 """Rows of a run's beginning, and cells of which it shows the lowest and the highest value."""
+
+MOST_SPECTRA: Final = 10
+MOST_ROWS: Final = 262_144
+SPECTRUM_POINTS: Final = 150
+FEWEST_SEGMENTS, FEWEST_TICKS = 4, 16
+"""Points whose spectra are drawn over each other, rows and wavenumbers of each, and what a run must have."""
 
 CURVES: Final = {"trace": ("distance", "real_contact_area"), "slider": ("time", "displacement")}
 STYLES: Final = ("uPlot.min.css", "view.css", "sweep.css")
@@ -51,6 +59,8 @@ def _data(sweep: SweepResult, name: str, rows: NDArray[np.int64]) -> dict[str, A
             each: {"units": sweep.runs[each].units, "values": _as_json(sweep.runs[each][:][rows])} for each in kept
         },
         "beginnings": _beginnings(sweep, rows),
+        "points": [int(each) for each in sweep.runs["point"][:][rows]],
+        "spectra": _spectra(sweep, rows),
     }
 
 
@@ -79,6 +89,32 @@ def _beginnings(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
         except RunFileRefused as refused:
             columns = {"refused": str(refused)}
         found[str(names[row])] = columns or {"refused": "This sweep keeps no rows of its runs."}
+    return found
+
+
+def _spectra(sweep: SweepResult, rows: NDArray[np.int64]) -> dict[str, Any]:
+    """Return wavenumbers in rad/um and Welch's spectrum in um^4 per rad/um of the area, by name of a point's first run.
+
+    A segment is eight mean lives long, or a quarter of a short run. Runs without rows are left out.
+    """
+    names, firsts = sweep.runs["run_id"][:], np.unique(sweep.runs["point"][:][rows], return_index=True)[1]
+    found: dict[str, Any] = {}
+    for row in rows[firsts][:MOST_SPECTRA]:
+        try:
+            with sweep.run(str(names[row])) as run:
+                area = np.asarray(run.trace["real_contact_area"][:MOST_ROWS], dtype=np.float64)
+                model = run.model()
+                step, life = model.tick, model.mean_life_distance
+        except (RunFileRefused, KeyError):
+            continue
+        ticks = 2 * int(0.5 * min(LIVES * life / step, area.size / FEWEST_SEGMENTS))
+        if ticks < FEWEST_TICKS:
+            continue
+        total = WelchSum(ticks, step)
+        total.add(area)
+        seen = total.spectrum()
+        chosen = np.unique(np.geomspace(2, seen.density.size - 1, SPECTRUM_POINTS).astype(int))
+        found[str(names[row])] = [seen.wavenumber[chosen].tolist(), seen.density[chosen].tolist()]
     return found
 
 

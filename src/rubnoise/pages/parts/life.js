@@ -12,6 +12,7 @@
       const r = Math.min(Math.hypot(s - Math.sqrt((d - b) * (d + b)), b), d);
       return 0.5 * (d * d * Math.acos(r / d) - r * Math.sqrt((d - r) * (d + r)));
     },
+    "off-centre parabola": (s, d, b) => 0.25 * Math.PI * Math.max(s * (2 * Math.sqrt((d - b) * (d + b)) - s), 0),
   };
 
   const { data } = view;

@@ -21,15 +21,33 @@
   };
   const keys = data.keys.filter(isNumeric);
   fill($("x"), [...keys, ...measured], keys[0] ?? measured[0]);
-  fill($("y"), measured, PREFERRED.find((name) => measured.includes(name)));
-  fill($("colour"), [...data.keys, "replicate"], data.keys[1] ?? "replicate");
+  const preferred = PREFERRED.find((name) => measured.includes(name)) ?? measured[0];
+  fill($("y"), [...measured, ...keys], preferred);
+  fill($("colour"), [...data.keys, "replicate", ...measured], data.keys[1] ?? "replicate");
+  $("map").hidden = keys.length < 2;
+  /* A map over two keys has squares, in colours that rise evenly from the smallest to the largest. */
+  const RISING = ["#1b2a6b", "#1f4287", "#22599a", "#2a70a3", "#3a86a2", "#549a98", "#75ac88", "#9bbc77", "#c3c968", "#ecd15e"];
+  const isMap = () => keys.includes($("x").value) && keys.includes($("y").value);
+  const colourOf = (k, count) => (measured.includes($("colour").value) ? RISING[Math.round((k * (RISING.length - 1)) / Math.max(count - 1, 1))] : COLOURS[k]);
+
+  /* The mean over the replicates of a point, of what a map shows. */
+  const valuesOf = (name) => {
+    const { values } = columns[name];
+    if (!isMap() || !measured.includes(name)) return values;
+    const sums = new Map();
+    values.forEach((value, run) => {
+      const [sum, count] = sums.get(data.points[run]) ?? [0, 0];
+      if (value !== null) sums.set(data.points[run], [sum + value, count + 1]);
+    });
+    return data.points.map((point) => (sums.has(point) ? sums.get(point)[0] / sums.get(point)[1] : null));
+  };
 
   /* Few values have a colour each; many are put into ten classes of equal width. */
   const classes = (name) => {
-    const { values } = columns[name];
-    const distinct = [...new Set(values)].sort((a, b) => (typeof a === "number" ? a - b : String(a).localeCompare(b)));
+    const values = valuesOf(name);
+    const distinct = [...new Set(values.filter((value) => value !== null))].sort((a, b) => (typeof a === "number" ? a - b : String(a).localeCompare(b)));
     if (distinct.length <= COLOURS.length) {
-      return { names: distinct.map((value) => (typeof value === "number" ? view.number(value) : String(value))), of: (run) => distinct.indexOf(values[run]) };
+      return { names: distinct.map((value) => (typeof value === "number" ? String(Number(value.toPrecision(4))) : String(value))), of: (run) => distinct.indexOf(values[run]) };
     }
     const [low, high] = [distinct[0], distinct[distinct.length - 1]];
     const width = (high - low) / COLOURS.length;
@@ -63,13 +81,13 @@
       const room = 0.06 * (high - low || Math.abs(high) || 1);
       return [low - room, high + room];
     };
-    const marks = (colour) => ({ stroke: colour, paths: () => null, points: { show: true, size: 8, fill: colour } });
+    const marks = (colour) => ({ stroke: colour, paths: () => null, points: isMap() ? { show: true, size: 26, fill: colour, paths: squares } : { show: true, size: 8, fill: colour } });
     const place = $("plot");
     chart = new uPlot({
       width: place.clientWidth, height: 420, legend: { show: false },
       scales: { x: { time: false, distr: acrossLog ? 3 : 1, range: margin(acrossLog) }, y: { distr: upLog ? 3 : 1, range: margin(upLog) } },
       axes: [axis(label(x), 48, acrossLog), axis(label(y), 80, upLog)],
-      series: [{}, ...names.map((_, k) => marks(COLOURS[k])), ...(exact ? [{ stroke: () => ink("ink"), paths: () => null, points: { show: true, size: 14, width: 2, paths: dashes } }] : [])],
+      series: [{}, ...names.map((_, k) => marks(colourOf(k, names.length))), ...(exact ? [{ stroke: () => ink("ink"), paths: () => null, points: { show: true, size: 14, width: 2, paths: dashes } }] : [])],
       cursor: { drag: { x: false, y: false }, points: { show: false } },
       hooks: { draw: [(one) => ring(one, xs, ys)] },
     }, values, place);
@@ -82,7 +100,7 @@
       const near = runs.reduce((best, run) => (best === null || away(run) < away(best) ? run : best), null);
       if (near !== null && away(near) < 16) choose(near);
     });
-    $("legend").replaceChildren(...names.map((name, k) => sign("dot", `${words($("colour").value)} ${name}`, COLOURS[k])), ...(exact ? [sign("dash", "exact")] : []));
+    $("legend").replaceChildren(...names.map((name, k) => sign("dot", `${words($("colour").value)} ${name}`, colourOf(k, names.length))), ...(exact ? [sign("dash", "exact")] : []));
     list();
   };
 
@@ -98,6 +116,38 @@
       path.lineTo(left + half, up);
     }
     return { stroke: path, fill: null, flags: 2 };
+  };
+
+  const squares = (one, seriesIndex, first, last) => {
+    const path = new Path2D();
+    const half = 13 * devicePixelRatio;
+    for (let i = first; i <= last; i += 1) {
+      const value = one.data[seriesIndex][i];
+      if (value === null) continue;
+      path.rect(one.valToPos(one.data[0][i], "x", true) - half, one.valToPos(value, "y", true) - half, 2 * half, 2 * half);
+    }
+    return { stroke: path, fill: path, flags: 3 };
+  };
+
+  /* Spectra of points over each other, each in a colour. */
+  const drawSpectra = () => {
+    const runs = Object.keys(data.spectra);
+    $("spectra-part").hidden = !runs.length;
+    if (!runs.length) return;
+    const curves = runs.map((run) => data.spectra[run]);
+    $("spectra").replaceChildren();
+    const made = new uPlot({
+      width: $("spectra").clientWidth, height: 320, legend: { show: false }, cursor: { show: false },
+      scales: { x: { time: false, distr: 3 }, y: { distr: 3 } },
+      axes: [axis("wavenumber (rad/µm)", 48, true), axis("S (µm⁴ per rad/µm)", 80, true)],
+      series: [{}, ...runs.map((_, k) => ({ stroke: COLOURS[k], width: 1.4, spanGaps: true, points: { show: false } }))],
+    }, uPlot.join(curves), $("spectra"));
+    made.root.querySelector("canvas").setAttribute("role", "img");
+    made.root.querySelector("canvas").setAttribute("aria-label", `spectra of the real contact area of ${runs.length} points`);
+    $("spectra-legend").replaceChildren(...runs.map((id, k) => {
+      const run = data.runs.indexOf(id);
+      return sign("dot", data.keys.map((key) => `${words(key)} ${shown(columns[key].values[run])}`).join(", "), COLOURS[k]);
+    }));
   };
 
   const ring = (one, xs, ys) => {
@@ -203,9 +253,14 @@
   }
   for (const id of ["x-log", "y-log"]) $(id).checked = kept.has(id);
   $("holds").textContent = Object.entries(data.states).filter(([, count]) => count).map(([state, count]) => `${view.grouped(count)} ${state}`).join(", ");
+  $("map").addEventListener("click", () => {
+    [$("x").value, $("y").value, $("colour").value] = [keys[0], keys[1], preferred];
+    draw();
+    keep();
+  });
   $("axes").addEventListener("change", () => { draw(); keep(); });
   addEventListener("resize", () => chart.setSize({ width: $("plot").clientWidth, height: 420 }));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { draw(); drawSpectra(); });
   if (data.failures.length) {
     $("failures").hidden = false;
     $("failures").querySelector("ul").replaceChildren(...data.failures.map(({ run, reason }) => {
@@ -215,6 +270,7 @@
     }));
   }
   draw();
+  drawSpectra();
   const run = data.runs.indexOf(kept.get("run"));
   if (run >= 0) choose(run);
 })();
