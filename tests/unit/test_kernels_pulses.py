@@ -53,7 +53,7 @@ def cell_moments(
     moments = np.zeros((3, positions.size))
     rows = (np.array([value]) for value in (birth, diameter, departure, strength))
     width = (positions[-1] - positions[0]) / (positions.size - 1)
-    KERNELS[shape].deposit_moments(positions, width, *rows, moments)
+    KERNELS[shape].deposit_moments(positions, width, *rows, np.zeros((2, positions.size)), moments)
     return moments[:, 1:]
 
 

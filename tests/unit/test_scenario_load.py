@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -98,6 +99,72 @@ def test_a_load_and_a_patch_give_area_and_count() -> None:
 )
 def test_a_contact_said_twice_by_half_or_out_of_bounds_is_refused(old: str, new: str, said: str) -> None:
     assert said in refusal(LOADED.replace(old, new, 1))
+
+
+WEIGHED = (
+    LOADED.replace('distance = "20 mm"', 'speed = "1 mm/s"\ndistance = "20 mm"')
+    + """\
+[load]
+height_scale = "0.5 um"
+mass = "5 g"
+damping_ratio = 0.05
+"""
+)
+TWO_WAY = """\
+[strength]
+mean = "250 MPa"
+[slider]
+mass = "5 g"
+stiffness = "300 N/m"
+damping = "0.05 N*s/m"
+coupling = "two-way"
+"""
+
+
+def test_a_load_that_weighs_sets_its_contact() -> None:
+    scenario = loads(WEIGHED)
+    model, shape = scenario.model(), scenario.pulse.shape
+    assert (shape, scenario.birth.law, scenario.diameter.law) == ("parabola", "poisson", "weibull")
+    assert model.sizes.std / model.sizes.mean == pytest.approx(sqrt(4.0 / pi - 1.0), rel=1e-12)
+    assert model.sizes.moment(2) == pytest.approx(4.0 * 200.0 / (pi * 20.0), rel=1e-12)
+    said = '[pulse]\nshape = "parabola"\n[diameter]\nlaw = "weibull"\nspread = "52.2723 %"\n[birth]\nlaw = "poisson"\n'
+    assert loads(WEIGHED + said).model().sizes.std == pytest.approx(model.sizes.std, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "key", "said"),
+    [
+        ("", '[pulse]\nshape = "lens"\n', 14, "pulse.shape", "pulse.shape parabola"),
+        ("", '[diameter]\nlaw = "normal"\nspread = "10 %"\n', 14, "diameter.law", "diameter.law weibull"),
+        ("", '[diameter]\nspread = "52.28 %"\n', 14, "diameter.spread", "Rayleigh sizes"),
+        ("", '[diameter]\nspread = "1 um"\n', 14, "diameter.spread", "Rayleigh sizes"),
+        ("", '[birth]\nlaw = "regular"\n', 14, "birth.law", "birth.law poisson"),
+        ("[sliding]", 'calibration = "exact"\n[sliding]', 6, "interface.calibration", "interface.calibration matched"),
+        ("", TWO_WAY, 19, "slider.coupling", "two-way coupling"),
+        ('speed = "1 mm/s"\n', "", 6, "sliding.speed", "missing"),
+        ('load = "0.2 N"\nhardness = "1 GPa"', "mean_real_contact_area = 200", 2, "interface.load", "missing"),
+        ('height_scale = "0.5 um"\n', "", 9, "load.height_scale", "missing"),
+        ('mass = "5 g"\n', "", 9, "load.mass", "missing"),
+        ("damping_ratio = 0.05\n", "", 9, "load.damping", "missing"),
+        ("", 'damping = "1 N*s/m"\n', 13, "load.damping", "both damping and damping_ratio"),
+        ("", 'motion = "first-order"\nrestitution = 0.7\n', 14, "load.restitution", "free"),
+        ("", "impact_damping = 0.7\n", 13, "load.impact_damping", "free"),
+        ('"0.5 um"', '"0 um"', 10, "load.height_scale", "must be above 0"),
+        ("0.05", "0", 12, "load.damping_ratio", "must be above 0"),
+    ],
+)
+def test_what_contradicts_a_load_that_weighs_is_refused(old: str, new: str, line: int, key: str, said: str) -> None:
+    report = refusal(WEIGHED.replace(old, new, 1) if old else WEIGHED + new)
+    head, *rest = [each for each in report.splitlines() if "error:" in each and key in each]
+    assert rest == []
+    assert head.startswith(f"run.toml:{line}: error: {key}: ")
+    assert said in report
+
+
+@pytest.mark.parametrize(("tick", "turned"), [("0.033 um", ""), ("0.034 um", "0.304 rad")])
+def test_a_tick_that_hardly_shows_the_contact_resonance_is_warned_of(tick: str, turned: str) -> None:
+    warnings = "".join(loads(f'{WEIGHED}[output]\ntick = "{tick}"\n').warnings)
+    assert (turned in warnings) if turned else warnings == ""
 
 
 @pytest.mark.parametrize(

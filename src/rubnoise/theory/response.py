@@ -161,6 +161,7 @@ def _variances(model: Model, drive: Drive) -> tuple[float, float]:
     return float(variances[0]), float(variances[1])
 
 
+@lru_cache(maxsize=8)
 def force_variance(model: Model) -> float:
     """Return the variance of friction force in uN^2 under a load that weighs, (1/pi) int_0^inf S_F dk."""
     drive = drive_of(separation_of(model))

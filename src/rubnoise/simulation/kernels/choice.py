@@ -183,18 +183,17 @@ def _polynomial(lives: ModuleType) -> _Way:
     def deposit_polynomials(
         grid: Grid, rows: LiveRows, weight: Doubles, total: Doubles, moments: Doubles, scratch: Scratch
     ) -> None:
-        del scratch
+        lived = (rows.birth, rows.diameter, rows.departure)
         if total.size:
             at = grid.wanted
             total[at] = 0.0
-            lives.deposit_areas(grid.position[at], rows.birth, rows.diameter, rows.departure, weight, total[at])
+            lives.deposit_areas(grid.position[at], *lived, weight, total[at])
         if moments.size:
-            edges, strength = grid.cells(), weight / (rows.diameter * rows.diameter)
-            cells = np.zeros((3, edges.stop - edges.start))
-            lives.deposit_moments(
-                grid.position[edges], grid.spacing, rows.birth, rows.diameter, rows.departure, strength, cells
-            )
-            np.divide(cells[:, 1:], grid.spacing, out=moments.reshape(3, -1)[:, grid.wanted])
+            strength = weight / (rows.diameter * rows.diameter)
+            chords = scratch.zeros(2 * grid.position.size).reshape(2, -1)
+            moments[:] = 0.0
+            lives.deposit_moments(grid.position, grid.spacing, *lived, strength, chords, moments.reshape(3, -1))
+            moments /= grid.spacing
 
     return deposit_polynomials
 

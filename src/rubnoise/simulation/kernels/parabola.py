@@ -47,14 +47,16 @@ def deposit_moments(
     diameter: Doubles,
     departure: Doubles,
     strength: Doubles,
+    chords: Doubles,
     moments: Doubles,
 ) -> None:
     """Add every junction's Legendre moments of the force to the cells between positions.
 
     The cells are ``width`` um wide: positions far from the start are rounded, and their differences even more so.
     moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2 (uN um).
+    chords (2, positions) are zeros before and after: new memory would cost more than what is done in it.
     """
-    force, bend = np.zeros(len(positions)), np.zeros(len(positions))
+    force, bend = chords[0], chords[1]
     deposit_areas(positions, birth, diameter, departure, strength * diameter * diameter, force)
     for row in range(len(birth)):
         _add_bend(positions, width, birth[row], diameter[row], departure[row], strength[row], bend, moments)
@@ -63,6 +65,7 @@ def deposit_moments(
         moments[0, cell] += width * (force[cell] + force[cell - 1]) / 2.0 + cube * bend[cell] / 12.0
         moments[1, cell] += width * (force[cell] - force[cell - 1]) / 6.0
         moments[2, cell] -= cube * bend[cell] / 60.0
+    chords[:] = 0.0
 
 
 @compiled_bare

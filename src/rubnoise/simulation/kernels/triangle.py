@@ -46,18 +46,21 @@ def deposit_moments(
     diameter: Doubles,
     departure: Doubles,
     strength: Doubles,
+    chords: Doubles,
     moments: Doubles,
 ) -> None:
     """Add every junction's Legendre moments of the force to the cells between positions.
 
     The cells are ``width`` um wide: positions far from the start are rounded, and their differences even more so.
     moments (3, positions) receives int F P_i(2y - 1) ds for the cell that ends at a position, i = 0, 1, 2 (uN um).
+    chords (2, positions) are zeros before and after.
     """
-    force = np.zeros(len(positions))
+    force = chords[0]
     deposit_areas(positions, birth, diameter, departure, strength * diameter * diameter, force)
     for cell in range(1, len(positions)):
         moments[0, cell] += width * (force[cell] + force[cell - 1]) / 2.0
         moments[1, cell] += width * (force[cell] - force[cell - 1]) / 6.0
+    force[:] = 0.0
     for row in range(len(birth)):
         slope = _SLOPE * strength[row] * diameter[row]
         _add_kinks(positions, width, birth[row], diameter[row], departure[row], slope, moments)
