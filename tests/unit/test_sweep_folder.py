@@ -12,7 +12,7 @@ import pytest
 import rubnoise
 from rubnoise.api.sweeping import keep_run
 from rubnoise.errors import OutputRefused, Refused
-from rubnoise.scenario.points import Point
+from rubnoise.scenario.points import Point, run_id
 from rubnoise.scenario.sweep import Sweep, expand
 from rubnoise.storage import disk, writer
 from rubnoise.storage import read_structure as structure_module
@@ -79,6 +79,23 @@ def test_another_sweep_is_refused_with_the_difference(
     with pytest.raises(OutputRefused, match="is the folder of another sweep") as refused:
         folder.claim(sweep_of(tmp_path, table, *changes))
     assert str(refused.value).endswith(f": {said}")
+
+
+UNEQUAL = ('diameter.spread="50 %"', "diameter.law=lognormal")
+
+
+def test_a_folder_of_the_first_calibration_goes_on_with_a_file_that_names_none(tmp_path: Path) -> None:
+    first = sweep_of(tmp_path, GRID, *UNEQUAL, "interface.calibration=exact")
+    folder = SweepFolder(tmp_path / "dir")
+    with folder.writing(None):
+        folder.claim(first)
+        today = sweep_of(tmp_path, GRID, *UNEQUAL)
+        assert [run_id(case.scenario) for case in today.cases] != [run_id(case.scenario) for case in first.cases]
+        again = folder.claim(today)
+        assert [run_id(case.scenario) for case in again.cases] == [run_id(case.scenario) for case in first.cases]
+        assert [case.scenario.text for case in again.cases] == [case.scenario.text for case in today.cases]
+        with pytest.raises(OutputRefused, match="calibration is exact there, and matched here"):
+            folder.claim(sweep_of(tmp_path, GRID, *UNEQUAL, "interface.calibration=matched"))
 
 
 def test_another_version_of_the_streams_is_refused(sweep: Sweep, folder: SweepFolder) -> None:

@@ -13,6 +13,7 @@ from rubnoise.api.result import open as open_result
 from rubnoise.errors import OutputRefused, Refused, RunFileRefused, RunStopped, ScenarioRefused, resume_hint
 from rubnoise.scenario import Scenario
 from rubnoise.scenario.reading import stored
+from rubnoise.scenario.reread import as_made
 from rubnoise.simulation.block import Watch
 from rubnoise.simulation.extent import Engine
 from rubnoise.simulation.intervention import Intervention
@@ -88,7 +89,8 @@ def interrupted(scenario: Scenario, path: str | os.PathLike[str]) -> RunDescript
         description = examined(paths)
     except RunFileRefused as refusal:
         raise OutputRefused(f"{refusal} (force=True starts over)") from refusal
-    different = list(_differences(description.scenario_resolved, scenario.resolved()))
+    resolved = description.scenario_resolved
+    different = list(_differences(resolved, as_made(scenario, resolved).resolved()))
     if different:
         more = ["..."] if len(different) > MOST_DIFFERENCES else []
         raise OutputRefused(

@@ -18,6 +18,7 @@ from rubnoise.analysis.verifying.findings import Check, Difference, Notes, Verif
 from rubnoise.analysis.verifying.origin import asked_by
 from rubnoise.errors import Refused, RunFileRefused, ScenarioRefused
 from rubnoise.scenario.points import Case, Point, points_of
+from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.source import Source
 from rubnoise.scenario.sweep import Sweep, loads_sweep
 from rubnoise.scenario.sweep_table import Keep
@@ -380,6 +381,7 @@ def _compare_text(
         else:
             notes.say("/ scenario_toml", found=str(refusal).partition("\n")[0], expected="the file of the sweep")
         return
+    again = sweep_as_made(again, sweep.cases[0].scenario.resolved())
     there, here = (json.loads(json.dumps(identity(each))) for each in (again, sweep))
     wrong = [key for key in here if there[key] != here[key]]
     wrong += ["side_by_side"] if again.side_by_side != sweep.side_by_side else []

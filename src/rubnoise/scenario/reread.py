@@ -1,10 +1,11 @@
 """The scenario that a text and its overrides stand for, read once more for a run that was made from them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from rubnoise.errors import ScenarioRefused
+from rubnoise.scenario.changes import replaced
 from rubnoise.scenario.keys import SWEEP
 from rubnoise.scenario.layers import Layers, from_text, from_text_over, from_values
 from rubnoise.scenario.points import Case, points_of
@@ -12,7 +13,7 @@ from rubnoise.scenario.problems import report
 from rubnoise.scenario.reading import examined
 from rubnoise.scenario.scenario import Scenario
 from rubnoise.scenario.source import Source
-from rubnoise.scenario.sweep import Choice
+from rubnoise.scenario.sweep import Choice, Sweep
 from rubnoise.scenario.sweep_table import Axis, Table, read_table
 
 NAME: Final = "scenario_toml"
@@ -44,6 +45,23 @@ def reread(text: str, run: Mapping[str, Any], overrides: Sequence[str] = ()) -> 
     if SWEEP in given.data:
         return _point(given, run, self_contained=self_contained)
     return Reread(resolved=_scenario(given).resolved(), self_contained=self_contained)
+
+
+def as_made(scenario: Scenario, made: Mapping[str, Any]) -> Scenario:
+    """Return a scenario as it was when a run of it was made, whose resolved scenario is ``made``.
+
+    Where neither says its calibration it was exact, and not what it is today without the key.
+    """
+    first = made["interface"].get("calibration") == _FIRST_CALIBRATION
+    if not first or "calibration" in scenario.given.get("interface", {}):
+        return scenario
+    return replace(replaced(scenario, {"interface.calibration": _FIRST_CALIBRATION}), text=scenario.text)
+
+
+def sweep_as_made(sweep: Sweep, made: Mapping[str, Any]) -> Sweep:
+    """Return a sweep as it was when the runs of its folder were made, the first of which is ``made``; see `as_made`."""
+    cases = tuple(replace(case, scenario=as_made(case.scenario, made)) for case in sweep.cases)
+    return replace(sweep, cases=cases)
 
 
 def _has_no_calibration(given: Layers) -> bool:

@@ -79,7 +79,7 @@ def conduct(
     SweepStopped after a signal, WorkLost where a cluster is gone.
     """
     with folder.writing(shard):
-        folder.claim(sweep)
+        sweep = folder.claim(sweep)
         adaptive = AdaptiveReplicates(sweep)
         refresh = IndexRefresh(folder, sweep, adaptive, command, alone=shard is None)
         with SweepJournal(folder.journal(shard)) as journal:

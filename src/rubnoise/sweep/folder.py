@@ -13,6 +13,7 @@ from rubnoise.errors import OutputRefused, Refused, ScenarioRefused
 from rubnoise.regular_file import read_at_most
 from rubnoise.scenario import build
 from rubnoise.scenario.points import Case, Point, run_id
+from rubnoise.scenario.reread import sweep_as_made
 from rubnoise.scenario.scenario import flattened
 from rubnoise.scenario.sweep import Sweep, in_words
 from rubnoise.storage import lock
@@ -197,19 +198,25 @@ class SweepFolder:
         """Whether a process carries out the sweep, or a shard of it, just now; nothing is created."""
         return any(map(lock.is_held, [self.root / ".sweep.lock", *self.root.glob(".shard-*.lock")]))
 
-    def claim(self, sweep: Sweep) -> None:
-        """Make the folder that of a sweep, or see that it is; raises OutputRefused with the difference."""
+    def claim(self, sweep: Sweep) -> Sweep:
+        """Make the folder that of a sweep, or see that it is, and return the sweep as the folder has it.
+
+        Raises OutputRefused with the difference.
+        """
         for name in ("runs", "journal"):
             (self.root / name).mkdir(exist_ok=True)
         # Shards that begin at the same moment all write the same, one after another.
         with self.alone_at("claim"):
             kept = self._identity()
-            if kept is not None and (differs := self._difference(kept, sweep)) is not None:
-                raise OutputRefused(f"{self.root}: is the folder of another sweep: {differs}")
+            if kept is not None:
+                sweep, differs = self._compared(kept, sweep)
+                if differs is not None:
+                    raise OutputRefused(f"{self.root}: is the folder of another sweep: {differs}")
             wanted = manifest_text(identity(sweep))
             if kept != json.loads(wanted):
                 with whole_file(self.manifest, force=True) as part:
                     part.write_text(wanted, encoding="utf-8")
+        return sweep
 
     @property
     def manifest(self) -> Path:
@@ -232,9 +239,10 @@ class SweepFolder:
             raise OutputRefused(f"{self.manifest}: is of format version {kept.get('format_version')}, not 1")
         return dict(kept)
 
-    def _difference(self, kept: dict[str, Any], sweep: Sweep) -> str | None:
+    def _compared(self, kept: dict[str, Any], sweep: Sweep) -> tuple[Sweep, str | None]:
         try:
-            return difference(kept, sweep)
+            sweep = sweep_as_made(sweep, kept["first"])
+            return sweep, difference(kept, sweep)
         except (LookupError, TypeError, AttributeError) as problem:
             raise OutputRefused(f"{self.manifest}: does not say of which sweep the folder is") from problem
 
