@@ -190,6 +190,8 @@ def _answers(here: Path) -> list[tuple[str, Any]]:
         ("info", ("info", "full.h5", "--json")),
         ("info", ("info", "bare.h5", "--json")),
         ("info", ("info", "short.h5", "--json")),
+        ("run", ("run", "carried.toml", "--json")),
+        ("info", ("info", "carried.h5", "--json")),
         ("run", ("run", full, "-o", "long.h5", *LONGER, "--json")),
         ("run", ("run", full, "-o", "two.h5", "--set", "slider.coupling=two-way", *LONGER, "--json")),
         ("info", ("info", "two.h5", "--json")),

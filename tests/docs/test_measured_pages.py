@@ -1,8 +1,11 @@
 """Pages that show what was measured: two-way motion, detection, reproducibility."""
 
+import json
 import re
 import sys
 import tomllib
+from dataclasses import replace
+from math import log
 from pathlib import Path
 
 import h5py
@@ -15,9 +18,10 @@ from rubnoise.storage.reader import open_run
 from rubnoise.storage.schema import GROUPS
 from rubnoise.streams import STREAM_VERSION, Stream
 from rubnoise.theory.coupling import coupling
+from rubnoise.theory.load import load_motion
 from rubnoise.theory.response import response
 from tests.architecture.sources import ROOT
-from tools.studies import detection
+from tools.studies import detection, load, surface_levels, surfaces
 from tools.studies import two_way as tool
 
 # What docs/two-way.md shows as measured is what the tool measures, and its pictures are there.
@@ -267,3 +271,41 @@ def test_what_is_promised_is_the_same_and_the_file_is_not(
     assert hashes(again) == hashes(kept)
     assert len(hashes(kept)) > 20
     assert again.read_bytes() != kept.read_bytes()
+
+
+# Tables of studies are those of their data, and the data is what theory says.
+def test_tables_of_studies_are_those_of_their_data() -> None:
+    kept = json.loads(surfaces.DATA.read_text("utf-8"))["rows"]
+    tables = (
+        (load, load.table(load.kept())),
+        (surface_levels, surface_levels.table(surface_levels.kept())),
+        (surfaces, surfaces.table([surfaces.Row(**each) for each in kept])),
+    )
+    for study, table in tables:
+        found = study.TABLE.search(study.PAGE.read_text("utf-8"))
+        assert found is not None
+        assert found[0] == table, study.__name__
+
+
+def test_exponents_of_speed_and_height_are_theirs_and_belong_together() -> None:
+    rows = load.kept()
+    assert [words for row in rows for words in load.faults(row)] == []
+    assert all(row.speed.error < 0.02 and row.height.error < 0.01 for row in rows)
+    for row in rows:
+        assert row.height.exact == pytest.approx(0.5 * (1.0 + row.speed.exact), abs=1e-6)
+    low, high = (load_motion(model).velocity_std for model in load.contacts(rows[0].begin, rows[0].end)[0])
+    assert rows[0].speed.exact == pytest.approx(log(high / low) / log(rows[0].end / rows[0].begin), rel=1e-9)
+    wrong = replace(rows[0], height=replace(rows[0].height, found=1.0 - rows[0].speed.found))
+    assert load.faults(wrong) != []  # m + n = 1, as at constant separation
+
+
+def test_the_level_hardly_depends_on_the_cutoff() -> None:
+    """The page says so: within 1.6 dB, while the number of junctions more than doubles."""
+    cells = surface_levels.kept()
+    for roughness in surface_levels.ROUGHNESSES:
+        own = [cell for cell in cells if cell.roughness == roughness]
+        levels, counts = [cell.exact for cell in own], [cell.junction_count for cell in own]
+        assert max(levels) - min(levels) < 1.6
+        assert max(counts) > 2.0 * min(counts)
+    assert all(abs(cell.found - cell.exact) < surface_levels.ALLOWED * cell.error for cell in cells)
+    assert 0.9 < surface_levels.exponent(cells, 16.0) < 1.05

@@ -13,15 +13,17 @@ from scipy.integrate import solve_ivp
 
 import rubnoise
 from rubnoise.analysis.summary import summarise
+from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.contact.laws import Lognormal
 from rubnoise.model import Model, Slider
+from rubnoise.pages.report import in_words
 from rubnoise.record.memory import MemoryRecord
 from rubnoise.record.tally import Tally
 from rubnoise.simulation import load as engine
 from rubnoise.simulation import run
 from rubnoise.simulation.run import simulate
 from rubnoise.simulation.state import State
-from rubnoise.theory.load import load_errors, load_motion
+from rubnoise.theory.load import THIRD, load_errors, load_motion
 from tests.models import contents, loaded, recorded
 from tests.unit.tampering import change, scenario_of
 from tests.verification.scores import BOUND, REJECTED, seed_of
@@ -227,6 +229,24 @@ def test_compare_and_verify_see_faults_of_the_columns(result: Path, fault: str) 
     with rubnoise.open(result) as file:
         assert seen in file.compare().outside
         assert column.split("/")[0] in {check.name for check in file.verify().different}
+
+
+def test_third_octaves_of_a_run_are_those_of_theory(result: Path) -> None:
+    with rubnoise.open(result) as file:
+        heard, motion = heard_bands(file.reader(), file.model()), load_motion(file.model())
+    assert heard.exact is not None
+    assert heard.frequency.size > 10
+    # The power of a band of width B over a time T scatters by 1/sqrt(B T), 10/ln(10) dB for each part of it.
+    bound = BOUND * 10.0 / log(10.0) / np.sqrt(1.5 * heard.frequency * (THIRD - 1.0 / THIRD))
+    assert np.all(np.abs(heard.level - heard.exact) < bound)
+    assert not np.all(np.abs(heard.level + 1.0 - heard.exact) < bound)
+    assert heard.whole_level == pytest.approx(motion.velocity_level, abs=1.0)
+
+
+def test_a_report_says_the_regime() -> None:
+    model = loaded(**SHORT)
+    assert any("the regime is constant load" in words for words in in_words(model))
+    assert any("is held" in words for words in in_words(replace(model, separation=None)))
 
 
 def test_exponents_of_runs_belong_together() -> None:

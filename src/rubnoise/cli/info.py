@@ -105,7 +105,22 @@ def run_as_json(run: "Run", file: Path) -> dict[str, Any]:
         "groups": {name: {"rows": len(group), "columns": list(group.names)} for name, group in groups.items()},
         "derived": derivation_as_json(run.scenario),
         "summary": as_json(run.summary),
+        **_normal_motion(run),
     }
+
+
+def _normal_motion(run: "Run") -> dict[str, Any]:
+    """Return the normal velocity of a run under a load that weighs, whole and in third octaves; nothing of others."""
+    from rubnoise.analysis.third_octaves import heard_bands
+
+    try:
+        heard = heard_bands(run.reader(), run.model())
+    except Refused:
+        return {}
+    bands = {"frequency": heard.frequency.tolist(), "level": heard.level.tolist()}
+    exact = {} if heard.exact is None else {"exact": heard.exact.tolist()}
+    found = {"velocity": heard.velocity, "level": heard.whole_level, "third_octaves": bands | exact}
+    return {"normal_velocity": found}
 
 
 def format_run(run: "Run", answer: dict[str, Any]) -> list[str]:
@@ -126,7 +141,18 @@ def format_run(run: "Run", answer: dict[str, Any]) -> list[str]:
         for name, group in answer["groups"].items()
     ]
     lines += ["", "from its scenario", *derivation.format_derivation(run.scenario, answer["derived"])]
-    return [*lines, "", "measured over the whole run, with exact values", *agreement_table(run.summary)]
+    lines += ["", "measured over the whole run, with exact values", *agreement_table(run.summary)]
+    return [*lines, *_heard_lines(answer["normal_velocity"])] if "normal_velocity" in answer else lines
+
+
+def _heard_lines(heard: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the normal velocity as roughness noise is reported: levels in dB re 50 nm/s."""
+    yield from ("", "noise of the normal motion, in dB re 50 nm/s")
+    yield line("all frequencies", f"{heard['level']:.1f} dB, {heard['velocity']:.4g} um/s")
+    bands = heard["third_octaves"]
+    for place, (frequency, level) in enumerate(zip(bands["frequency"], bands["level"], strict=True)):
+        exact = f", exact {bands['exact'][place]:.1f}" if "exact" in bands else ""
+        yield line(f"third octave at {frequency:.4g} Hz", f"{level:.1f}{exact}")
 
 
 def part_as_json(file: Path) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import json
 from base64 import b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -12,6 +12,7 @@ from typing import Final
 from rubnoise.analysis.agreement import Agreement, from_attributes
 from rubnoise.analysis.one_way import WORTH_A_WARNING, one_way_warning
 from rubnoise.analysis.sound import Sound, level_of, samples_of
+from rubnoise.analysis.third_octaves import heard_bands
 from rubnoise.api.kinds import Kind
 from rubnoise.api.sweep_result import SweepResult
 from rubnoise.errors import Refused
@@ -28,6 +29,7 @@ from rubnoise.record.reader import Reader
 from rubnoise.scenario.writing import text_of
 from rubnoise.storage.wave_file import write_wave
 from rubnoise.theory.campbell import area_cumulants
+from rubnoise.theory.load import load_motion
 from rubnoise.web_page import part, web_page
 
 CAPTIONS: Final[dict[Kind, str]] = {
@@ -64,6 +66,7 @@ def run_report(file: Reader, between: Between) -> str:
     sections = [
         _section("What was simulated", _paragraphs([*in_words(stretch.model), *motion_in_words(figures)])),
         _section("Measured and exact", _agreement(figures)),
+        _section("Noise of the normal motion", _normal_motion(file, stretch.model)),
         _section("Pictures", "".join(_pictures(stretch, between))),
         _section("Sound", _sound(file, between), "on-screen"),
         _section("Film", _film(stretch, between), "on-screen"),
@@ -144,6 +147,21 @@ def _agreement(figures: Sequence[Agreement]) -> str:
     ]
     note = "<p>The unit of an area is µm², of a force µN, of a length µm and of a velocity µm/s.</p>"
     return _table(("figure", "measured", "exact", "standard error", "z"), rows) + note
+
+
+def _normal_motion(file: Reader, model: Model) -> str:
+    """Return levels in third octaves of a run under a load that weighs, as roughness noise is reported."""
+    try:
+        heard = heard_bands(file, model)
+    except Refused:
+        return ""
+    words = f"The normal velocity has {_number(heard.whole_level, 3)} dB re 50 nm/s: {_number(heard.velocity, 3)} µm/s."
+    exact = heard.frequency * nan if heard.exact is None else heard.exact
+    rows = [
+        (_number(frequency, 3), f"{level:.1f}", f"{known:.1f}" if isfinite(known) else "")
+        for frequency, level, known in zip(heard.frequency, heard.level, exact, strict=True)
+    ]
+    return _paragraphs([words]) + _table(("third octave (Hz)", "measured (dB)", "exact (dB)"), rows)
 
 
 def _picture(content: bytes, caption: str) -> str:
@@ -274,9 +292,21 @@ def in_words(model: Model) -> list[str]:
     if model.strengths is not None:
         strength = model.strengths.moment(1)
         lines.append(f"The friction force is the area times the shear strength, {strength:.4g} MPa on average.")
+    lines.append(_separation(model))
     if model.slider is not None:
         lines.append(_slider(model))
     return lines
+
+
+def _separation(model: Model) -> str:
+    """Say how the separation moves, or that it is held."""
+    held = model.separation
+    if held is None:
+        return "The separation of the surfaces is held, so that the load varies as the area does."
+    return (
+        f"The slider rests on its load of {1e-6 * held.load:.4g} N, and rises and falls with a contact resonance of"
+        f" {held.oscillator.natural_frequency:.4g} Hz: the regime is {load_motion(model).regime}."
+    )
 
 
 def _slider(model: Model) -> str:
