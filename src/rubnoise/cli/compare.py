@@ -15,6 +15,8 @@ from rubnoise.errors import Refused, RunOutside
 if TYPE_CHECKING:
     from rubnoise.analysis.agreement import Agreement
     from rubnoise.analysis.comparing.findings import Comparison, Identity
+    from rubnoise.model import Model
+    from rubnoise.theory.white_noise import WhiteNoise
 
 
 def command(
@@ -43,10 +45,14 @@ def command(
         raise typer.BadParameter(f"--bound: {bound} is no bound on |z|; it is a number above 0")
     with finished_run(file) as run:
         try:
-            found = compare(stored(run.provenance["scenario_resolved"]).model(), run, bound)
+            model = stored(run.provenance["scenario_resolved"]).model()
+            found = compare(model, run, bound)
         except RecordTooShort as refusal:
             raise Refused(str(refusal)) from refusal
-        print(json.dumps(comparison_as_json(found, file)) if as_json else "\n".join(format_comparison(found, file)))
+        if as_json:
+            print(json.dumps(comparison_as_json(found, file) | _white_as_json(model)))
+        else:
+            print("\n".join([*format_comparison(found, file), *_white_in_words(model)]))
     if found.outside:
         raise RunOutside(f"{printable(str(file))}: outside: {', '.join(found.outside)}")
 
@@ -68,6 +74,33 @@ def comparison_as_json(found: "Comparison", file: Path) -> dict[str, Any]:
         "identities": identities,
         "left_out": found.left_out,
     }
+
+
+def _white(model: "Model") -> "WhiteNoise | None":
+    """Return Kilburn's white noise beside a one-way slider, None where the contact drives none."""
+    from rubnoise.theory.white_noise import white_noise
+
+    if model.is_two_way or model.separation is not None:
+        return None
+    try:
+        return white_noise(model)
+    except Refused:
+        return None
+
+
+def _white_as_json(model: "Model") -> dict[str, Any]:
+    white = _white(model)
+    if white is None:
+        return {}
+    stds = {"displacement_std": white.displacement_std, "velocity_std": white.velocity_std}
+    return {"white_noise": {name: value if isfinite(value) else None for name, value in stds.items()}}
+
+
+def _white_in_words(model: "Model") -> Iterator[str]:
+    white = _white(model)
+    if white is not None and isfinite(white.displacement_std):
+        stds = f"{white.displacement_std:.4g} um and {white.velocity_std:.4g} um/s"
+        yield remark(f"white noise of the same level at low frequency (Kilburn) would leave std of {stds}")
 
 
 UNITS = {

@@ -17,6 +17,7 @@ from rubnoise.figures.stretch import Stretch
 from rubnoise.figures.style import (
     BLUE,
     FAINT,
+    INK,
     NEAREST,
     VERMILION,
     add_title,
@@ -30,6 +31,7 @@ from rubnoise.theory.drive import drive_of
 from rubnoise.theory.estimated_spectrum import through_window
 from rubnoise.theory.response import displacement_spectrum, response, velocity_spectrum
 from rubnoise.theory.spectrum import force_spectral_density
+from rubnoise.theory.white_noise import white_displacement_spectrum, white_force_spectrum
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,6 +57,7 @@ POINTS: Final = 1500
 class Audible:
     """A column of /slider as a spectrum shows it: factor to the unit on the axis, and the exact two-sided density.
 
+    ``white`` is the density that white noise of the same level at low frequency would have (Kilburn).
     ``still`` is how much of it a slider at rest has, in units of its deflection under the mean force.
     """
 
@@ -62,6 +65,7 @@ class Audible:
     scale: float
     unit: str
     exact: Callable[[Model, Doubles], Doubles]
+    white: Callable[[Model, Doubles], Doubles]
     still: Callable[[Model], float]
 
 
@@ -73,13 +77,19 @@ def _exact_force(model: Model, angular_frequency: Doubles) -> Doubles:
 
 QUANTITIES: Final[dict[Heard, Audible]] = {
     "displacement": Audible(
-        column="displacement", scale=1.0, unit="µm²/Hz", exact=displacement_spectrum, still=lambda _: 1.0
+        column="displacement",
+        scale=1.0,
+        unit="µm²/Hz",
+        exact=displacement_spectrum,
+        white=white_displacement_spectrum,
+        still=lambda _: 1.0,
     ),
     "velocity": Audible(
         column="velocity",
         scale=1e-3,
         unit="(mm/s)²/Hz",
         exact=velocity_spectrum,
+        white=lambda model, frequency: np.square(frequency) * white_displacement_spectrum(model, frequency),
         still=lambda model: drive_of(model).slider.natural_angular_frequency,
     ),
     "force": Audible(
@@ -87,6 +97,7 @@ QUANTITIES: Final[dict[Heard, Audible]] = {
         scale=1e-3,
         unit="mN²/Hz",
         exact=_exact_force,
+        white=white_force_spectrum,
         still=lambda model: drive_of(model).slider.stiffness,
     ),
 }
@@ -207,6 +218,9 @@ def _draw_exact(axes: "Axes", motions: Sequence[Motion], quantity: Audible, lowe
         elsewhere = all(motion.model.is_two_way for motion in motions)
         look: dict[str, Any] = {"ls": (0, (4, 2)), "label": "exact, one-way"} if elsewhere else {"label": "exact"}
         axes.plot(frequency, exact, color=VERMILION, lw=1.0, **look)
+        white = 2.0 * quantity.scale**2 * quantity.white(shown.model, 2.0 * pi * frequency)
+        if shown.model.separation is None and white.any():
+            axes.plot(frequency, white, color=INK, lw=0.8, ls=(0, (1, 1.5)), label="white noise (Kilburn)")
 
 
 def curve_styles(count: int) -> list[dict[str, Any]]:

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from math import inf, sqrt
 
+import numpy as np
+
+from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.model import Model
 from rubnoise.theory.drive import drive_of
@@ -31,9 +34,7 @@ def white_noise(model: Model) -> WhiteNoise:
     damping. Raises Refused without slider, strength or speed.
     Source: Kilburn (1974); Crandall and Mark, Random Vibration in Mechanical Systems (1963).
     """
-    drive = drive_of(model)
-    slider = drive.slider
-    density = float(force_spectral_density(model, drive.strengths, 0.0)) / drive.speed
+    density, slider = _level(model), drive_of(model).slider
     still = 2.0 * slider.damping
     try:
         corner = half_power_wavenumber(model)
@@ -46,3 +47,23 @@ def white_noise(model: Model) -> WhiteNoise:
         wavenumber=corner,
         life_phase=None if corner is None else corner * model.mean_life_distance,
     )
+
+
+def white_displacement_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
+    """Return S_F / ((k - m w^2)^2 + (c w)^2), the two-sided density in um^2 per rad/s that white noise would leave.
+
+    w in rad/s of any shape; w^2 times it is that of the velocity. Errors and source as `white_noise`.
+    """
+    slider, w = drive_of(model).slider, np.asarray(angular_frequency, dtype=np.float64)
+    still = np.square(slider.stiffness - slider.mass * w * w) + np.square(slider.damping * w)
+    return np.asarray(_level(model) / still, dtype=np.float64)
+
+
+def white_force_spectrum(model: Model, angular_frequency: Doubles) -> Doubles:
+    """Return S_F in uN^2 per rad/s at every w in rad/s; errors and source as `white_noise`."""
+    return np.full_like(angular_frequency, _level(model))
+
+
+def _level(model: Model) -> float:
+    drive = drive_of(model)
+    return float(force_spectral_density(model, drive.strengths, 0.0)) / drive.speed
