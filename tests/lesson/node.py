@@ -100,6 +100,8 @@ WORLDS = [
         {"spread": 3.0, "meanCount": 30.0, "calibration": "exact"},
         {"pulse": "triangle", "calibration": "exact"},
         {"pulse": "triangle", "calibration": "matched", "spread": 0.8, "meanCount": 7.0},
+        {"pulse": "parabola", "calibration": "exact"},
+        {"pulse": "parabola", "calibration": "matched", "spread": 0.8, "meanCount": 7.0, "births": "regular"},
         {"births": "regular"},
         {"births": "regular", "spread": 0.0},
         {"births": "regular", "spread": 0.0, "meanCount": 2.5},
@@ -115,7 +117,7 @@ WORLDS = [
         {"offset": "uniform", "calibration": "matched", "spread": 1.5, "meanCount": 5.0},
     )
 ]
-"""Small and large spreads, both pulses, passes off the centre line, both laws of birth, light and heavy damping, slow
+"""Small and large spreads, every pulse, passes off the centre line, both laws of birth, light and heavy damping, slow
 and fast sliding."""
 
 # What docs/teaching.md has for a teacher: numbers, answers and mistakes, lesson by lesson.

@@ -84,6 +84,8 @@ FEW = [
     for count, spread, pulse in (
         (0.5, 0.0, "lens"),
         (0.5, 0.0, "triangle"),
+        (0.5, 0.0, "parabola"),
+        (2.0, 3.0, "parabola"),
         (0.5, 3.0, "lens"),
         (1.0, 0.2, "lens"),
         (2.0, 0.0, "lens"),
@@ -179,7 +181,7 @@ return since.map((s, i) => [area(s, diameters[i], offsets[i]), between(s, s + st
 """
 
 
-@pytest.mark.parametrize("shape", ["lens", "triangle"])
+@pytest.mark.parametrize("shape", ["lens", "triangle", "parabola"])
 def test_one_life_has_the_same_area(shape: str) -> None:
     source = np.random.default_rng(20)
     diameters = source.uniform(0.01, 50.0, 400)

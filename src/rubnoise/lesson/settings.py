@@ -33,10 +33,12 @@ class LessonSettings:
 def settings_of(scenario: Scenario) -> LessonSettings:
     """Return the settings of a scenario for the page.
 
-    Raises Refused for sizes that are neither equal nor normal, for strengths that differ, and for births that are
-    neither random nor regular: the page cannot draw them.
+    Raises Refused for sizes that are neither equal nor normal, for strengths that differ, for births that are neither
+    random nor regular, and for other lives than lenses off the centre line: the page cannot draw them.
     """
     model = scenario.model()
+    if model.pulse.offset != "none" and model.pulse.shape != "lens":
+        raise Refused("the page of lessons knows passes off the centre line of lenses alone (pulse.offset)")
     lacking = {"strength": model.strengths, "sliding.speed": model.sliding_speed, "slider": model.slider}
     slider = model.slider
     return LessonSettings(

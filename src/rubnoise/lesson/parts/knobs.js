@@ -16,7 +16,7 @@
   ];
   const CHOICES = [
     ['births', 'births', { poisson: 'at random (Poisson)', regular: 'regular' }],
-    ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)' }],
+    ['pulse', 'life', { lens: 'lens (two circles)', triangle: 'triangle (Rabinowicz)', parabola: 'parabola (rough surfaces)' }],
     ['offset', 'passes', { none: 'on the centre line', uniform: 'off the centre line' }],
     ['coupling', 'coupling', { 'one-way': 'The drive’s speed is constant', 'two-way': 'The slider pushes back' }],
   ];

@@ -107,7 +107,7 @@
     rub.card.write();
     find('replaying').hidden = !rub.replaying;
     find('key-stuck').hidden = !rub.run.motion;
-    find('sketch').hidden = rub.world.pulse !== 'triangle';
+    find('sketch').hidden = rub.world.pulse === 'lens';
     dirty = true;
   }
 

@@ -46,6 +46,24 @@
     return Math.max(0, 0.25 * Math.PI * diameter * Math.min(sinceBirth, 2 * diameter - sinceBirth));
   }
 
+  /** Integral of the parabola from its birth on, in um^3. */
+  function parabolaSum(sinceBirth, diameter) {
+    const s = Math.min(Math.max(0, sinceBirth), 2 * diameter);
+    return (Math.PI / 4) * s * s * (diameter - s / 3);
+  }
+
+  /** Area of the parabola, which rough surfaces have: (pi/4) s (2d - s). */
+  function parabolaArea(sinceBirth, diameter) {
+    return Math.max(0, 0.25 * Math.PI * sinceBirth * (2 * diameter - sinceBirth));
+  }
+
+  /** Return c_n of the parabola, 2 (pi/4)^n times 2j/(2j + 1) for j = 1 to n. */
+  function parabolaIntegral(power) {
+    let product = 2 * (Math.PI / 4) ** power;
+    for (let j = 1; j <= power; j += 1) product *= (2 * j) / (2 * j + 1);
+    return product;
+  }
+
   const halfTurn = panels([0, Math.PI / 2], 32);
 
   /** Return c_n of the lens, where the integral of A^n over a life is c_n d^(2n+1); s = d (1 - cos theta). */
@@ -63,6 +81,15 @@
       lifeMean: Math.PI / 8,
       meanLife: 2,
       tail: [0.375 * Math.PI ** 2, 4],
+    },
+    parabola: {
+      area: parabolaArea,
+      sum: parabolaSum,
+      lifeIntegral: parabolaIntegral,
+      lifeMean: Math.PI / 6,
+      meanLife: 2,
+      tail: [0.5 * Math.PI ** 2, 4],
+      shareBelow: (t) => 1 - Math.sqrt(1 - t ** 3),
     },
   };
 

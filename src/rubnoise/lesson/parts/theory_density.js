@@ -21,10 +21,11 @@
 
   /**
    * Return P(area <= PEAK t^3) of a junction of unit diameter found alive: its age is as likely anywhere, or off the
-   * centre line its other centre in the disc about its own.
+   * centre line its other centre in the disc about its own. A root at the peak is in closed form.
    */
   function unitShare(pulse) {
-    const { aliveShare = (age) => age, centred = pulse } = pulse;
+    const { aliveShare = (age) => age, centred = pulse, shareBelow } = pulse;
+    if (shareBelow) return (t) => (t >= 1 ? 1 : shareBelow(t));
     const ratio = chebyshev((t) => aliveShare(ageAt(centred, PEAK * t ** 3)) / (t * t), 0, 1, 24);
     return (t) => (t >= 1 ? 1 : t * t * ratio(t));
   }

@@ -84,6 +84,20 @@
     return z < FAR ? triangle(z) ** 2 : ((Math.PI / 4) ** 2 * 0.375 * 16) / z ** 4;
   }
 
+  /** Return a^(z) = pi (sin z - z cos z) / z^3 of the parabola. */
+  function parabola(z) {
+    if (z > 0.1) return (Math.PI * (Math.sin(z) - z * Math.cos(z))) / z ** 3;
+    return Math.PI * (1 / 3 - (z * z) / 30 + z ** 4 / 840 - z ** 6 / 45360);
+  }
+
+  /** Return a^(z)^2 of the parabola, averaged over its swing from z = 32 on. */
+  function parabolaMeanSquare(z) {
+    return z < FAR ? parabola(z) ** 2 : (0.5 * Math.PI ** 2 * (1 + 1 / (z * z))) / z ** 4;
+  }
+
+  /** Return what the birth alone brings of the parabola, z >= 32. */
+  const parabolaBirth = (z) => (z < FAR ? [0, 0] : [Math.PI / (2 * z * z), -Math.PI / (2 * z ** 3)]);
+
   rub.model.hankel = hankel;
   Object.assign(rub.model.pulses.lens, {
     transform: lens,
@@ -96,5 +110,11 @@
     energy: (z) => triangle(z) ** 2,
     meanSquare: triangleMeanSquare,
     birth: triangleBirth,
+  });
+  Object.assign(rub.model.pulses.parabola, {
+    transform: parabola,
+    energy: (z) => parabola(z) ** 2,
+    meanSquare: parabolaMeanSquare,
+    birth: parabolaBirth,
   });
 })();

@@ -7,7 +7,7 @@
   const CONTACT = ['meanArea', 'meanCount', 'spread', 'births', 'pulse', 'offset', 'calibration', 'seed'];
   const CHOICES = {
     births: ['poisson', 'regular'],
-    pulse: ['lens', 'triangle'],
+    pulse: ['lens', 'triangle', 'parabola'],
     offset: ['none', 'uniform'],
     calibration: ['paper', 'exact', 'matched'],
     coupling: ['one-way', 'two-way'],
