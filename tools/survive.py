@@ -24,7 +24,7 @@ from survival.cost import cost  # noqa: E402
 from survival.full import full  # noqa: E402
 from survival.kills import kills, signals  # noqa: E402
 from survival.moments import flips, power, sweeps, writes  # noqa: E402
-from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, off_centre, two_way  # noqa: E402
+from survival.stories import LONG, SHORT, SMALL, Outcome, Story, growing, off_centre, two_way, under_load  # noqa: E402
 
 Torture = Callable[..., Outcome]
 TORTURES: Mapping[str, tuple[Torture, int, tuple[Story, ...]]] = {
@@ -52,6 +52,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="seed of every choice (1)")
     parser.add_argument("--two-way", action="store_true", help="torture runs with two-way coupling")
     parser.add_argument("--off-centre", action="store_true", help="torture runs with pulse.offset = uniform")
+    parser.add_argument("--under-load", action="store_true", help="torture runs under a load that weighs")
     parser.add_argument("--growing", action="store_true", help="let rows of /slider grow, which only its end tells")
     asked = parser.parse_args()
     torture, usual, stories = TORTURES[asked.what]
@@ -61,7 +62,10 @@ def main() -> int:
         parser.error("rows of a two-way slider always grow: leave out --growing")
     if asked.off_centre and (asked.two_way or asked.growing or not stories):
         parser.error("--off-centre is for runs with one-way coupling, and of a torture without runs of its own")
-    chosen = two_way(stories) if asked.two_way else off_centre(stories) if asked.off_centre else stories
+    if asked.under_load and (asked.two_way or asked.off_centre or not stories):
+        parser.error("--under-load is for runs with one-way coupling, and of a torture without runs of its own")
+    asking = ((asked.two_way, two_way), (asked.off_centre, off_centre), (asked.under_load, under_load))
+    chosen = next((kind(stories) for wanted, kind in asking if wanted), stories)
     task = _Task(torture, chosen, grown=asked.growing)
     began = time.monotonic()
     outcome = _shared(task, asked.count or usual, asked.jobs, asked.seed)

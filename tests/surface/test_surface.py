@@ -11,11 +11,12 @@ from scipy import ndimage
 from scipy.special import ndtri
 
 import rubnoise
+from rubnoise.scenario import loads
 from rubnoise.surface.counting import patches
 from rubnoise.surface.gaussian import GaussianContact, half_width
 from rubnoise.surface.height_map import HeightMap, without_form
 from rubnoise.surface.reading import read_surface
-from rubnoise.surface.sliding import RAYLEIGH_SPREAD, slide
+from rubnoise.surface.sliding import slide
 from rubnoise.surface.synthesis import self_affine
 from rubnoise.surface.waves import Waves, band_limited
 from tests.cli.terminal import call
@@ -280,8 +281,25 @@ def test_the_scenario_has_the_area_and_the_number_of_the_surfaces():
     assert found.scenario_relative_std == pytest.approx(sqrt(2 / found.gaussian.junction_count), rel=1e-3)
     width = sqrt(4 * 2000.0 / (pi * found.gaussian.junction_count))
     assert found.scenario_correlation_length == pytest.approx(1.37866 * width, rel=1e-4)
-    assert abs(RAYLEIGH_SPREAD - 52.27232) < 1e-5
+    assert scenario.diameter.spread.as_text() == "52.2723 %"
     assert all(digest in found.scenario_text() for digest in (found.scans[0].digest, found.scans[1].digest))
+
+
+def test_a_scenario_with_a_mass_runs_alike_in_both_engines():
+    found = synthetic(1).slide(synthetic(2), cutoff="8 um", load="2 N", hardness="1 GPa")
+    text = found.scenario_text(speed=3e4, mass=0.2, damping_ratio=0.3, distance=20_000.0)
+    scenario = loads(text)
+    theory = rubnoise.exact(scenario).load
+    assert scenario.load is not None
+    assert float(scenario.load.height_scale) == pytest.approx(found.gaussian.height_scale, rel=1e-8)
+    assert theory.contact_resonance == pytest.approx(sqrt(2e6 / 0.2 / found.gaussian.height_scale) / (2 * pi), rel=1e-6)
+    runs = [rubnoise.simulate(scenario.replace({"run.engine": engine})) for engine in ("events", "batch")]
+    for group in ("junctions", "trace", "load"):
+        for column, values in runs[0][group].items():
+            assert np.array_equal(values, runs[1][group][column], equal_nan=True), column
+    assert runs[0].compare().passed
+    with pytest.raises(rubnoise.Refused, match="--speed"):
+        found.scenario_text(mass=0.2, damping_ratio=0.3)
 
 
 def _keys(text):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from survival import cost, full, kills, moments
 from survival.recording import Recording
-from survival.stories import SHORT, SMALL, Story, growing, off_centre, two_way
+from survival.stories import SHORT, SMALL, Story, growing, off_centre, two_way, under_load
 
 from rubnoise.storage import disk, resume, writer
 from rubnoise.storage.growing import GrowingFile
@@ -173,6 +173,19 @@ def test_runs_off_the_centre_line_are_no_more_easily_lost() -> None:
     assert outcome.findings == []
     assert outcome.counts["commits"] > 0
     assert "junctions/lateral_offset" in moving.expected.keys() - MOVING.expected.keys()
+
+
+def test_runs_under_a_load_are_no_more_easily_lost() -> None:
+    small, moving = under_load((WITH_SLIDER, MOVING))
+    outcome = kills.kills(4, seed=3, stories=(moving,))
+    outcome.add(moments.power(8, seed=3, stories=(small,)))
+    assert outcome.findings == []
+    assert outcome.counts["commits"] > 0
+    assert {"load/separation", "load/velocity", "load/load"} <= moving.expected.keys()
+    batch = replace(moving, engine="batch")
+    assert {name: each for name, each in batch.expected.items() if "/" in name} == {
+        name: each for name, each in moving.expected.items() if "/" in name
+    }
 
 
 def test_growing_rows_that_never_reach_the_disk_are_found_by_power_cuts(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -70,6 +70,7 @@ class Story:
     slider: bool = True
     coupling: str = "one-way"
     offset: str = "none"
+    weighs: bool = False
     compression: str = "none"
     distance: str = "2400 um"
     tick: str = "2 um"
@@ -86,6 +87,9 @@ class Story:
             "output": {"tick": self.tick, "compression": self.compression},
             "run": {"engine": self.engine, "seed": self.seed},
         }
+        if self.weighs:
+            sections["interface"] = {"load": "0.2 N", "hardness": "1 GPa", "mean_junction_count": 20}
+            sections["load"] = {"height_scale": "0.5 um", "mass": "5 g", "damping_ratio": 0.05}
         if self.offset != "none":
             sections["pulse"] = {"offset": self.offset}
         if self.slider:
@@ -148,6 +152,11 @@ def two_way(stories: Sequence[Story]) -> tuple[Story, ...]:
 def off_centre(stories: Sequence[Story]) -> tuple[Story, ...]:
     """Return the runs with junctions that miss each other's centre line, with a slider or without one."""
     return tuple(replace(story, name=f"{story.name}, off-centre", offset="uniform") for story in stories)
+
+
+def under_load(stories: Sequence[Story]) -> tuple[Story, ...]:
+    """Return the runs under a load that weighs, with a slider or without one."""
+    return tuple(replace(story, name=f"{story.name}, under a load", weighs=True) for story in stories)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ import numpy as np
 from rubnoise.arrays import Doubles
 from rubnoise.errors import Refused
 from rubnoise.scenario import Scenario, loads
+from rubnoise.scenario.under_load import RAYLEIGH
 from rubnoise.scenario.writing import text_of
 from rubnoise.surface.counting import FEWEST_PATCHES, LARGEST_AREA, LARGEST_SHARE, Patches, patches
 from rubnoise.surface.gaussian import GaussianContact, half_width
@@ -18,10 +19,6 @@ from rubnoise.surface.height_map import HeightMap
 from rubnoise.surface.waves import Waves, band_limited, check_wavelengths
 from rubnoise.theory.campbell import area_cumulants
 from rubnoise.theory.correlation import autocovariance
-
-RAYLEIGH_SPREAD: Final = 100.0 * sqrt(4.0 / pi - 1.0)
-"""Standard deviation over mean of Rayleigh sizes, in %: the sizes of patches of a Gaussian surface high above its
-mean."""
 
 LIVES: Final = 1000
 """Mean lives in the scenario's distance, where none is given."""
@@ -164,7 +161,7 @@ class SlidingContact:
                 "calibration": "matched",
             },
             "pulse": {"shape": "parabola"},
-            "diameter": {"law": "weibull", "spread": f"{RAYLEIGH_SPREAD:.6g} %"},
+            "diameter": {"law": "weibull", "spread": f"{RAYLEIGH:.6g} %"},
             "birth": {"law": "poisson"},
             "sliding": {**({} if speed is None else {"speed": f"{speed:.9g} um/s"}), "distance": f"{slid:.9g} um"},
             **({"load": weight} if weight else {}),
